@@ -1,0 +1,1 @@
+from fenics_contact import compat

@@ -1,0 +1,146 @@
+"""A contact surface: its kinematics (normal, slip), energies and compiled forms.
+
+One object per ``[[contact]]``; the only place that knows what the body touches.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from fenics_contact.errors import InputError
+from fenics_contact.friction import friction_energy, prescribed_pressure_energy
+from fenics_contact.parallel import largest, smallest, total
+from fenics_contact.scene import Contact, Value
+from fenics_contact.spaces import Spaces
+
+OPEN, STICK, SLIP = "OPEN", "STICK", "SLIP"
+
+# ε = this × g h / E: a stuck point creeps by less than ε, which changes the stress
+# near it by about E ε / h, so the bias is of this order whatever the mesh.
+_REGULARISATION_SHARE = 1e-5
+
+
+class ContactSurface:
+    """Contact with prescribed pressure: the paper's case (i).
+
+    Attributes:
+        nodes: Contact points of this rank (owned and ghost) with a weight > 0.
+        weights: Area that each stands for, shape (points,).
+        normals: Outward unit normals, single-valued at shared nodes, (points, components).
+        contact_pressure: Prescribed pressure at the points (stress).
+        friction_bound: g = coefficient × pressure at the points (stress).
+        regularisation_parameter: ε as used (length), 0 without friction.
+        pressure_load: Compiled linear form of the pressure's work, or None.
+        friction: Compiled (energy, residual, tangent) of j_ε, or None.
+    """
+
+    def __init__(
+        self, contact: Contact, key: str, spaces: Spaces, displacement: Any, youngs_modulus: float
+    ) -> None:
+        self.contact = contact
+        self.label = contact.label
+        self.spaces = spaces
+        self.group = spaces.body.boundary(contact.on, f"{key}.on")
+        self.measure = spaces.contact_boundary(self.group)
+        self._find_points(key)
+        self.contact_pressure = self._given(contact.pressure, f"{key}.pressure")
+        coefficient = self._given(contact.friction_coefficient, f"{key}.friction_coefficient")
+        if contact.law == "none":
+            coefficient = np.zeros_like(coefficient)
+        self.friction_bound = coefficient * self.contact_pressure
+        self.regularisation_parameter = self._regularisation(youngs_modulus)
+        self.pressure_load = self._pressure_form()
+        self.friction = self._friction_forms(displacement)
+
+    def _find_points(self, key: str) -> None:
+        """Nodes, weights and averaged normals, from integrals of the shape functions."""
+        spaces = self.spaces
+        nodes = spaces.nodes(self.group)
+        test = ufl.TestFunction(spaces.displacement_space)
+        normal = ufl.FacetNormal(spaces.body.mesh)
+        ones = ufl.as_vector([1.0] * spaces.components)
+        area = fem.form(spaces.weight * ufl.dot(ones, test) * self.measure)
+        weights = spaces.assemble(area)[nodes, 0]
+        averaged = spaces.assemble(fem.form(ufl.dot(normal, test) * self.measure))
+        heaviest = largest(spaces.comm, weights)
+        if heaviest <= 0:
+            raise InputError(
+                f"{key}.on = '{self.contact.on}': no facet of it is on the boundary of the body"
+            )
+        # A point on the axis of revolution stands for no area.
+        counted = weights > 1e-12 * heaviest
+        self.nodes = nodes[counted]
+        self.weights = weights[counted]
+        lengths = np.linalg.norm(averaged, axis=1)
+        self.normal = fem.Function(spaces.displacement_space)
+        units = self.normal.x.array.reshape(-1, spaces.components)
+        units[nodes] = averaged[nodes] / lengths[nodes, None]
+        self.normals = units[self.nodes]
+        self.owned = spaces.is_owned(self.nodes)
+
+    def _given(self, value: Value, key: str) -> NDArray[np.float64]:
+        values = self.spaces.evaluate(value, self.nodes, key)
+        lowest = smallest(self.spaces.comm, values)
+        if lowest < 0:
+            raise InputError(f"{key}: its smallest value is {lowest:g}, but it must be ≥ 0")
+        return values
+
+    def _regularisation(self, youngs_modulus: float) -> float:
+        """The scene's ε, or one whose bias in force and peak traction is below .1 %."""
+        strongest = largest(self.spaces.comm, self.friction_bound)
+        if strongest == 0:
+            return 0.0
+        if self.contact.regularisation_parameter != "auto":
+            return float(self.contact.regularisation_parameter)
+        return _REGULARISATION_SHARE * strongest * self.facet_size() / youngs_modulus
+
+    def facet_size(self) -> float:
+        """Diameter of the smallest contact facet (length); collective."""
+        mesh = self.spaces.body.mesh
+        sizes = mesh.h(mesh.topology.dim - 1, self.spaces.body.entities(self.group))
+        return smallest(self.spaces.comm, sizes)
+
+    def _pressure_form(self) -> Any:
+        """f on Γ_C as a linear form: minus the derivative of ∫ p v_n."""
+        spaces = self.spaces
+        if largest(spaces.comm, self.contact_pressure) == 0:
+            return None
+        pressure = spaces.coefficient(self.contact_pressure, self.nodes)
+        test = ufl.TestFunction(spaces.displacement_space)
+        work = -prescribed_pressure_energy(test, self.normal, pressure, spaces.weight, self.measure)
+        return fem.form(work)
+
+    def _friction_forms(self, displacement: Any) -> tuple[Any, Any, Any] | None:
+        spaces = self.spaces
+        if self.regularisation_parameter == 0:
+            return None
+        bound = spaces.coefficient(self.friction_bound, self.nodes)
+        epsilon = fem.Constant(spaces.body.mesh, self.regularisation_parameter)
+        energy = friction_energy(
+            displacement, self.normal, bound, epsilon, spaces.weight, self.measure
+        )
+        residual = ufl.derivative(energy, displacement)
+        return fem.form(energy), fem.form(residual), fem.form(ufl.derivative(residual, displacement))
+
+    def slip(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
+        """u_T at the contact points, shape (points, components) (length).
+
+        Args:
+            displacement: Nodal displacements of this rank, shape (nodes, components).
+        """
+        return self.tangential(displacement[self.nodes])
+
+    def tangential(self, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Tangential part of vectors given at the contact points."""
+        normal_part = np.einsum("ij,ij->i", vectors, self.normals)
+        return vectors - normal_part[:, None] * self.normals
+
+    def integral(self, values: NDArray[np.float64]) -> Any:
+        """∫ of values at the points, first axis (points), by the contact's own rule."""
+        weighted = np.tensordot(self.weights[self.owned], values[self.owned], axes=(0, 0))
+        return total(self.spaces.comm, weighted)

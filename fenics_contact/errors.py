@@ -1,0 +1,37 @@
+"""What can go wrong, each with the exit code that users' scripts rely on."""
+
+from __future__ import annotations
+
+
+class FenicsContactError(Exception):
+    """A failure that one sentence explains to the user."""
+
+    exit_code = 1
+
+
+class InputError(FenicsContactError):
+    """The scene, its mesh or the output folder cannot be used as given."""
+
+    exit_code = 2
+
+
+class NoEquilibriumError(InputError):
+    """The loads exceed what friction and supports can carry (paper, (2.4))."""
+
+
+class NotConvergedError(FenicsContactError):
+    """The nonlinear solver stopped without an answer.
+
+    Args:
+        message: What happened and what to try, in words.
+        residual_history: Force imbalance after every Newton step (force units).
+    """
+
+    exit_code = 3
+
+    def __init__(self, message: str, residual_history: tuple[float, ...] = ()) -> None:
+        super().__init__(message, residual_history)
+        self.residual_history = residual_history
+
+    def __str__(self) -> str:
+        return str(self.args[0])

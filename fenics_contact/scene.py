@@ -1,0 +1,228 @@
+"""A scene: what the user says, as frozen data. No FEniCSx in here.
+
+Every class is a frozen, validated dataclass; the same words are the keys of a
+scene file (``fenics_contact.scene_file``). Units are the user's, consistent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ConfigDict, Field, Strict
+from pydantic.dataclasses import dataclass
+
+Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Positive = Annotated[Number, Field(gt=0)]
+Integer = Annotated[int, Strict()]
+Text = Annotated[str, Field(min_length=1)]
+AxisName = Literal["x", "y", "z"]
+Kinematics = Literal["plane strain", "plane stress", "axisymmetric", "3D"]
+
+AXES: tuple[AxisName, ...] = ("x", "y", "z")
+_CLOSED = ConfigDict(extra="forbid")
+
+
+@dataclass(frozen=True, config=_CLOSED)
+class Profile:
+    """A value that varies along one axis, linear between the listed points."""
+
+    along: Annotated[AxisName, Field(description="axis of the mesh along which it varies")]
+    at: Annotated[
+        tuple[Number, ...], Field(min_length=2, description="increasing coordinates (length)")
+    ]
+    values: Annotated[
+        tuple[Number, ...],
+        Field(min_length=2, description="the value at each; constant beyond the ends"),
+    ]
+
+    def __post_init__(self) -> None:
+        if len(self.at) != len(self.values):
+            raise ValueError(f"at has {len(self.at)} entries and values {len(self.values)}")
+        if any(b <= a for a, b in zip(self.at, self.at[1:], strict=False)):
+            raise ValueError("the coordinates in at must increase")
+
+    def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values at points of shape (3, n), shape (n,)."""
+        return np.interp(points[AXES.index(self.along)], self.at, self.values)
+
+
+PositionFunction = Callable[[NDArray[np.float64]], Any]
+Value = Number | Profile | PositionFunction
+Vector = Annotated[tuple[Value, ...], Field(min_length=2, max_length=3)]
+
+
+@dataclass(frozen=True, config=_CLOSED)
+class MeshSource:
+    """Where the mesh comes from."""
+
+    file: Annotated[
+        Text,
+        Field(description="Gmsh geometry (`.geo`) or mesh (`.msh`); relative to the scene file"),
+    ]
+    parameters: Annotated[
+        Mapping[str, Number],
+        Field(description="values for the `DefineConstant` names of a `.geo` file"),
+    ] = Field(default_factory=dict)
+    cell: Annotated[
+        Literal["as meshed", "triangle", "quadrilateral"],
+        Field(description="shape of the cells made from a `.geo` file"),
+    ] = "as meshed"
+    order: Annotated[
+        Integer, Field(ge=1, le=2, description="order of the geometry made from a `.geo` file")
+    ] = 1
+
+
+@dataclass(frozen=True, config=_CLOSED)
+class Material:
+    """Isotropic linear elasticity (paper, (1.1): E_ijkl of Lamé's form)."""
+
+    youngs_modulus: Annotated[Positive, Field(description="Young's modulus, > 0 (stress)")]
+    poissons_ratio: Annotated[
+        Number, Field(gt=-1, lt=0.5, description="Poisson's ratio, between −1 and 0.5")
+    ]
+
+
+@dataclass(frozen=True, config=_CLOSED)
+class Discretisation:
+    """The finite element space."""
+
+    degree: Annotated[
+        Integer, Field(ge=1, le=2, description="degree of the Lagrange displacements")
+    ] = 2
+
+
+@dataclass(frozen=True, config=_CLOSED)
+class Support:
+    """Prescribed displacement components (the paper's Γ_D)."""
+
+    on: Annotated[Text, Field(description="physical group: a boundary, or the whole body")]
+    displacement: Annotated[
+        Mapping[AxisName, Value],
+        Field(min_length=1, description="component → value (length), such as `{ x = 0 }`"),
+    ]
+
+
+@dataclass(frozen=True, config=_CLOSED)
+class Load:
+    """A given load (the paper's f): exactly one of the three kinds."""
+
+    on: Annotated[Text, Field(description="physical group: boundary, or body for a body force")]
+    traction: Annotated[
+        Vector | None, Field(description="force per area, one entry per axis (stress)")
+    ] = None
+    pressure: Annotated[
+        Value | None, Field(description="pressure, > 0 pushes on the body (stress)")
+    ] = None
+    body_force: Annotated[
+        Vector | None, Field(description="force per volume, one entry per axis")
+    ] = None
+
+    def __post_init__(self) -> None:
+        if sum(kind is not None for kind in (self.traction, self.pressure, self.body_force)) != 1:
+            raise ValueError("give exactly one of traction, pressure and body_force")
+
+
+@dataclass(frozen=True, config=_CLOSED)
+class Contact:
+    """A contact surface (the paper's Γ_C) and its friction."""
+
+    on: Annotated[Text, Field(description="physical group of the contact surface")]
+    pressure: Annotated[
+        Value, Field(description="prescribed contact pressure, ≥ 0, which also loads the body")
+    ]
+    name: Annotated[str, Field(description="name in the results; by default that of the group")] = ""
+    contact: Annotated[
+        Literal["prescribed"],
+        Field(description="what is known of the contact: `prescribed`, its pressure is given"),
+    ] = "prescribed"
+    law: Annotated[
+        Literal["static", "none"],
+        Field(description="friction law: `static` acts on the total displacement (the paper's)"),
+    ] = "static"
+    friction_coefficient: Annotated[
+        Value, Field(description="Coulomb's coefficient, ≥ 0; 0 leaves friction out")
+    ] = 0.0
+    regularisation_parameter: Annotated[
+        Positive | Literal["auto"],
+        Field(description="the paper's ε, a slip (length); `auto` keeps its bias below .1 %"),
+    ] = "auto"
+
+    def __post_init__(self) -> None:
+        for key in ("pressure", "friction_coefficient"):
+            value = getattr(self, key)
+            if isinstance(value, float | int) and value < 0:
+                raise ValueError(f"{key} = {value} must be ≥ 0")
+
+    @property
+    def label(self) -> str:
+        """Name in results and messages."""
+        return self.name or self.on
+
+
+@dataclass(frozen=True, config=_CLOSED)
+class SolverSettings:
+    """When the nonlinear solver stops."""
+
+    tolerance: Annotated[
+        Number,
+        Field(gt=0, lt=1e-3, description="force imbalance over all applied and support forces"),
+    ] = 1e-10
+    max_iterations: Annotated[Integer, Field(ge=1, description="Newton steps at the most")] = 50
+
+
+@dataclass(frozen=True, config=_CLOSED)
+class Scene:
+    """Everything a run needs to know."""
+
+    kinematics: Annotated[
+        Kinematics, Field(description="in axisymmetric models x is the radius and y the axis")
+    ]
+    material: Annotated[Material, Field(description="the elastic material")]
+    mesh: Annotated[
+        MeshSource | None,
+        Field(description="the mesh; in Python it may be left out and a `Body` passed instead"),
+    ] = None
+    title: Annotated[str, Field(description="one line for results and pictures")] = ""
+    discretisation: Annotated[
+        Discretisation, Field(description="the finite element space")
+    ] = Field(default_factory=Discretisation)
+    support: Annotated[
+        tuple[Support, ...], Field(description="supports, any number")
+    ] = ()
+    load: Annotated[tuple[Load, ...], Field(description="loads, any number")] = ()
+    contact: Annotated[
+        tuple[Contact, ...], Field(description="contact surfaces, any number")
+    ] = ()
+    solver: Annotated[SolverSettings, Field(description="the nonlinear solver")] = Field(
+        default_factory=SolverSettings
+    )
+
+    def __post_init__(self) -> None:
+        dimension = self.dimension
+        for number, support in enumerate(self.support):
+            for axis in support.displacement:
+                if AXES.index(axis) >= dimension:
+                    raise ValueError(
+                        f"support[{number}].displacement.{axis}: a {self.kinematics} model has "
+                        f"only the axes {', '.join(AXES[:dimension])}"
+                    )
+        for number, load in enumerate(self.load):
+            for key in ("traction", "body_force"):
+                vector = getattr(load, key)
+                if vector is not None and len(vector) != dimension:
+                    raise ValueError(
+                        f"load[{number}].{key} has {len(vector)} entries; "
+                        f"a {self.kinematics} model needs {dimension}"
+                    )
+        labels = [contact.label for contact in self.contact]
+        for label in labels:
+            if labels.count(label) > 1:
+                raise ValueError(f"two contacts are called '{label}': give each its own name")
+
+    @property
+    def dimension(self) -> int:
+        """Number of displacement components: 3 for 3D, else 2."""
+        return 3 if self.kinematics == "3D" else 2

@@ -1,0 +1,281 @@
+"""The room for PETSc: Newton's method (SNES) on the full space (paper, Section 4).
+
+The bulk is linear, so its stiffness is assembled once; a Newton step adds only
+the tangents of the friction terms to a copy of it.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from dolfinx import fem
+from dolfinx.fem import petsc as fem_petsc
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fenics_contact.errors import NotConvergedError
+from fenics_contact.parallel import total
+from fenics_contact.problem import Problem
+from fenics_contact.timings import Timings
+
+logger = logging.getLogger(__name__)
+
+OPTIONS_PREFIX = "fenics_contact_"
+# What the user sets (PETSC_OPTIONS, or petsc4py's Options) wins over these.
+DEFAULT_OPTIONS = {
+    "snes_linesearch_type": "bt",
+    "ksp_type": "preonly",
+    "pc_type": "lu",
+    "pc_factor_mat_solver_type": "mumps",
+    "mat_mumps_icntl_14": 50,
+}
+
+# Share of the applied forces above which a round-off floor is not believed: the
+# floor grows with |u|, and a body that runs away must not pass for an answer.
+_LARGEST_FLOOR = 1e-6
+
+_REASONS = {
+    -3: "the linear system could not be solved (a singular matrix: is the body held?)",
+    -4: "the forces became infinite or not a number",
+    -5: "the Newton steps allowed were used up",
+    -6: "no step along the Newton direction lowers the energy",
+    -9: "the force imbalance grows",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Nodal values of this rank, each of shape (nodes, components), ghosts included.
+
+    Attributes:
+        displacement: u (length).
+        internal_force: K u, from the bulk alone (force).
+        friction_force: Force of the friction law on the body at each contact point,
+            one array a contact (force).
+        residual_history: Force imbalance before every Newton step and at the end.
+    """
+
+    displacement: NDArray[np.float64]
+    internal_force: NDArray[np.float64]
+    friction_force: list[NDArray[np.float64]]
+    residual_history: tuple[float, ...]
+
+    @property
+    def newton_iterations(self) -> int:
+        """Newton steps taken."""
+        return len(self.residual_history) - 1
+
+
+def solve(problem: Problem, timings: Timings | None = None) -> Solution:
+    """Minimise I_ε from the adhesive start u_T = 0 on Γ_C; collective.
+
+    Raises:
+        NotConvergedError: In words, with the history of the force imbalance.
+    """
+    newton = _Newton(problem, timings or Timings())
+    try:
+        return newton.solve()
+    finally:
+        newton.destroy()
+
+
+class _Newton:
+    """SNES with the energy as its merit function, so that every step descends."""
+
+    def __init__(self, problem: Problem, timings: Timings) -> None:
+        self.problem = problem
+        self.timings = timings
+        self.comm = problem.comm
+        self.history: list[float] = []
+        spaces = problem.spaces
+        self.owned_size = spaces.owned_nodes * spaces.components
+        constrained = problem.constrained
+        self.owned_constrained = constrained[constrained < self.owned_size]
+        self.load = problem.load.reshape(-1)
+        self.load_norm = total(self.comm, np.abs(self.load[: self.owned_size]).sum())
+        with timings.phase("assemble"):
+            self.stiffness = fem_petsc.assemble_matrix(problem.stiffness)
+            self.stiffness.assemble()
+            self.tangent = self.stiffness.duplicate(copy=True)
+        # A function's vector is taken once and kept: one from a temporary dangles.
+        self.unknown = problem.displacement.x.petsc_vec
+        self.state = self.unknown.duplicate()
+        self.residual = self.unknown.duplicate()
+        self.work = self.unknown.duplicate()
+        self.reaction_norm = 0.0
+
+    def destroy(self) -> None:
+        """Free PETSc's objects: factors hold communicators, of which there are few."""
+        for thing in (self.stiffness, self.tangent, self.state, self.residual, self.work):
+            thing.destroy()
+
+    def solve(self) -> Solution:
+        with self.timings.phase("solve"):
+            log = _FactorisationLog()
+            snes = self._create_snes()
+            self._set_start()
+            snes.solve(None, self.state)
+            reason = snes.getConvergedReason()
+            self._take(self.state)
+            snes.destroy()
+            self.timings.move("solve", "factorise", log.seconds())
+        if reason < 0 or not self.history:
+            raise NotConvergedError(self._failure(reason), tuple(self.history))
+        return self._solution()
+
+    def _create_snes(self) -> Any:
+        settings = self.problem.scene.solver
+        snes = PETSc.SNES().create(self.comm)
+        snes.setOptionsPrefix(OPTIONS_PREFIX)
+        snes.setFunction(self._set_residual, self.residual)
+        snes.setJacobian(self._set_tangent, self.tangent)
+        snes.setObjective(lambda snes, state: self._energy(state))
+        options = PETSc.Options()
+        for name, value in DEFAULT_OPTIONS.items():
+            if not options.hasName(OPTIONS_PREFIX + name):
+                options[OPTIONS_PREFIX + name] = value
+        snes.setFromOptions()
+        snes.setTolerances(rtol=0.0, atol=0.0, stol=0.0, max_it=settings.max_iterations)
+        snes.setConvergenceTest(self._converged)
+        return snes
+
+    def _set_start(self) -> None:
+        """The adhesive start: nothing has slipped; supports stand at their values."""
+        self.state.set(0.0)
+        owned = self.problem.constrained < self.owned_size
+        with self.state as array:
+            array[self.owned_constrained] = self.problem.prescribed[owned]
+
+    def _take(self, state: Any) -> None:
+        """A global vector into the displacement function, ghosts included."""
+        state.copy(self.unknown)
+        self.problem.displacement.x.scatter_forward()
+
+    def _friction_residual(self) -> NDArray[np.float64]:
+        """Derivative of Σ j_ε at the present displacement, flat, owned dofs."""
+        forces = np.zeros(self.owned_size)
+        for contact in self.problem.frictional:
+            assert contact.friction is not None
+            nodal = self.problem.spaces.assemble(contact.friction[1])
+            forces += nodal.reshape(-1)[: self.owned_size]
+        return forces
+
+    def _set_residual(self, snes: Any, state: Any, residual: Any) -> None:
+        with self.timings.phase("assemble"):
+            self._take(state)
+            self.stiffness.mult(state, residual)
+            with residual as array:
+                array += self._friction_residual() - self.load[: self.owned_size]
+                reactions = np.abs(array[self.owned_constrained]).sum()
+                array[self.owned_constrained] = 0.0  # they hold their values exactly
+            self.reaction_norm = total(self.comm, reactions)
+
+    def _set_tangent(self, snes: Any, state: Any, tangent: Any, preconditioner: Any) -> None:
+        with self.timings.phase("assemble"):
+            self._take(state)
+            self.stiffness.copy(tangent, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+            for contact in self.problem.frictional:
+                assert contact.friction is not None
+                fem_petsc.assemble_matrix(tangent, contact.friction[2])
+            tangent.assemble()
+            rows = self.owned_constrained.astype(PETSc.IntType)
+            tangent.zeroRowsColumnsLocal(rows, diag=1.0)
+
+    def _energy(self, state: Any) -> float:
+        """I_ε = ½ a(v, v) − f(v) + Σ j_ε(v), global."""
+        with self.timings.phase("assemble"):
+            self._take(state)
+            self.stiffness.mult(state, self.work)
+            elastic = 0.5 * self.work.dot(state)
+            work = total(self.comm, self.load[: self.owned_size] @ state.array_r)
+            local = sum(
+                fem.assemble_scalar(contact.friction[0])
+                for contact in self.problem.frictional
+                if contact.friction is not None
+            )
+            return elastic - work + total(self.comm, local)
+
+    def _converged(self, snes: Any, iteration: int, norms: tuple[float, float, float]) -> Any:
+        """Stop when the force imbalance is small against the forces, or is round-off.
+
+        The 1-norm bounds the error of any resultant. PETSc's relative tolerance is
+        not used: its reference, the first residual, is no physical force.
+        """
+        imbalance = self.residual.norm(PETSc.NormType.NORM_1)
+        self.history.append(imbalance)
+        forces = self.load_norm + self.reaction_norm
+        logger.info("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
+        if not np.isfinite(imbalance):
+            return PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN
+        if imbalance <= self.problem.scene.solver.tolerance * forces:
+            return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
+        # The floor costs a matrix copy, so it is asked for only where it may decide.
+        if iteration > 0 and imbalance <= _LARGEST_FLOOR * forces and imbalance <= self._floor():
+            logger.info("  at the round-off floor")
+            return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
+        return PETSc.SNES.ConvergedReason.CONVERGED_ITERATING
+
+    def _floor(self) -> float:
+        """20 × machine epsilon × ‖|J| |u|‖₁: what round-off leaves of a residual."""
+        first, columns, values = self.tangent.getValuesCSR()
+        magnitude = PETSc.Mat().createAIJ(
+            self.tangent.getSizes(), csr=(first, columns, np.abs(values)), comm=self.comm
+        )
+        lengths = self.state.duplicate()
+        self.unknown.copy(lengths)
+        lengths.abs()
+        magnitude.mult(lengths, self.work)
+        floor = 20 * np.finfo(float).eps * self.work.norm(PETSc.NormType.NORM_1)
+        magnitude.destroy()
+        lengths.destroy()
+        return floor
+
+    def _failure(self, reason: int) -> str:
+        words = _REASONS.get(reason, f"PETSc's reason {reason}")
+        left = f"{self.history[-1]:.2e}" if self.history else "unknown"
+        forces = self.load_norm + self.reaction_norm
+        return (
+            f"not converged after {max(len(self.history) - 1, 0)} Newton steps: {words}; the "
+            f"force imbalance is {left} of {forces:.3g}. Try a larger solver.max_iterations, "
+            "or a larger regularisation_parameter"
+        )
+
+    def _solution(self) -> Solution:
+        spaces = self.problem.spaces
+        self.stiffness.mult(self.state, self.work)
+        internal = fem.Function(spaces.displacement_space)
+        internal.x.array[: self.owned_size] = self.work.array_r
+        internal.x.scatter_forward()
+        friction = [
+            -spaces.assemble(contact.friction[1])[contact.nodes]
+            if contact.friction is not None
+            else np.zeros((len(contact.nodes), spaces.components))
+            for contact in self.problem.contacts
+        ]
+        shape = (-1, spaces.components)
+        return Solution(
+            displacement=self.problem.displacement.x.array.reshape(shape).copy(),
+            internal_force=internal.x.array.reshape(shape).copy(),
+            friction_force=friction,
+            residual_history=tuple(self.history),
+        )
+
+
+class _FactorisationLog:
+    """Seconds that PETSc spends on factorisations from now on."""
+
+    _EVENTS = ("MatLUFactorSym", "MatLUFactorNum")
+
+    def __init__(self) -> None:
+        PETSc.Log.begin()
+        self._before = self._read()
+
+    def _read(self) -> float:
+        return sum(PETSc.Log.Event(name).getPerfInfo()["time"] for name in self._EVENTS)
+
+    def seconds(self) -> float:
+        return self._read() - self._before
+

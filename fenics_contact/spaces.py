@@ -1,0 +1,161 @@
+"""The finite element space and the measures on named groups (paper, Section 3).
+
+Every measure carries the subdomain id 1 and its own entities, so that compiled
+code does not depend on tags: two contacts, or two scenes, share it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from fenics_contact import compat
+from fenics_contact.elasticity import measure_weight
+from fenics_contact.errors import FenicsContactError, InputError
+from fenics_contact.mesh import Body, Group
+from fenics_contact.parallel import largest, raise_together, smallest
+from fenics_contact.scene import Scene, Value
+
+
+class Spaces:
+    """Displacement space, its nodes, and measures.
+
+    Attributes:
+        displacement_space: Blocked Lagrange space of the scene's degree.
+        components: Displacement components a node (2 or 3).
+        coordinates: Nodes of this rank, owned then ghost, shape (nodes, 3).
+        owned_nodes: How many of them this rank owns.
+        weight: UFL factor of every integral (2πr where axisymmetric).
+    """
+
+    def __init__(self, scene: Scene, body: Body) -> None:
+        self.body = body
+        self.comm = body.mesh.comm
+        self.kinematics = scene.kinematics
+        self.degree = scene.discretisation.degree
+        if body.dimension != scene.dimension:
+            raise InputError(
+                f"kinematics = '{scene.kinematics}' needs cells of dimension {scene.dimension}; "
+                f"those of {body.source} have {body.dimension}"
+            )
+        self.components = scene.dimension
+        self.displacement_space = fem.functionspace(
+            body.mesh, ("Lagrange", self.degree, (self.components,))
+        )
+        self.coordinates = self.displacement_space.tabulate_dof_coordinates()
+        self.owned_nodes = self.displacement_space.dofmap.index_map.size_local
+        self.position = ufl.SpatialCoordinate(body.mesh)
+        self.weight = measure_weight(scene.kinematics, self.position)
+        self._scalar: tuple[Any, NDArray[np.int64]] | None = None
+        body.mesh.topology.create_connectivity(body.dimension - 1, body.dimension)
+        body.mesh.topology.create_connectivity(body.dimension, body.dimension - 1)
+
+    @property
+    def bulk(self) -> Any:
+        """Measure of the whole body, exact for the stiffness of undistorted cells."""
+        order = self.body.mesh.ufl_domain().ufl_coordinate_element().embedded_superdegree
+        degree = 2 * self.degree + 2 * (min(order, 2) - 1)
+        degree += 1 if self.kinematics == "axisymmetric" else 0
+        return ufl.Measure("dx", domain=self.body.mesh, metadata={"quadrature_degree": degree})
+
+    def part(self, group: Group) -> Any:
+        """Measure of a group of cells."""
+        cells = self.body.entities(group)
+        owned = cells[cells < self.body.mesh.topology.index_map(self.body.dimension).size_local]
+        return ufl.Measure("dx", domain=self.body.mesh, subdomain_data=[(1, owned)])(1)
+
+    def boundary(self, group: Group, metadata: dict[str, Any] | None = None) -> Any:
+        """Measure of a group of boundary facets."""
+        entities = compat.boundary_entities(self.body.mesh.topology, self.body.entities(group))
+        return ufl.Measure(
+            "ds", domain=self.body.mesh, subdomain_data=[(1, entities)], metadata=metadata
+        )(1)
+
+    def contact_boundary(self, group: Group) -> Any:
+        """Measure whose points are the nodes of the trace, with weights ≥ 0.
+
+        Simpson's rule on degree 2 (paper, Section 4: J), the vertices on degree 1;
+        their tensor products on quadrilaterals.
+        """
+        facet = "triangle" if self.body.mesh.topology.cell_name() == "tetrahedron" else "tensor"
+        if facet == "triangle" and self.degree == 2:
+            raise InputError(
+                "discretisation.degree = 2: contact on tetrahedra needs degree 1, "
+                "or hexahedra, for a rule with positive weights"
+            )
+        rule = "vertex" if facet == "triangle" else "GLL"
+        degree = 1 if self.degree == 1 else 3
+        return self.boundary(group, {"quadrature_rule": rule, "quadrature_degree": degree})
+
+    def nodes(self, group: Group) -> NDArray[np.int32]:
+        """Local indices (owned and ghost) of the nodes on a group; collective."""
+        entities = self.body.entities(group)
+        return np.sort(
+            fem.locate_dofs_topological(self.displacement_space, group.dimension, entities)
+        )
+
+    def is_owned(self, nodes: NDArray[np.int32]) -> NDArray[np.bool_]:
+        """Which of the nodes this rank owns, so that sums count each once."""
+        return nodes < self.owned_nodes
+
+    def evaluate(self, value: Value, nodes: NDArray[np.int32], key: str) -> NDArray[np.float64]:
+        """A scene's value at nodes, shape (nodes,); collective.
+
+        Raises:
+            InputError: On every rank, if a function fails or gives what is not finite.
+        """
+        error: FenicsContactError | None = None
+        values = np.zeros(len(nodes))
+        try:
+            points = self.coordinates[nodes].T
+            found = value(points) if callable(value) else value
+            values[:] = np.broadcast_to(np.asarray(found, dtype=np.float64), values.shape)
+            if not np.isfinite(values).all():
+                error = InputError(f"{key}: its function gives values that are not finite")
+        except Exception as caught:  # whatever a user's function raises
+            error = InputError(f"{key}: its function fails: {type(caught).__name__}: {caught}")
+        raise_together(self.comm, error)
+        return values
+
+    def coefficient(self, values: NDArray[np.float64], nodes: NDArray[np.int32]) -> Any:
+        """Nodal values as a UFL coefficient: a constant where they are, else a function.
+
+        Args:
+            values: Scalars of shape (nodes,), or vectors of shape (nodes, components).
+            nodes: The nodes that hold them; the coefficient is used only there.
+        """
+        columns = values.T if values.ndim == 2 else [values]
+        least = [smallest(self.comm, column) for column in columns]
+        if least == [largest(self.comm, column) for column in columns]:
+            constant = np.array(least) if values.ndim == 2 else least[0]
+            return fem.Constant(self.body.mesh, constant)
+        if values.ndim == 2:
+            function = fem.Function(self.displacement_space)
+            function.x.array.reshape(-1, self.components)[nodes] = values
+            return function
+        space, scalar_of_node = self._scalar_space()
+        function = fem.Function(space)
+        function.x.array[scalar_of_node[nodes]] = values
+        return function
+
+    def _scalar_space(self) -> tuple[Any, NDArray[np.int64]]:
+        """The space of one component, and its dof at every node."""
+        if self._scalar is None:
+            space, parents = self.displacement_space.sub(0).collapse()
+            scalar_of_node = np.empty(len(self.coordinates), dtype=np.int64)
+            scalar_of_node[np.asarray(parents) // self.components] = np.arange(len(parents))
+            self._scalar = (space, scalar_of_node)
+        return self._scalar
+
+    def assemble(self, form: Any) -> NDArray[np.float64]:
+        """A compiled linear form as nodal values, shape (nodes, components); collective."""
+        from dolfinx import la
+
+        vector = fem.assemble_vector(form)
+        vector.scatter_reverse(la.InsertMode.add)
+        vector.scatter_forward()
+        return vector.array.reshape(-1, self.components).copy()

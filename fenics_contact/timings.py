@@ -1,0 +1,49 @@
+"""Where the time goes, in the words of ``result.json``."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from mpi4py import MPI
+
+PHASES = ("mesh", "compile", "assemble", "factorise", "solve", "output")
+
+
+class Timings:
+    """Seconds spent in each phase; a phase inside another is not counted twice."""
+
+    def __init__(self) -> None:
+        self._start = time.perf_counter()
+        self._seconds = dict.fromkeys(PHASES, 0.0)
+        self._running: list[str] = []
+        self._since = self._start
+
+    @contextmanager
+    def phase(self, name: str) -> Iterator[None]:
+        """Count the time of a block to a phase."""
+        self._switch()
+        self._running.append(name)
+        try:
+            yield
+        finally:
+            self._switch()
+            self._running.pop()
+
+    def move(self, source: str, target: str, seconds: float) -> None:
+        """Count seconds that a library measured inside one phase to another."""
+        seconds = min(seconds, self._seconds[source])
+        self._seconds[source] -= seconds
+        self._seconds[target] += seconds
+
+    def _switch(self) -> None:
+        now = time.perf_counter()
+        if self._running:
+            self._seconds[self._running[-1]] += now - self._since
+        self._since = now
+
+    def summary(self, comm: MPI.Comm) -> dict[str, float]:
+        """Seconds by phase and in total, the slowest rank's of each; collective."""
+        seconds = dict(self._seconds, total=time.perf_counter() - self._start)
+        return {name: comm.allreduce(value, op=MPI.MAX) for name, value in seconds.items()}
