@@ -1,1 +1,55 @@
-from fenics_contact import compat
+"""Contact with friction in elastostatics, after Campos, Oden and Kikuchi (1982).
+
+A scene is frozen data (``Scene``, or a TOML file through ``load_scene``); ``run``
+solves it and returns a ``Result``. The names below are the public interface.
+"""
+
+from fenics_contact import compat  # noqa: F401  (loads FEniCSx in the right order)
+from fenics_contact.cli import main, run_script
+from fenics_contact.errors import (
+    FenicsContactError,
+    InputError,
+    NoEquilibriumError,
+    NotConvergedError,
+)
+from fenics_contact.mesh import Body, Group
+from fenics_contact.result import Check, ContactPoints, Result
+from fenics_contact.run import Run, run
+from fenics_contact.scene import (
+    Contact,
+    Discretisation,
+    Load,
+    Material,
+    MeshSource,
+    Profile,
+    Scene,
+    SolverSettings,
+    Support,
+)
+from fenics_contact.scene_file import load_scene
+
+__all__ = [
+    "Body",
+    "Check",
+    "Contact",
+    "ContactPoints",
+    "Discretisation",
+    "FenicsContactError",
+    "Group",
+    "InputError",
+    "Load",
+    "Material",
+    "MeshSource",
+    "NoEquilibriumError",
+    "NotConvergedError",
+    "Profile",
+    "Result",
+    "Run",
+    "Scene",
+    "SolverSettings",
+    "Support",
+    "load_scene",
+    "main",
+    "run",
+    "run_script",
+]

@@ -77,9 +77,8 @@ class ContactSurface:
         self.nodes = nodes[counted]
         self.weights = weights[counted]
         lengths = np.linalg.norm(averaged, axis=1)
-        self.normal = fem.Function(spaces.displacement_space)
-        units = self.normal.x.array.reshape(-1, spaces.components)
-        units[nodes] = averaged[nodes] / lengths[nodes, None]
+        units = averaged / np.where(lengths > 0, lengths, 1.0)[:, None]
+        self.normal = spaces.vector_function("normal", units[nodes], nodes)
         self.normals = units[self.nodes]
         self.owned = spaces.is_owned(self.nodes)
 
@@ -97,13 +96,20 @@ class ContactSurface:
             return 0.0
         if self.contact.regularisation_parameter != "auto":
             return float(self.contact.regularisation_parameter)
-        return _REGULARISATION_SHARE * strongest * self.facet_size() / youngs_modulus
+        facet_size = smallest(self.spaces.comm, self._facet_sizes())
+        return _REGULARISATION_SHARE * strongest * facet_size / youngs_modulus
 
-    def facet_size(self) -> float:
-        """Diameter of the smallest contact facet (length); collective."""
+    def _facet_sizes(self) -> NDArray[np.float64]:
+        """Diameters of this rank's contact facets (length)."""
         mesh = self.spaces.body.mesh
-        sizes = mesh.h(mesh.topology.dim - 1, self.spaces.body.entities(self.group))
-        return smallest(self.spaces.comm, sizes)
+        return mesh.h(mesh.topology.dim - 1, self.spaces.body.entities(self.group))
+
+    def relative_facet_size(self) -> float:
+        """Largest facet over the extent of the contact surface; collective."""
+        comm = self.spaces.comm
+        points = self.spaces.coordinates[self.nodes].T
+        extent = [largest(comm, axis) - smallest(comm, axis) for axis in points]
+        return largest(comm, self._facet_sizes()) / float(np.linalg.norm(extent))
 
     def _pressure_form(self) -> Any:
         """f on Γ_C as a linear form: minus the derivative of ∫ p v_n."""

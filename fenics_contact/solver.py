@@ -55,13 +55,15 @@ class Solution:
         internal_force: K u, from the bulk alone (force).
         friction_force: Force of the friction law on the body at each contact point,
             one array a contact (force).
-        residual_history: Force imbalance before every Newton step and at the end.
+        residual_history: Force imbalance before every Newton step and at the end (force).
+        imbalance_limit: The imbalance that was accepted as converged (force).
     """
 
     displacement: NDArray[np.float64]
     internal_force: NDArray[np.float64]
     friction_force: list[NDArray[np.float64]]
     residual_history: tuple[float, ...]
+    imbalance_limit: float
 
     @property
     def newton_iterations(self) -> int:
@@ -106,6 +108,7 @@ class _Newton:
         self.residual = self.unknown.duplicate()
         self.work = self.unknown.duplicate()
         self.reaction_norm = 0.0
+        self.limit = 0.0
 
     def destroy(self) -> None:
         """Free PETSc's objects: factors hold communicators, of which there are few."""
@@ -207,14 +210,14 @@ class _Newton:
         imbalance = self.residual.norm(PETSc.NormType.NORM_1)
         self.history.append(imbalance)
         forces = self.load_norm + self.reaction_norm
-        logger.info("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
+        logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
         if not np.isfinite(imbalance):
             return PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN
-        if imbalance <= self.problem.scene.solver.tolerance * forces:
-            return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
+        self.limit = self.problem.scene.solver.tolerance * forces
         # The floor costs a matrix copy, so it is asked for only where it may decide.
-        if iteration > 0 and imbalance <= _LARGEST_FLOOR * forces and imbalance <= self._floor():
-            logger.info("  at the round-off floor")
+        if iteration > 0 and self.limit < imbalance <= _LARGEST_FLOOR * forces:
+            self.limit = max(self.limit, min(self._floor(), _LARGEST_FLOOR * forces))
+        if imbalance <= self.limit:
             return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
         return PETSc.SNES.ConvergedReason.CONVERGED_ITERATING
 
@@ -261,6 +264,7 @@ class _Newton:
             internal_force=internal.x.array.reshape(shape).copy(),
             friction_force=friction,
             residual_history=tuple(self.history),
+            imbalance_limit=self.limit,
         )
 
 

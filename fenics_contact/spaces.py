@@ -134,11 +134,24 @@ class Spaces:
             constant = np.array(least) if values.ndim == 2 else least[0]
             return fem.Constant(self.body.mesh, constant)
         if values.ndim == 2:
-            function = fem.Function(self.displacement_space)
-            function.x.array.reshape(-1, self.components)[nodes] = values
-            return function
+            return self.vector_function("coefficient", values, nodes)
+        return self.nodal_function("coefficient", values, nodes)
+
+    def vector_function(
+        self, name: str, values: NDArray[np.float64], nodes: NDArray[np.int32]
+    ) -> Any:
+        """A vector function with given values (nodes, components) and zeros elsewhere."""
+        function = fem.Function(self.displacement_space, name=name)
+        function.x.array.reshape(-1, self.components)[nodes] = values
+        return function
+
+    def nodal_function(
+        self, name: str, values: NDArray[np.float64], nodes: NDArray[np.int32], empty: float = 0.0
+    ) -> Any:
+        """A scalar function with given values at some nodes and ``empty`` at the others."""
         space, scalar_of_node = self._scalar_space()
-        function = fem.Function(space)
+        function = fem.Function(space, name=name)
+        function.x.array[:] = empty
         function.x.array[scalar_of_node[nodes]] = values
         return function
 

@@ -1,0 +1,7 @@
+"""``python -m fenics_contact``: the same as the command ``fenics-contact``."""
+
+import sys
+
+from fenics_contact.cli import main
+
+sys.exit(main())

@@ -1,0 +1,159 @@
+"""The command ``fenics-contact``, and the same for scripts that build their own scene."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from mpi4py import MPI
+
+from fenics_contact import files
+from fenics_contact.errors import FenicsContactError
+from fenics_contact.parallel import on_root
+from fenics_contact.run import Run
+from fenics_contact.scene import Scene
+from fenics_contact.scene_file import load_scene
+from fenics_contact.summary import print_model, print_result
+
+MACHINE_FAILED = 5
+INTERRUPTED = 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run ``fenics-contact`` and return its exit code."""
+    parser = argparse.ArgumentParser(
+        prog="fenics-contact",
+        description="Contact with friction in elastostatics (Campos, Oden & Kikuchi 1982).",
+        epilog="Exit codes: 0 converged and all checks passed, 2 bad input or no equilibrium, "
+        "3 not converged, 4 a physics check failed, 5 the machine failed, 130 interrupted.",
+    )
+    commands = parser.add_subparsers(dest="command", required=True)
+    run = commands.add_parser("run", help="solve a scene; also under mpirun -n N")
+    check = commands.add_parser("check", help="say what would be modelled, without solving")
+    report = commands.add_parser("report", help="pictures and a page from the files of a run")
+    for command in (run, check):
+        command.add_argument("scene", metavar="SCENE.toml", type=Path)
+        command.add_argument(
+            "--set",
+            dest="overrides",
+            metavar="table.key=value",
+            action="append",
+            default=[],
+            help="replace a value of the scene; list entries count from 0: load.0.pressure=5",
+        )
+        _add_verbosity(command)
+    run.add_argument(
+        "--out", type=Path, help="folder for the results (default: results/ and the scene's name)"
+    )
+    report.add_argument("folder", metavar="DIR", type=Path)
+    options = parser.parse_args(arguments)
+    if options.command == "report":
+        return guarded(lambda: _report(options.folder))
+    _log_to_terminal(options)
+    return guarded(lambda: _scene_command(options))
+
+
+def run_script(
+    scene: Scene, default_folder: str, description: str = "", arguments: Sequence[str] | None = None
+) -> int:
+    """What a demo script does with its scene: solve, write, draw; for any number of ranks.
+
+    Args:
+        scene: What to solve.
+        default_folder: Where results go without ``--out``.
+        description: Text of ``--help``.
+        arguments: Command line; by default that of the process.
+
+    Returns:
+        The exit code.
+    """
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--out", type=Path, default=Path(default_folder), help="results folder")
+    parser.add_argument("--no-pictures", action="store_true", help="write files only")
+    _add_verbosity(parser)
+    options = parser.parse_args(arguments)
+    _log_to_terminal(options)
+    return guarded(lambda: _solve(scene, options.out, pictures=not options.no_pictures))
+
+
+def guarded(action: Callable[[], int], comm: MPI.Comm = MPI.COMM_WORLD) -> int:
+    """Run an action; turn what goes wrong into one sentence and an exit code.
+
+    Errors of this package are raised on all ranks alike. Anything else may have
+    hit one rank alone, with the others waiting for it: that ends them all.
+    """
+    try:
+        return action()
+    except FenicsContactError as error:
+        if comm.rank == 0:
+            print(f"fenics-contact: {error}", file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt:
+        print("fenics-contact: interrupted", file=sys.stderr)
+        code = INTERRUPTED
+    except (OSError, MemoryError) as error:
+        print(f"fenics-contact: the machine failed: {error or 'out of memory'}", file=sys.stderr)
+        code = MACHINE_FAILED
+    except Exception:
+        traceback.print_exc()
+        code = 1
+    if comm.size > 1:
+        sys.stderr.flush()
+        comm.Abort(code)
+    return code
+
+
+def _scene_command(options: argparse.Namespace) -> int:
+    comm = MPI.COMM_WORLD
+    scene = on_root(comm, lambda: load_scene(options.scene, options.overrides))
+    if options.command == "run":
+        return _solve(scene, options.out or Path("results") / options.scene.stem, pictures=False)
+    prepared = Run(scene, comm)
+    model = prepared.model
+    if comm.rank == 0:
+        print_model(scene, model)
+    return 0
+
+
+def _solve(scene: Scene, folder: Path, pictures: bool) -> int:
+    comm = MPI.COMM_WORLD
+    files.require_writable(folder, comm)
+    prepared = Run(scene, comm)
+    result = prepared.solve()
+    with prepared.timings.phase("output"):
+        files.write(prepared, result, folder)
+    if comm.rank == 0:
+        print_result(result, folder)
+    if pictures and result.converged:
+        on_root(comm, lambda: _report(folder))
+    return result.exit_code
+
+
+def _report(folder: Path) -> int:
+    from fenics_contact.report import write_report
+
+    for path in write_report(folder):
+        print(f"  {path}")
+    return 0
+
+
+def _add_verbosity(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument("--verbose", action="store_true", help="every Newton step")
+    group.add_argument("--quiet", action="store_true", help="warnings only")
+
+
+def _log_to_terminal(options: argparse.Namespace) -> None:
+    """Messages of rank 0 to the terminal; libraries stay silent about their own steps."""
+    level = logging.WARNING if options.quiet else logging.INFO
+    level = logging.DEBUG if options.verbose else level
+    logger = logging.getLogger("fenics_contact")
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(logging.Formatter("%(message)s"))
+    handler.addFilter(lambda record: MPI.COMM_WORLD.rank == 0)
+    logger.handlers = [handler]
+    logger.setLevel(level)

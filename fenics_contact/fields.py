@@ -1,0 +1,74 @@
+"""Fields for ParaView: nodal functions from a solution."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from dolfinx import fem, io, la
+
+from fenics_contact import compat
+from fenics_contact.contact import OPEN, STICK
+from fenics_contact.problem import Problem
+from fenics_contact.quantities import status
+from fenics_contact.solver import Solution
+
+# Values of the field `status`.
+NO_CONTACT, FIELD_OPEN, FIELD_STICK, FIELD_SLIP = -1.0, 0.0, 1.0, 2.0
+
+
+def write_fields(problem: Problem, solution: Solution, folder: Path) -> None:
+    """Write ``fields.pvd`` and its pieces; collective.
+
+    Point data: displacement, stress (3 × 3), contact_pressure, friction_traction
+    and status (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP).
+    """
+    functions = [
+        problem.displacement,
+        nodal_stress(problem),
+        *_contact_functions(problem, solution),
+    ]
+    with io.VTKFile(problem.comm, folder / "fields.pvd", "w") as file:
+        file.write_function(functions, 0.0)
+
+
+def nodal_stress(problem: Problem) -> Any:
+    """Cauchy stress at the nodes, averaged over the cells that share them, (3, 3)."""
+    mesh, spaces = problem.body.mesh, problem.spaces
+    space = fem.functionspace(mesh, ("Lagrange", spaces.degree, (3, 3)))
+    points = compat.interpolation_points(space.element)
+    if spaces.kinematics == "axisymmetric":
+        # u_r / r has no value on the axis itself: look from a millionth inside.
+        points = points + 1e-6 * (points.mean(axis=0) - points)
+    cells = np.arange(mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32)
+    expression = fem.Expression(problem.stress(problem.displacement), points)
+    values = expression.eval(mesh, cells).reshape(len(cells), -1, 9)
+    stress, count = fem.Function(space, name="stress"), fem.Function(space)
+    nodes = space.dofmap.list[cells]
+    np.add.at(stress.x.array.reshape(-1, 9), nodes, values)
+    np.add.at(count.x.array.reshape(-1, 9), nodes, 1.0)
+    for function in (stress, count):
+        function.x.scatter_reverse(la.InsertMode.add)
+        function.x.scatter_forward()
+    stress.x.array[:] /= np.maximum(count.x.array, 1.0)
+    return stress
+
+
+def _contact_functions(problem: Problem, solution: Solution) -> list[Any]:
+    """Contact pressure, friction traction and status as functions on the body."""
+    spaces = problem.spaces
+    nodes = np.concatenate([np.zeros(0, dtype=np.int32), *(c.nodes for c in problem.contacts)])
+    pressure, traction, state = [np.zeros(0)], [np.zeros((0, spaces.components))], [np.zeros(0)]
+    for contact, force in zip(problem.contacts, solution.friction_force, strict=True):
+        pressure.append(contact.contact_pressure)
+        traction.append(force / contact.weights[:, None])
+        found = status(contact, solution.displacement)
+        state.append(
+            np.select([found == OPEN, found == STICK], [FIELD_OPEN, FIELD_STICK], FIELD_SLIP)
+        )
+    return [
+        spaces.nodal_function("contact_pressure", np.concatenate(pressure), nodes),
+        spaces.vector_function("friction_traction", np.concatenate(traction), nodes),
+        spaces.nodal_function("status", np.concatenate(state), nodes, NO_CONTACT),
+    ]

@@ -1,0 +1,117 @@
+"""Result files: ``result.json``, ``contact.csv`` and fields (see ``interface``)."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from fenics_contact.errors import InputError
+from fenics_contact.fields import write_fields
+from fenics_contact.parallel import on_root
+from fenics_contact.result import ContactPoints, Result
+from fenics_contact.run import Run
+
+CSV_HEADER = (
+    "contact,x,y,z,nx,ny,nz,gap,contact_pressure,traction_x,traction_y,traction_z,"
+    "slip_x,slip_y,slip_z,status"
+).split(",")
+
+
+def require_writable(folder: Path, comm: MPI.Comm) -> None:
+    """Refuse an output folder that cannot be made or written to, before any work.
+
+    Raises:
+        InputError: On every rank.
+    """
+    on_root(comm, lambda: _require_writable(folder))
+
+
+def _require_writable(folder: Path) -> None:
+    existing = folder
+    while not existing.exists() and existing != existing.parent:
+        existing = existing.parent
+    if not existing.is_dir():
+        raise InputError(f"--out '{folder}': '{existing}' is not a folder")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise InputError(f"--out '{folder}': '{existing}' cannot be written to")
+
+
+def write(run: Run, result: Result, folder: Path) -> None:
+    """Write the files of a run; collective.
+
+    Without convergence only ``result.json`` is written, with the history. Files of an
+    earlier run in the same folder are removed first, so that none outlives its run.
+    """
+    comm = run.problem.comm
+    on_root(comm, lambda: _clear(folder))
+    if run.solution is not None:
+        write_fields(run.problem, run.solution, folder)
+    on_root(comm, lambda: _write_tables(result, folder))
+
+
+def _clear(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    stale = ["result.json", "contact.csv", "report.html", "fields*.pvd", "fields*.vtu"]
+    stale += ["fields*.pvtu", "*.png"]
+    for pattern in stale:
+        for path in folder.glob(pattern):
+            path.unlink()
+
+
+def _write_tables(result: Result, folder: Path) -> None:
+    if result.points is not None:
+        names = [contact["name"] for contact in result.contacts]
+        _replace(folder / "contact.csv", _csv_rows(result.points, names))
+    # Last, and in one move: where it exists, the run is complete.
+    text = json.dumps(_finite(result.as_dict()), indent=2, ensure_ascii=False, allow_nan=False)
+    temporary = folder / ".result.json"
+    temporary.write_text(text + "\n", encoding="utf-8")
+    temporary.replace(folder / "result.json")
+
+
+def _csv_rows(points: ContactPoints, names: list[str]) -> list[list[str]]:
+    columns = [
+        points.coordinates,
+        points.normals,
+        points.gap[:, None],
+        points.contact_pressure[:, None],
+        points.friction_traction,
+        points.slip,
+    ]
+    table = np.hstack([_without_round_off(column) for column in columns])
+    return [
+        [names[contact], *(f"{value:.8g}" for value in values), str(state)]
+        for contact, values, state in zip(points.contact, table, points.status, strict=True)
+    ]
+
+
+def _without_round_off(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rounded to 1e-12 of the largest, so that runs compare line by line."""
+    unit = 1e-12 * np.abs(values).max(initial=0.0)
+    return np.round(values / unit) * unit + 0.0 if unit > 0 else values
+
+
+def _replace(path: Path, rows: list[list[str]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(CSV_HEADER)
+        writer.writerows(rows)
+
+
+def _finite(value: Any) -> Any:
+    """JSON has no infinity: such numbers become null."""
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

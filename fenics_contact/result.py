@@ -1,0 +1,110 @@
+"""What a run found: plain data, global, the same on any number of ranks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Check:
+    """A physics check: passed while the value stays at or below its limit."""
+
+    value: float
+    limit: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether it holds; a value that is not a number fails."""
+        return bool(self.value <= self.limit)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For ``result.json``."""
+        return {"value": self.value, "limit": self.limit, "passed": self.passed}
+
+
+@dataclass(frozen=True, eq=False)
+class ContactPoints:
+    """All contact points, sorted by contact and coordinates; arrays of one row a point.
+
+    Attributes:
+        contact: Number of the contact, in scene order.
+        coordinates: Undeformed, shape (points, 3) (length).
+        normals: Outward unit normals of the body, (points, 3).
+        gap: Normal distance to the obstacle, > 0 open (length).
+        contact_pressure: ≥ 0 (stress).
+        friction_traction: Tangential traction on the body, (points, 3) (stress).
+        slip: Tangential displacement relative to the obstacle, (points, 3) (length).
+        status: OPEN, STICK or SLIP.
+        weights: Area that each point stands for.
+    """
+
+    contact: NDArray[np.int64]
+    coordinates: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    gap: NDArray[np.float64]
+    contact_pressure: NDArray[np.float64]
+    friction_traction: NDArray[np.float64]
+    slip: NDArray[np.float64]
+    status: NDArray[np.str_]
+    weights: NDArray[np.float64]
+
+    def of(self, contact: int) -> NDArray[np.bool_]:
+        """Which rows belong to a contact."""
+        return self.contact == contact
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A run's outcome; its attributes are the keys of ``result.json``.
+
+    Attributes:
+        points: The rows of ``contact.csv``; None if the run did not converge.
+    """
+
+    title: str
+    converged: bool
+    verdict: str
+    model: Mapping[str, Any]
+    contacts: list[dict[str, Any]]
+    quantities: Mapping[str, Any]
+    steps: list[dict[str, Any]]
+    checks: Mapping[str, Check]
+    supports: list[dict[str, Any]] = field(default_factory=list)
+    errors: Mapping[str, Any] = field(default_factory=dict)
+    timings: Mapping[str, float] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+    points: ContactPoints | None = None
+
+    @property
+    def passed(self) -> bool:
+        """Whether it converged and every check holds."""
+        return self.converged and all(check.passed for check in self.checks.values())
+
+    @property
+    def exit_code(self) -> int:
+        """0 passed, 3 not converged, 4 a check failed."""
+        if not self.converged:
+            return 3
+        return 0 if self.passed else 4
+
+    def as_dict(self) -> dict[str, Any]:
+        """For ``result.json``."""
+        return {
+            "title": self.title,
+            "converged": self.converged,
+            "verdict": self.verdict,
+            "model": dict(self.model),
+            "contacts": self.contacts,
+            "supports": self.supports,
+            "quantities": dict(self.quantities),
+            "steps": self.steps,
+            "checks": {name: check.as_dict() for name, check in self.checks.items()},
+            "errors": dict(self.errors),
+            "timings": dict(self.timings),
+            "versions": dict(self.versions),
+        }

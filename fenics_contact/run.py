@@ -1,0 +1,202 @@
+"""From a scene to a result: the data's one-way path, in one place."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+from mpi4py import MPI
+
+from fenics_contact import compat
+from fenics_contact.checks import run_checks
+from fenics_contact.equilibrium import FreeMotion, require_equilibrium
+from fenics_contact.contact import ContactSurface
+from fenics_contact.errors import InputError, NotConvergedError
+from fenics_contact.gmsh_files import load_body
+from fenics_contact.mesh import Body
+from fenics_contact.parallel import total
+from fenics_contact.problem import Problem
+from fenics_contact.quantities import (
+    contact_points,
+    contact_quantities,
+    global_quantities,
+    support_reactions,
+)
+from fenics_contact.result import Check, Result
+from fenics_contact.scene import Scene
+from fenics_contact.solver import Solution, solve
+from fenics_contact.timings import Timings
+
+logger = logging.getLogger(__name__)
+
+STRATEGY = "prescribed pressure: one Newton solve, no outer loop"
+
+
+class Run:
+    """A scene made ready, then solved; kept for those who want the fields.
+
+    Attributes:
+        problem: The model: spaces, energies, forms.
+        free_motion: Rigid motions that the supports leave to friction.
+        solution: Nodal values of this rank, once solved; None before, or without an answer.
+        timings: Seconds so far.
+
+    Args:
+        scene: What to solve.
+        comm: Communicator; collective.
+        body: The mesh, if not the one the scene names.
+
+    Raises:
+        InputError: The scene or its mesh cannot be used, or has no equilibrium.
+    """
+
+    def __init__(
+        self, scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None
+    ) -> None:
+        self.scene = scene
+        self.solution: Solution | None = None
+        self.timings = Timings()
+        if body is None:
+            if scene.mesh is None:
+                raise InputError("mesh: the scene names no mesh and no body was passed")
+            with self.timings.phase("mesh"):
+                body = load_body(scene.mesh, scene.dimension, comm)
+        self.problem = Problem(scene, body, self.timings)
+        with self.timings.phase("solve"):
+            self.free_motion: FreeMotion = require_equilibrium(self.problem)
+
+    @property
+    def model(self) -> dict[str, Any]:
+        """``model`` of ``result.json``; collective."""
+        problem = self.problem
+        index_map = problem.spaces.displacement_space.dofmap.index_map
+        points = sum(total(problem.comm, int(c.owned.sum())) for c in problem.contacts)
+        cells = problem.body.mesh.topology.index_map(problem.body.dimension)
+        return {
+            "kinematics": self.scene.kinematics,
+            "degree": problem.spaces.degree,
+            "cell": problem.body.mesh.topology.cell_name(),
+            "cells": int(cells.size_global),
+            "dofs": int(index_map.size_global) * problem.spaces.components,
+            "contact_points": int(points),
+            "ranks": problem.comm.size,
+            "solver": "full",
+            "strategy": STRATEGY if problem.frictional else "linear: one Newton step",
+            "terms": [term.name for term in problem.terms],
+            "free_rigid_motions": self.free_motion.modes,
+            "used_share_of_limit_load": self.free_motion.used_share,
+            "symmetry": "none",
+        }
+
+    def solve(self) -> Result:
+        """Solve and evaluate; collective. Failure to converge is a result, too."""
+        try:
+            solution = solve(self.problem, self.timings)
+        except NotConvergedError as error:
+            return self._unconverged(error)
+        return self._evaluate(solution)
+
+    def _contacts(self, quantities: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        """``contacts`` of ``result.json``."""
+        return [
+            {
+                "name": contact.label,
+                "contact": contact.contact.contact,
+                "law": contact.contact.law if contact.friction is not None else "none",
+                "parameters": _parameters(contact),
+                "quantities": found,
+            }
+            for contact, found in zip(self.problem.contacts, quantities, strict=True)
+        ]
+
+    def _evaluate(self, solution: Solution) -> Result:
+        problem = self.problem
+        self.solution = solution
+        with self.timings.phase("output"):
+            reactions, supports = support_reactions(problem, solution)
+            by_contact = [
+                contact_quantities(contact, solution.displacement, force)
+                for contact, force in zip(problem.contacts, solution.friction_force, strict=True)
+            ]
+            quantities = global_quantities(problem, solution, reactions, by_contact)
+            checks = run_checks(problem, solution, reactions)
+            points = contact_points(problem, solution)
+        step = {
+            "load_factor": 1.0,
+            "newton_iterations": solution.newton_iterations,
+            "outer_iterations": 0,
+            "residual_history": list(solution.residual_history),
+            "quantities": quantities,
+        }
+        return Result(
+            title=self.scene.title,
+            converged=True,
+            verdict=_verdict(checks),
+            model=self.model,
+            contacts=self._contacts(by_contact),
+            supports=supports,
+            quantities=quantities,
+            steps=[step],
+            checks=checks,
+            timings=self.timings.summary(problem.comm),
+            versions=compat.versions(),
+            points=points,
+        )
+
+    def _unconverged(self, error: NotConvergedError) -> Result:
+        """No answer: the history, and no numbers that could be taken for one."""
+        step = {
+            "load_factor": 1.0,
+            "newton_iterations": max(len(error.residual_history) - 1, 0),
+            "outer_iterations": 0,
+            "residual_history": list(error.residual_history),
+            "quantities": {},
+        }
+        return Result(
+            title=self.scene.title,
+            converged=False,
+            verdict=f"No answer: {error}.",
+            model=self.model,
+            contacts=self._contacts([{} for _ in self.problem.contacts]),
+            quantities={},
+            steps=[step],
+            checks={},
+            timings=self.timings.summary(self.problem.comm),
+            versions=compat.versions(),
+        )
+
+
+def _parameters(contact: ContactSurface) -> dict[str, Any]:
+    """A contact's parameters as used; what varies in space is said so."""
+    given = {
+        "pressure": contact.contact.pressure,
+        "friction_coefficient": contact.contact.friction_coefficient,
+    }
+    return {
+        "regularisation_parameter": contact.regularisation_parameter,
+        **{name: "varies" if callable(value) else value for name, value in given.items()},
+    }
+
+
+def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None) -> Result:
+    """Solve a scene; collective.
+
+    Args:
+        scene: What to solve.
+        comm: Communicator.
+        body: The mesh, if not the one the scene names.
+
+    Returns:
+        Global numbers, the same on every rank and any number of ranks.
+
+    Raises:
+        InputError: The scene or its mesh cannot be used, or has no equilibrium.
+    """
+    return Run(scene, comm, body).solve()
+
+
+def _verdict(checks: dict[str, Check]) -> str:
+    failed = [name.replace("_", " ") for name, check in checks.items() if not check.passed]
+    if failed:
+        return f"Converged, but do not trust it: failed {', '.join(failed)}."
+    return f"Converged; all {len(checks)} checks of the physics passed."
