@@ -131,7 +131,11 @@ def friction_law(problem: Problem, solution: Solution) -> Check:
             law = solution.friction_force[number] / contact.weights[:, None]
             difference = np.linalg.norm(traction - law, axis=1)
             values.append(
-                (difference[counted], _strongest(problem, contact), _limit(problem, contact, solution))
+                (
+                    difference[counted],
+                    _strongest(problem, contact),
+                    _limit(problem, contact, solution),
+                )
             )
     return _worst(problem, values)
 
@@ -159,7 +163,9 @@ def boundary_stress(problem: Problem, solution: Solution) -> Check:
     size = spaces.components
     cauchy = problem.stress(problem.displacement)
     normal = ufl.FacetNormal(problem.body.mesh)
-    traction = ufl.as_vector([sum(cauchy[i, j] * normal[j] for j in range(size)) for i in range(size)])
+    traction = ufl.as_vector(
+        [sum(cauchy[i, j] * normal[j] for j in range(size)) for i in range(size)]
+    )
     test = ufl.TestFunction(spaces.displacement_space)
     worst = Check(0.0, np.inf)
     for contact, force in zip(problem.contacts, solution.friction_force, strict=True):

@@ -87,10 +87,13 @@ def guarded(action: Callable[[], int], comm: MPI.Comm = MPI.COMM_WORLD) -> int:
     hit one rank alone, with the others waiting for it: that ends them all.
     """
     try:
-        return action()
+        code = action()
+        comm.Barrier()  # a launcher ends the other ranks at the first that fails
+        return code
     except FenicsContactError as error:
         if comm.rank == 0:
-            print(f"fenics-contact: {error}", file=sys.stderr)
+            print(f"fenics-contact: {error}", file=sys.stderr, flush=True)
+        comm.Barrier()
         return error.exit_code
     except KeyboardInterrupt:
         print("fenics-contact: interrupted", file=sys.stderr)

@@ -112,7 +112,7 @@ class ContactSurface:
         return largest(comm, self._facet_sizes()) / float(np.linalg.norm(extent))
 
     def _pressure_form(self) -> Any:
-        """f on Γ_C as a linear form: minus the derivative of ∫ p v_n."""
+        """The work f on Γ_C as a linear form: minus the derivative of ∫ p v_n."""
         spaces = self.spaces
         if largest(spaces.comm, self.contact_pressure) == 0:
             return None
@@ -131,7 +131,11 @@ class ContactSurface:
             displacement, self.normal, bound, epsilon, spaces.weight, self.measure
         )
         residual = ufl.derivative(energy, displacement)
-        return fem.form(energy), fem.form(residual), fem.form(ufl.derivative(residual, displacement))
+        return (
+            fem.form(energy),
+            fem.form(residual),
+            fem.form(ufl.derivative(residual, displacement)),
+        )
 
     def slip(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
         """u_T at the contact points, shape (points, components) (length).

@@ -32,9 +32,7 @@ def strain(displacement: Any, kinematics: Kinematics, position: Any, poissons_ra
         out_of_plane = -poissons_ratio / (1 - poissons_ratio) * (e[0, 0] + e[1, 1])
     elif kinematics == "axisymmetric":
         out_of_plane = displacement[0] / position[0]
-    return ufl.as_tensor(
-        [[e[0, 0], e[0, 1], 0], [e[1, 0], e[1, 1], 0], [0, 0, out_of_plane]]
-    )
+    return ufl.as_tensor([[e[0, 0], e[0, 1], 0], [e[1, 0], e[1, 1], 0], [0, 0, out_of_plane]])
 
 
 def stress(strain_tensor: Any, youngs_modulus: Any, poissons_ratio: Any) -> Any:

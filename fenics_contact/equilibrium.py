@@ -97,7 +97,7 @@ class _RigidModes:
         components = problem.spaces.components
         dofs = problem.constrained[problem.constrained < self.owned * components]
         rows = self.fields.reshape(-1, self.fields.shape[-1])[dofs]
-        return _split(total(problem.comm, rows.T @ rows))[0]
+        return _null_space(total(problem.comm, rows.T @ rows))
 
     def describe(self, combination: Array) -> str:
         """A motion in words."""
@@ -113,11 +113,11 @@ class _RigidModes:
         return ", ".join(words)
 
 
-def _split(gram: Array) -> tuple[Array, Array]:
-    """Null space and range of a symmetric positive semi-definite matrix, as columns."""
+def _null_space(gram: Array) -> Array:
+    """Null space of a symmetric positive semi-definite matrix, as columns."""
     values, vectors = np.linalg.eigh(gram)
     null = values <= 1e-13 * max(values.max(initial=0.0), np.finfo(float).tiny)
-    return vectors[:, null], vectors[:, ~null]
+    return vectors[:, null]
 
 
 def _slips(problem: Problem, rigid: _RigidModes, modes: Array) -> tuple[Array, Array]:
@@ -141,7 +141,7 @@ def _resisted_modes(problem: Problem, rigid: _RigidModes, modes: Array) -> tuple
     """
     weights, slips = _slips(problem, rigid, modes)
     gram = total(problem.comm, np.einsum("q,qci,qcj->ij", weights, slips, slips))
-    unresisted, resisted = _split(gram)
+    unresisted = _null_space(gram)
     work = problem.load[: rigid.owned, :, None] * rigid.fields[: rigid.owned]
     force = total(problem.comm, work.sum(axis=(0, 1)))
     size = total(problem.comm, np.abs(work).sum(axis=(0, 1))).max()
@@ -180,11 +180,12 @@ def _used_share(comm: Any, points: tuple[Array, Array], force: Array) -> tuple[f
     reach = largest(comm, np.linalg.norm(slips, axis=(1, 2)))
     trial = force / np.linalg.norm(force)
     cuts: list[Array] = []
-    above, below, best = np.finfo(float).max, 0.0, trial
+    above: float = np.finfo(float).max
+    below, best = 0.0, trial
     while len(cuts) < 2 * _MAX_CUTS and above - below > _GAP * above:
         dissipation, slope = _dissipation(comm, weights, slips, trial)
         if force @ trial / dissipation > below:
-            below, best = force @ trial / dissipation, trial
+            below, best = float(force @ trial) / dissipation, trial
         cuts += [slope, -slope]
         found = linprog(
             -force,

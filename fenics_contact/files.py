@@ -19,10 +19,10 @@ from fenics_contact.parallel import on_root
 from fenics_contact.result import ContactPoints, Result
 from fenics_contact.run import Run
 
-CSV_HEADER = (
-    "contact,x,y,z,nx,ny,nz,gap,contact_pressure,traction_x,traction_y,traction_z,"
-    "slip_x,slip_y,slip_z,status"
-).split(",")
+CSV_HEADER = [
+    *("contact", "x", "y", "z", "nx", "ny", "nz", "gap", "contact_pressure"),
+    *("traction_x", "traction_y", "traction_z", "slip_x", "slip_y", "slip_z", "status"),
+]
 
 
 def require_writable(folder: Path, comm: MPI.Comm) -> None:

@@ -139,7 +139,9 @@ def _tag_parts(file: str, dimension: int) -> dict[str, Group]:
     cells = {part for g in groups.values() if g.dimension == dimension for part in g.tags}
     if not cells:
         kind = "Physical Surface" if dimension == 2 else "Physical Volume"
-        raise InputError(f"mesh.file = '{file}': has no {kind}, so it is not known what the body is")
+        raise InputError(
+            f"mesh.file = '{file}': has no {kind}, so it is not known what the body is"
+        )
     _check_cells(file, dimension, cells)
     gmsh.model.removePhysicalGroups()
     for part_dimension in (dimension - 1, dimension):

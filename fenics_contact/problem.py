@@ -20,7 +20,7 @@ from fenics_contact.elasticity import strain, strain_energy, stress
 from fenics_contact.errors import InputError
 from fenics_contact.mesh import Body
 from fenics_contact.parallel import raise_together
-from fenics_contact.scene import AXES, Load, Scene
+from fenics_contact.scene import AXES, Load, Scene, Value
 from fenics_contact.spaces import Spaces
 from fenics_contact.timings import Timings
 
@@ -118,9 +118,7 @@ class Problem:
 
     def stress(self, displacement: Any) -> Any:
         """Cauchy stress of a displacement as a UFL expression, shape (3, 3)."""
-        e = strain(
-            displacement, self.spaces.kinematics, self.spaces.position, self._poissons_ratio
-        )
+        e = strain(displacement, self.spaces.kinematics, self.spaces.position, self._poissons_ratio)
         return stress(e, self._youngs_modulus, self._poissons_ratio)
 
     def _support(self, number: int, on: str) -> AppliedSupport:
@@ -181,24 +179,23 @@ class Problem:
     def _load_term(self, number: int, load: Load) -> list[Term]:
         """The term of a load, with its linear form; none where the load is zero."""
         spaces = self.spaces
+        kind, values = _kind_and_values(load)
         key = f"load[{number}]"
-        test = ufl.TestFunction(spaces.displacement_space)
-        if load.body_force is not None:
+        if kind == "body_force":
             group = self.body.group(load.on, f"{key}.on")
             if group.dimension != self.body.dimension:
                 raise InputError(f"{key}.on = '{load.on}': a body_force needs a part of the body")
-            kind, values, measure = "body_force", load.body_force, spaces.part(group)
+            measure = spaces.part(group)
         else:
             group = self.body.boundary(load.on, f"{key}.on")
             measure = spaces.boundary(group)
-            kind = "traction" if load.traction is not None else "pressure"
-            values = load.traction if load.traction is not None else (load.pressure,)
         nodes = spaces.nodes(group)
         nodal = np.stack(
             [spaces.evaluate(v, nodes, f"{key}.{kind}[{i}]") for i, v in enumerate(values)], axis=1
         )
         if self.comm.allreduce(int(np.count_nonzero(nodal))) == 0:
             return []
+        test = ufl.TestFunction(spaces.displacement_space)
         if kind == "pressure":
             pressure = spaces.coefficient(nodal[:, 0], nodes)
             work = -pressure * ufl.dot(ufl.FacetNormal(self.body.mesh), test)
@@ -213,3 +210,13 @@ class Problem:
             if len(term.forms) == 1 and term.forms[0].rank == 1:
                 load += self.spaces.assemble(term.forms[0])
         return load
+
+
+def _kind_and_values(load: Load) -> tuple[str, tuple[Value, ...]]:
+    """Which of the three kinds a load is, and its components."""
+    if load.traction is not None:
+        return "traction", load.traction
+    if load.pressure is not None:
+        return "pressure", (load.pressure,)
+    assert load.body_force is not None  # the scene has made sure of one
+    return "body_force", load.body_force

@@ -9,8 +9,8 @@ from mpi4py import MPI
 
 from fenics_contact import compat
 from fenics_contact.checks import run_checks
-from fenics_contact.equilibrium import FreeMotion, require_equilibrium
 from fenics_contact.contact import ContactSurface
+from fenics_contact.equilibrium import FreeMotion, require_equilibrium
 from fenics_contact.errors import InputError, NotConvergedError
 from fenics_contact.gmsh_files import load_body
 from fenics_contact.mesh import Body

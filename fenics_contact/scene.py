@@ -133,7 +133,9 @@ class Contact:
     pressure: Annotated[
         Value, Field(description="prescribed contact pressure, ≥ 0, which also loads the body")
     ]
-    name: Annotated[str, Field(description="name in the results; by default that of the group")] = ""
+    name: Annotated[str, Field(description="name in the results; by default that of the group")] = (
+        ""
+    )
     contact: Annotated[
         Literal["prescribed"],
         Field(description="what is known of the contact: `prescribed`, its pressure is given"),
@@ -186,16 +188,12 @@ class Scene:
         Field(description="the mesh; in Python it may be left out and a `Body` passed instead"),
     ] = None
     title: Annotated[str, Field(description="one line for results and pictures")] = ""
-    discretisation: Annotated[
-        Discretisation, Field(description="the finite element space")
-    ] = Field(default_factory=Discretisation)
-    support: Annotated[
-        tuple[Support, ...], Field(description="supports, any number")
-    ] = ()
+    discretisation: Annotated[Discretisation, Field(description="the finite element space")] = (
+        Field(default_factory=Discretisation)
+    )
+    support: Annotated[tuple[Support, ...], Field(description="supports, any number")] = ()
     load: Annotated[tuple[Load, ...], Field(description="loads, any number")] = ()
-    contact: Annotated[
-        tuple[Contact, ...], Field(description="contact surfaces, any number")
-    ] = ()
+    contact: Annotated[tuple[Contact, ...], Field(description="contact surfaces, any number")] = ()
     solver: Annotated[SolverSettings, Field(description="the nonlinear solver")] = Field(
         default_factory=SolverSettings
     )

@@ -88,9 +88,7 @@ def _override(data: dict[str, Any], setting: str) -> None:
 
 def _entry(entries: list[Any], name: str, setting: str) -> Any:
     if not name.isdigit() or int(name) >= len(entries):
-        raise InputError(
-            f"--set {setting}: '{name}' must be a number from 0 to {len(entries) - 1}"
-        )
+        raise InputError(f"--set {setting}: '{name}' must be a number from 0 to {len(entries) - 1}")
     return entries[int(name)]
 
 

@@ -1,6 +1,6 @@
 """What a scene may contain, read off the classes: for ``docs/scene.md`` and for hints.
 
-``python -m fenics_contact.scene_reference > docs/scene.md`` writes the page.
+``python docs/make_scene.py`` writes the page.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ def render() -> str:
     text = [
         "# Scene reference",
         "",
-        "Generated from the code by `python -m fenics_contact.scene_reference`; do not edit.",
+        "Generated from the code by `python docs/make_scene.py`; do not edit.",
         "",
         "A scene is a TOML file, or the same frozen dataclasses in Python. Unknown keys are",
         "errors. Units are yours, consistent; nothing is converted. Where a *profile* is",
@@ -149,7 +149,3 @@ def _section(title: str, subtitle: str, table: type) -> list[str]:
         f"| `{k.name}` | {k.accepts} | {k.default} | {k.description} |" for k in keys_of(table)
     ]
     return lines
-
-
-if __name__ == "__main__":
-    print(render(), end="")

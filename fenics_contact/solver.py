@@ -37,9 +37,10 @@ DEFAULT_OPTIONS = {
 # floor grows with |u|, and a body that runs away must not pass for an answer.
 _LARGEST_FLOOR = 1e-6
 
+_NOT_A_NUMBER = -4  # the reason's name differs between PETSc's versions
 _REASONS = {
     -3: "the linear system could not be solved (a singular matrix: is the body held?)",
-    -4: "the forces became infinite or not a number",
+    _NOT_A_NUMBER: "the forces became infinite or not a number",
     -5: "the Newton steps allowed were used up",
     -6: "no step along the Newton direction lowers the energy",
     -9: "the force imbalance grows",
@@ -139,7 +140,7 @@ class _Newton:
         options = PETSc.Options()
         for name, value in DEFAULT_OPTIONS.items():
             if not options.hasName(OPTIONS_PREFIX + name):
-                options[OPTIONS_PREFIX + name] = value
+                options.setValue(OPTIONS_PREFIX + name, value)
         snes.setFromOptions()
         snes.setTolerances(rtol=0.0, atol=0.0, stol=0.0, max_it=settings.max_iterations)
         snes.setConvergenceTest(self._converged)
@@ -212,7 +213,7 @@ class _Newton:
         forces = self.load_norm + self.reaction_norm
         logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
         if not np.isfinite(imbalance):
-            return PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN
+            return _NOT_A_NUMBER
         self.limit = self.problem.scene.solver.tolerance * forces
         # The floor costs a matrix copy, so it is asked for only where it may decide.
         if iteration > 0 and self.limit < imbalance <= _LARGEST_FLOOR * forces:
@@ -282,4 +283,3 @@ class _FactorisationLog:
 
     def seconds(self) -> float:
         return self._read() - self._before
-

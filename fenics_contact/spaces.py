@@ -53,6 +53,7 @@ class Spaces:
         self._scalar: tuple[Any, NDArray[np.int64]] | None = None
         body.mesh.topology.create_connectivity(body.dimension - 1, body.dimension)
         body.mesh.topology.create_connectivity(body.dimension, body.dimension - 1)
+        body.mesh.topology.create_connectivity(body.dimension, body.dimension)
 
     @property
     def bulk(self) -> Any:
@@ -158,9 +159,9 @@ class Spaces:
     def _scalar_space(self) -> tuple[Any, NDArray[np.int64]]:
         """The space of one component, and its dof at every node."""
         if self._scalar is None:
-            space, parents = self.displacement_space.sub(0).collapse()
+            space = fem.functionspace(self.body.mesh, ("Lagrange", self.degree))
             scalar_of_node = np.empty(len(self.coordinates), dtype=np.int64)
-            scalar_of_node[np.asarray(parents) // self.components] = np.arange(len(parents))
+            scalar_of_node[self.displacement_space.dofmap.list] = space.dofmap.list
             self._scalar = (space, scalar_of_node)
         return self._scalar
 

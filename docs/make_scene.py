@@ -1,0 +1,7 @@
+"""Write docs/scene.md from the code: ``python docs/make_scene.py``."""
+
+from pathlib import Path
+
+from fenics_contact.scene_reference import render
+
+Path(__file__).with_name("scene.md").write_text(render(), encoding="utf-8")

@@ -1,0 +1,109 @@
+"""Pictures and a page from the files of a run (``fenics-contact report``)."""
+
+from __future__ import annotations
+
+import json
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from fenics_contact.errors import InputError
+from fenics_contact.pictures import draw_pictures
+
+_PAGE = """<!DOCTYPE html>
+<html lang="en">
+<meta charset="utf-8">
+<title>{title}</title>
+<style>
+body {{ font-family: sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }}
+table {{ border-collapse: collapse; margin: 1rem 0; }}
+td, th {{ padding: .2rem .8rem; border-bottom: 1px solid #ddd; text-align: left; }}
+img {{ max-width: 100%; }}
+.failed {{ color: #b00; font-weight: bold; }}
+</style>
+<h1>{title}</h1>
+<p class="{verdict_class}">{verdict}</p>
+<h2>Checks</h2>
+{checks}
+<h2>Quantities</h2>
+{quantities}
+<h2>Pictures</h2>
+{pictures}
+<h2>Model</h2>
+{model}
+<h2>Time</h2>
+{timings}
+</html>
+"""
+
+
+def write_report(folder: Path) -> list[Path]:
+    """Draw the pictures of a run and write ``report.html`` beside them.
+
+    Args:
+        folder: Output folder of a run.
+
+    Returns:
+        The files written.
+
+    Raises:
+        InputError: The folder holds no result, or one without an answer to draw.
+    """
+    result = _read(folder)
+    if not result["converged"]:
+        raise InputError(f"{folder}: this run did not converge, so there is nothing to draw")
+    pictures = draw_pictures(folder, result)
+    page = folder / "report.html"
+    page.write_text(_page(result, pictures), encoding="utf-8")
+    return [*pictures, page]
+
+
+def _read(folder: Path) -> dict[str, Any]:
+    path = folder / "result.json"
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        raise InputError(f"{path}: not a result of this program: {error}") from None
+
+
+def _page(result: dict[str, Any], pictures: list[Path]) -> str:
+    checks = [["check", "value", "limit", ""]]
+    for name, check in result["checks"].items():
+        verdict = "passed" if check["passed"] else "FAILED"
+        checks.append([_words(name), f"{check['value']:.2e}", f"{check['limit']:.2e}", verdict])
+    passed = all(check["passed"] for check in result["checks"].values())
+    return _PAGE.format(
+        title=escape(result["title"] or "Result"),
+        verdict=escape(result["verdict"]),
+        verdict_class="passed" if passed else "failed",
+        checks=_table(checks),
+        quantities=_table(_rows(result["quantities"])),
+        pictures="\n".join(f'<p><img src="{p.name}" alt="{_words(p.stem)}"></p>' for p in pictures),
+        model=_table(_rows(result["model"])),
+        timings=_table(_rows(result["timings"])),
+    )
+
+
+def _rows(values: dict[str, Any]) -> list[list[str]]:
+    return [[_words(key), _written(value)] for key, value in values.items()]
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _written(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list):
+        return ", ".join(_written(entry) for entry in value)
+    return str(value)
+
+
+def _table(rows: list[list[str]]) -> str:
+    body = "\n".join(
+        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
+    )
+    return f"<table>\n{body}\n</table>"

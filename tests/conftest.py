@@ -1,0 +1,47 @@
+"""Tests run on one rank and on two: the same asserts, on global numbers only."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from fenics_contact import compat  # noqa: F401  (loads FEniCSx in the right order)
+
+from mpi4py import MPI  # isort: skip
+
+COMM = MPI.COMM_WORLD
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_configure(config):
+    if COMM.rank > 0:  # one rank reports
+        reporter = config.pluginmanager.getplugin("terminalreporter")
+        config.pluginmanager.unregister(reporter)
+
+
+def pytest_unconfigure(config):
+    COMM.Barrier()  # a rank that ends early would take the report of rank 0 with it
+
+
+def pytest_collection_modifyitems(config, items):
+    if COMM.size == 1:
+        return
+    serial = [item for item in items if item.get_closest_marker("serial")]
+    config.hook.pytest_deselected(items=serial)
+    items[:] = [item for item in items if not item.get_closest_marker("serial")]
+
+
+def pytest_runtest_logreport(report):
+    """A test that fails on one rank leaves the others waiting: end the run, and say why."""
+    if COMM.size > 1 and report.failed:
+        print(f"\n[rank {COMM.rank}] {report.nodeid}\n{report.longreprtext}", file=sys.stderr)
+        sys.stderr.flush()
+        COMM.Abort(1)
+
+
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    """A temporary folder, the same on every rank."""
+    return COMM.bcast(tmp_path)

@@ -1,0 +1,123 @@
+"""The friction energy against its formula, and its derivatives by Taylor's test."""
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+
+from fenics_contact import Contact, Material, Scene
+from fenics_contact.friction import smoothed_norm
+from fenics_contact.problem import Problem
+from tests.scenes import box_body
+
+COMM = MPI.COMM_WORLD
+EPSILON = 0.1
+
+
+@pytest.mark.parametrize("slip", [0.0, 1e-9, 0.05, 0.1, 0.100001, 3.0])
+def test_smoothed_norm_and_its_slope_follow_the_paper(slip):
+    """(2.6) and (2.8): |v|²/(2ε) and v/ε inside, |v| − ε/2 and v/|v| beyond."""
+    mesh = box_body((2, 2)).mesh
+    vector = fem.Constant(mesh, np.array([0.6, -0.8]) * slip)
+    value = smoothed_norm(vector, fem.Constant(mesh, EPSILON))
+    slope = ufl.diff(smoothed_norm(v := ufl.variable(vector), fem.Constant(mesh, EPSILON)), v)
+
+    def mean(expression):
+        return COMM.allreduce(fem.assemble_scalar(fem.form(expression * ufl.dx(mesh))))
+
+    inside = slip <= EPSILON
+    assert mean(value) == pytest.approx(slip**2 / (2 * EPSILON) if inside else slip - EPSILON / 2)
+    expected = slip / EPSILON if inside else 1.0
+    assert mean(slope[0]) == pytest.approx(0.6 * expected)
+    assert mean(slope[1]) == pytest.approx(-0.8 * expected)
+
+
+def pad(dimension, coefficient=0.4):
+    cells = (3, 2, 2)[:dimension]
+    scene = Scene(
+        kinematics="3D" if dimension == 3 else "plane strain",
+        material=Material(100, 0.3),
+        contact=(
+            Contact(
+                f"{'xyz'[dimension - 1]}0",
+                pressure=lambda x: 2 + x[0],
+                friction_coefficient=coefficient,
+                regularisation_parameter=EPSILON,
+            ),
+        ),
+    )
+    return Problem(scene, box_body(cells))
+
+
+def set_state(problem, x):
+    """Stick (|u_T| < ε) on one half, slip on the other, far from the kink at ε."""
+    points = problem.spaces.coordinates
+    state = np.zeros((len(points), problem.spaces.components))
+    state[:, 0] = np.where(points[:, 0] < 0.4, 0.02, 0.6) + 0.01 * points[:, 1]
+    state[:, 1] = np.where(points[:, 0] < 0.4, 0.03, -0.5)
+    problem.displacement.x.array[:] = state.ravel() + x
+    return state
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_taylor_residual_and_tangent(dimension):
+    """Energy to residual and residual to tangent: remainders of second order."""
+    problem = pad(dimension)
+    energy, residual, tangent = problem.contacts[0].friction
+    coordinates = problem.spaces.coordinates
+    direction = np.stack(
+        [np.sin(3 * coordinates[:, 0] + i) for i in range(problem.spaces.components)], axis=1
+    ).ravel()
+    owned = slice(0, problem.spaces.owned_nodes * problem.spaces.components)
+
+    def evaluate(step):
+        set_state(problem, step * direction)
+        value = COMM.allreduce(fem.assemble_scalar(energy))
+        return value, problem.spaces.assemble(residual).ravel()
+
+    value, slope = evaluate(0.0)
+    matrix = fem.assemble_matrix(tangent)
+    matrix.scatter_reverse()
+    local = matrix.to_scipy()  # owned rows, owned and ghost columns
+    change = (local @ direction[: local.shape[1]])[owned]
+    work = COMM.allreduce(slope[owned] @ direction[owned])
+    steps = (1e-3, 5e-4)
+    first, second = [], []
+    for step in steps:
+        moved, force = evaluate(step)
+        first.append(abs(moved - value - step * work))
+        difference = (force - slope)[owned] - step * change
+        second.append(np.sqrt(COMM.allreduce(difference @ difference)))
+    assert np.log2(first[0] / first[1]) == pytest.approx(2, abs=0.05)
+    if dimension == 2:  # a slipping line force has one direction: the residual is linear
+        assert max(second) < 1e-12
+    else:
+        assert np.log2(second[0] / second[1]) == pytest.approx(2, abs=0.05)
+
+
+@pytest.mark.serial
+def test_tangent_is_symmetric_and_semidefinite():
+    problem = pad(3)
+    set_state(problem, 0.0)
+    matrix = fem.assemble_matrix(problem.contacts[0].friction[2])
+    dense = matrix.to_dense()
+    assert np.abs(dense - dense.T).max() < 1e-12 * np.abs(dense).max()
+    assert np.linalg.eigvalsh(dense).min() > -1e-10 * np.abs(dense).max()
+
+
+def test_friction_resists_slip_and_ignores_normal_motion():
+    problem = pad(3)
+    components = problem.spaces.components
+    residual = problem.contacts[0].friction[1]
+    normal_only = np.zeros((len(problem.spaces.coordinates), components))
+    normal_only[:, 2] = 0.7
+    problem.displacement.x.array[:] = normal_only.ravel()
+    assert np.abs(problem.spaces.assemble(residual)).max() == 0
+    sliding = np.zeros_like(normal_only)
+    sliding[:, 0] = 0.7
+    problem.displacement.x.array[:] = sliding.ravel()
+    force = -problem.spaces.assemble(residual)[: problem.spaces.owned_nodes]
+    total = COMM.allreduce(force.sum(axis=0))
+    # ∫ μ (2 + x) over the unit square of the bottom
+    assert total == pytest.approx([-0.4 * 2.5, 0, 0], abs=1e-12)

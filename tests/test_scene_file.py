@@ -1,0 +1,127 @@
+import re
+
+import pytest
+
+from fenics_contact import InputError, Profile, Scene, load_scene, scene_reference
+from tests.scenes import ROOT
+
+GOOD = """
+kinematics = "plane stress"
+[mesh]
+file = "slab.geo"
+[material]
+youngs_modulus = 1000
+poissons_ratio = 0.3
+[[support]]
+on = "left"
+displacement = { x = 0 }
+[[load]]
+on = "right"
+traction = [-300, 0]
+[[contact]]
+on = "top"
+pressure = 300
+friction_coefficient = 0.3
+"""
+
+
+def write(folder, text):
+    path = folder / "scene.toml"
+    path.write_text(text)
+    return path
+
+
+def test_scene_file_becomes_the_same_dataclasses(folder):
+    scene = load_scene(write(folder, GOOD))
+    assert isinstance(scene, Scene)
+    assert scene.mesh.file == str(folder / "slab.geo")
+    assert scene.contact[0].label == "top"
+    assert scene.load[0].traction == (-300, 0)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("pressure", "presure", r"unknown key 'contact\[0\].presure' \(did you mean 'pressure'"),
+        ("[material]", "[materials]", r"unknown key 'materials' \(did you mean 'material'"),
+        ("x = 0", "q = 0", r"support\[0\].displacement.q"),
+        ("x = 0", "z = 0", r"support\[0\].displacement.z: a plane stress model has only"),
+        ("1000", "-1", r"material.youngs_modulus = -1: must be greater than 0"),
+        ("1000", "0", r"material.youngs_modulus = 0: must be greater than 0"),
+        ("1000", '"stiff"', r"material.youngs_modulus = 'stiff': must be a number"),
+        ("1000", "true", r"material.youngs_modulus = True: must be a number"),
+        ("ratio = 0.3", "ratio = 0.5", r"material.poissons_ratio = 0.5: must be less than 0.5"),
+        ("ratio = 0.3", "ratio = -1", r"material.poissons_ratio = -1: must be greater than -1"),
+        ("ratio = 0.3", "ratio = nan", r"material.poissons_ratio = nan: must be a finite"),
+        ("coefficient = 0.3", "coefficient = -0.3", r"friction_coefficient = -0.3 must be ≥ 0"),
+        ("pressure = 300", "pressure = inf", r"contact\[0\].pressure = inf: must be a finite"),
+        ("pressure = 300", 'pressure = "p"', r"contact\[0\].pressure = 'p': must be a number"),
+        ("pressure = 300\n", "", r"the key 'contact\[0\].pressure' is missing"),
+        ("pressure = 300", 'pressure = {along="x", at=[0,1], valus=[1,2]}', r"'values'"),
+        ("pressure = 300", 'pressure = {along="x", at=[0,1], values=[1,2,3]}', r"at has 2"),
+        ("pressure = 300", 'pressure = {along="x", at=[1,0], values=[1,2]}', r"must increase"),
+        ("[-300, 0]", "[1, 2, 3]", r"load\[0\].traction has 3 entries; .* needs 2"),
+        ("traction", "pressure = 3\ntraction", r"exactly one of traction, pressure"),
+        ("[[load]]", "[load]", r"load = .*: must be a list"),
+        ('"plane stress"', '"plane"', r"kinematics = 'plane': must be 'plane strain', "),
+        ("[-300, 0]", "[-300, 0", r"not valid TOML"),
+        ('file = "slab.geo"', "", r"the key 'mesh.file' is missing"),
+        ('[mesh]\nfile = "slab.geo"', "", r"\[mesh\] is missing"),
+    ],
+)
+def test_bad_scene_gives_one_sentence_with_file_and_key(folder, old, new, message):
+    assert old in GOOD
+    path = write(folder, GOOD.replace(old, new, 1))
+    with pytest.raises(InputError, match=message) as error:
+        load_scene(path)
+    assert str(error.value).startswith(str(path))
+    assert "\n" not in str(error.value)
+
+
+def test_missing_and_binary_files(folder):
+    with pytest.raises(InputError, match="No such file"):
+        load_scene(folder / "nowhere.toml")
+    (folder / "b.toml").write_bytes(b"\xff\xfe\x00\x80")
+    with pytest.raises(InputError, match="UTF-8"):
+        load_scene(folder / "b.toml")
+
+
+def test_overrides_replace_and_add_values(folder):
+    path = write(folder, GOOD)
+    settings = [
+        "contact.0.friction_coefficient=0.5",
+        "solver.tolerance=1e-8",
+        "title=A title",
+        'contact.0.pressure={along="x", at=[0, 8], values=[100, 300]}',
+    ]
+    scene = load_scene(path, settings)
+    assert scene.contact[0].friction_coefficient == 0.5
+    assert scene.solver.tolerance == 1e-8
+    assert scene.title == "A title"
+    assert isinstance(scene.contact[0].pressure, Profile)
+
+
+@pytest.mark.parametrize(
+    "setting", ["nonsense", "=3", "contact.7.pressure=1", "contact.x.pressure=1", "title.a.b=1"]
+)
+def test_bad_overrides_are_named(folder, setting):
+    path = write(folder, 'title = "t"\n' + GOOD)
+    with pytest.raises(InputError, match=re.escape(setting)):
+        load_scene(path, [setting])
+
+
+def test_two_contacts_of_one_name_are_refused(folder):
+    path = write(folder, GOOD + '[[contact]]\non = "top"\npressure = 1\n')
+    with pytest.raises(InputError, match="two contacts are called 'top'"):
+        load_scene(path)
+
+
+def test_scene_reference_is_generated_from_the_code():
+    page = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
+    assert page == scene_reference.render(), "run: python docs/make_scene.py"
+
+
+def test_scene_reference_describes_every_key():
+    for line in scene_reference.render().splitlines():
+        if line.startswith("| `"):
+            assert all(cell.strip() for cell in line.strip("|").split("|")), line

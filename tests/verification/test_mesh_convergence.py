@@ -1,0 +1,55 @@
+"""Error against h for the slab: the specification's rates, capped by its corners."""
+
+import numpy as np
+import pytest
+from dolfinx import fem
+from mpi4py import MPI
+
+from fenics_contact import Run
+from tests.scenes import slab
+
+pytestmark = pytest.mark.serial  # an interpolation between two meshes and a fine solve
+COMM = MPI.COMM_WORLD
+
+
+@pytest.fixture(scope="module")
+def reference():
+    """Q2 on 256 × 32 squares, with its stiffness for the energy norm."""
+    prepared = Run(slab(300, cells=(256, 32), epsilon=1e-12), COMM)
+    prepared.solve()
+    stiffness = fem.assemble_matrix(prepared.problem.stiffness).to_scipy()
+    return prepared, stiffness
+
+
+def relative_error(reference, **kwargs):
+    prepared, stiffness = reference
+    fine = prepared.problem.spaces.displacement_space
+    coarse = Run(slab(300, epsilon=1e-12, **kwargs), COMM)
+    assert coarse.solve().passed
+    cells = np.arange(fine.mesh.topology.index_map(2).size_local, dtype=np.int32)
+    source = coarse.problem.displacement
+    data = fem.create_interpolation_data(fine, source.function_space, cells, 1e-10)
+    moved = fem.Function(fine)
+    moved.interpolate_nonmatching(source, cells, data)
+    exact = prepared.solution.displacement.ravel()
+    error = moved.x.array - exact
+    return np.sqrt(error @ (stiffness @ error) / (exact @ (stiffness @ exact)))
+
+
+@pytest.mark.parametrize(
+    ("cell", "degree", "coarsest", "rate"),
+    [
+        ("triangle", 1, 0.109, 0.78),
+        ("quadrilateral", 1, 0.102, 0.87),
+        ("triangle", 2, 0.0362, 1.0),
+        ("quadrilateral", 2, 0.0262, 1.0),
+    ],
+)
+def test_relative_energy_error_against_mesh_size(reference, cell, degree, coarsest, rate):
+    """h = 1, 1/2, 1/4, 1/8: the first error as tabled, the last rate at least as tabled."""
+    errors = [
+        relative_error(reference, cells=(8 * n, n), cell=cell, degree=degree) for n in (1, 2, 4, 8)
+    ]
+    rates = np.log2(np.divide(errors[:-1], errors[1:]))
+    print(cell, degree, errors, rates)
+    assert rates[-1] >= rate - 0.02
