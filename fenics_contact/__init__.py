@@ -14,7 +14,7 @@ from fenics_contact.errors import (
 )
 from fenics_contact.mesh import Body, Group
 from fenics_contact.result import Check, ContactPoints, Result
-from fenics_contact.run import Run, run
+from fenics_contact.simulation import Run, run
 from fenics_contact.scene import (
     Contact,
     Discretisation,

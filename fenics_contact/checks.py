@@ -22,9 +22,10 @@ Array = NDArray[np.float64]
 # Round-off of sums and traces, beside the imbalance that the solver accepted.
 _ROUND_OFF = 1e-9
 _TRACE = 1e-6
-# Boundary stress against reactions differs at first order in the facet size (the
-# stick-slip edge caps it); measured .1 to 1.5 times h / L over degrees and meshes.
-_STRESS_ORDER_ONE = 3.0
+# Boundary stress against reactions: first order in the facet size h (corners and the
+# stick-slip edge cap it). Over 250 random scenes, from 2 facets up, the difference was at
+# most 4.2 h/L with degree 1 and .36 h/L with degree 2.
+_STRESS_OVER_SIZE = {1: 10.0, 2: 2.5}
 
 
 def run_checks(problem: Problem, solution: Solution, reactions: Array) -> dict[str, Check]:
@@ -157,7 +158,8 @@ def dissipation(problem: Problem, solution: Solution) -> Check:
 def boundary_stress(problem: Problem, solution: Solution) -> Check:
     """∫ σ(u) n over each contact against its pressure and friction resultants.
 
-    Relative to ∫ (p + g). The two agree at first order in the facet size.
+    Relative to ∫ (p + g + mean stress of the body): where the contact carries little,
+    the error of the stress is still that of the body's. First order in the facet size.
     """
     spaces = problem.spaces
     size = spaces.components
@@ -167,6 +169,7 @@ def boundary_stress(problem: Problem, solution: Solution) -> Check:
         [sum(cauchy[i, j] * normal[j] for j in range(size)) for i in range(size)]
     )
     test = ufl.TestFunction(spaces.displacement_space)
+    typical = _mean_stress(problem, solution)
     worst = Check(0.0, np.inf)
     for contact, force in zip(problem.contacts, solution.friction_force, strict=True):
         measure = spaces.boundary(contact.group)
@@ -174,11 +177,22 @@ def boundary_stress(problem: Problem, solution: Solution) -> Check:
         found = total(problem.comm, nodal[: spaces.owned_nodes].sum(axis=0))
         pressure = contact.contact_pressure[:, None] * contact.normals
         given = total(problem.comm, force[contact.owned].sum(axis=0)) - contact.integral(pressure)
-        scale = contact.integral(contact.contact_pressure + contact.friction_bound) or 1.0
+        carried = contact.contact_pressure + contact.friction_bound + typical
         check = Check(
-            float(np.linalg.norm(found - given) / scale),
-            _STRESS_ORDER_ONE * contact.relative_facet_size(),
+            float(np.linalg.norm(found - given) / (contact.integral(carried) or 1.0)),
+            _STRESS_OVER_SIZE[spaces.degree] * contact.relative_facet_size(),
         )
         if check.value / check.limit >= worst.value / worst.limit:
             worst = check
     return worst
+
+
+def _mean_stress(problem: Problem, solution: Solution) -> float:
+    """Root mean square stress of the body, √(E a(u, u) / volume)."""
+    spaces = problem.spaces
+    owned = slice(0, spaces.owned_nodes)
+    energy = total(
+        problem.comm, np.sum(solution.displacement[owned] * solution.internal_force[owned])
+    )
+    volume = total(problem.comm, fem.assemble_scalar(fem.form(spaces.weight * spaces.bulk)))
+    return float(np.sqrt(max(energy, 0.0) * problem.material.youngs_modulus / volume))

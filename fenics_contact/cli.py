@@ -14,7 +14,7 @@ from mpi4py import MPI
 from fenics_contact import files
 from fenics_contact.errors import FenicsContactError
 from fenics_contact.parallel import on_root
-from fenics_contact.run import Run
+from fenics_contact.simulation import Run
 from fenics_contact.scene import Scene
 from fenics_contact.scene_file import load_scene
 from fenics_contact.summary import print_model, print_result
@@ -99,7 +99,9 @@ def guarded(action: Callable[[], int], comm: MPI.Comm = MPI.COMM_WORLD) -> int:
         print("fenics-contact: interrupted", file=sys.stderr)
         code = INTERRUPTED
     except (OSError, MemoryError) as error:
-        print(f"fenics-contact: the machine failed: {error or 'out of memory'}", file=sys.stderr)
+        print(
+            f"fenics-contact: the machine failed: {str(error) or 'out of memory'}", file=sys.stderr
+        )
         code = MACHINE_FAILED
     except Exception:
         traceback.print_exc()
@@ -118,7 +120,7 @@ def _scene_command(options: argparse.Namespace) -> int:
     prepared = Run(scene, comm)
     model = prepared.model
     if comm.rank == 0:
-        print_model(scene, model)
+        print_model(scene, model, prepared.contacts())
     return 0
 
 

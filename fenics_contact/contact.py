@@ -5,6 +5,7 @@ One object per ``[[contact]]``; the only place that knows what the body touches.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,11 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from fenics_contact.errors import InputError
-from fenics_contact.friction import friction_energy, prescribed_pressure_energy
+from fenics_contact.friction import (
+    friction_energy,
+    prescribed_pressure_energy,
+    primal_dual_residual,
+)
 from fenics_contact.parallel import largest, smallest, total
 from fenics_contact.scene import Contact, Value
 from fenics_contact.spaces import Spaces
@@ -23,6 +28,21 @@ OPEN, STICK, SLIP = "OPEN", "STICK", "SLIP"
 # ε = this × g h / E: a stuck point creeps by less than ε, which changes the stress
 # near it by about E ε / h, so the bias is of this order whatever the mesh.
 _REGULARISATION_SHARE = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionForms:
+    """The friction term of one contact.
+
+    Attributes:
+        energy: j_ε as a UFL form.
+        residual: Its first derivative, compiled.
+        tangent: The primal-dual tangent, compiled.
+    """
+
+    energy: Any
+    residual: Any
+    tangent: Any
 
 
 class ContactSurface:
@@ -36,7 +56,7 @@ class ContactSurface:
         friction_bound: g = coefficient × pressure at the points (stress).
         regularisation_parameter: ε as used (length), 0 without friction.
         pressure_load: Compiled linear form of the pressure's work, or None.
-        friction: Compiled (energy, residual, tangent) of j_ε, or None.
+        friction: The forms of j_ε, or None without friction.
     """
 
     def __init__(
@@ -121,7 +141,7 @@ class ContactSurface:
         work = -prescribed_pressure_energy(test, self.normal, pressure, spaces.weight, self.measure)
         return fem.form(work)
 
-    def _friction_forms(self, displacement: Any) -> tuple[Any, Any, Any] | None:
+    def _friction_forms(self, displacement: Any) -> FrictionForms | None:
         spaces = self.spaces
         if self.regularisation_parameter == 0:
             return None
@@ -130,12 +150,57 @@ class ContactSurface:
         energy = friction_energy(
             displacement, self.normal, bound, epsilon, spaces.weight, self.measure
         )
-        residual = ufl.derivative(energy, displacement)
-        return (
-            fem.form(energy),
-            fem.form(residual),
-            fem.form(ufl.derivative(residual, displacement)),
+        self._direction = fem.Function(spaces.displacement_space)
+        self._length = spaces.nodal_function("length", np.zeros(0), self.nodes[:0], empty=1.0)
+        modified = primal_dual_residual(
+            displacement,
+            ufl.TestFunction(spaces.displacement_space),
+            self.normal,
+            bound,
+            epsilon,
+            self._direction,
+            self._length,
+            spaces.weight,
+            self.measure,
         )
+        self.stick_all()
+        return FrictionForms(
+            energy,
+            fem.form(ufl.derivative(energy, displacement)),
+            fem.form(ufl.derivative(modified, displacement)),
+        )
+
+    def stick_all(self) -> None:
+        """Set the tangent to the adhesive start: u_T = 0 and no friction yet."""
+        self._slip = np.zeros((len(self.nodes), self.spaces.components))
+        self._dual = np.zeros_like(self._slip)
+        self._set_tangent_state()
+
+    def follow(self, displacement: NDArray[np.float64]) -> None:
+        """Move the tangent to a new state: q by its own linearised equation, |q| ≤ 1.
+
+        Args:
+            displacement: Nodal displacements of this rank, shape (nodes, components).
+        """
+        slip = self.slip(displacement)
+        lengths, directions = self._lengths_and_directions()
+        lengthening = np.einsum("ij,ij->i", directions, slip - self._slip)
+        dual = (slip - self._dual * lengthening[:, None]) / lengths[:, None]
+        self._dual = dual / np.maximum(np.linalg.norm(dual, axis=1), 1.0)[:, None]
+        self._slip = slip
+        self._set_tangent_state()
+
+    def _lengths_and_directions(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """max(|u_T|, ε) and its gradient, u_T/|u_T| where slipping and 0 where sticking."""
+        size = np.linalg.norm(self._slip, axis=1)
+        slips = size > self.regularisation_parameter
+        directions = np.where(slips[:, None], self._slip / np.where(slips, size, 1.0)[:, None], 0.0)
+        return np.maximum(size, self.regularisation_parameter), directions
+
+    def _set_tangent_state(self) -> None:
+        components = self.spaces.components
+        self._direction.x.array.reshape(-1, components)[self.nodes] = self._dual
+        self.spaces.set_nodal(self._length, self._lengths_and_directions()[0], self.nodes)
 
     def slip(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
         """u_T at the contact points, shape (points, components) (length).

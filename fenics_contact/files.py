@@ -17,7 +17,7 @@ from fenics_contact.errors import InputError
 from fenics_contact.fields import write_fields
 from fenics_contact.parallel import on_root
 from fenics_contact.result import ContactPoints, Result
-from fenics_contact.run import Run
+from fenics_contact.simulation import Run
 
 CSV_HEADER = [
     *("contact", "x", "y", "z", "nx", "ny", "nz", "gap", "contact_pressure"),

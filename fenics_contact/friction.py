@@ -21,10 +21,17 @@ def smoothed_norm(slip: Any, regularisation_parameter: Any) -> Any:
     """φ_ε(v) = |v|²/(2ε) for |v| ≤ ε, |v| − ε/2 beyond (paper, (2.6); length)."""
     epsilon = regularisation_parameter
     square = ufl.dot(slip, slip)
-    sticks = ufl.le(square, epsilon**2)
+    inside = square / (2 * epsilon)
+    beyond = smoothed_length(slip, epsilon) - epsilon / 2
+    return ufl.conditional(ufl.le(square, epsilon**2), inside, beyond)
+
+
+def smoothed_length(slip: Any, regularisation_parameter: Any) -> Any:
+    """max(|v|, ε), by which φ_ε′(v) = v / max(|v|, ε) (paper, (2.8); length)."""
+    epsilon = regularisation_parameter
+    square = ufl.dot(slip, slip)
     # The root is kept away from 0, where its derivative is not a number.
-    length = ufl.sqrt(ufl.conditional(sticks, epsilon**2, square))
-    return ufl.conditional(sticks, square / (2 * epsilon), length - epsilon / 2)
+    return ufl.sqrt(ufl.conditional(ufl.le(square, epsilon**2), epsilon**2, square))
 
 
 def friction_energy(
@@ -38,6 +45,32 @@ def friction_energy(
     """j_ε(v) = ∫ g φ_ε(v_T) (paper, (2.7))."""
     slip = tangential(jump, normal)
     return weight * friction_bound * smoothed_norm(slip, regularisation_parameter) * measure
+
+
+def primal_dual_residual(
+    jump: Any,
+    test: Any,
+    normal: Any,
+    friction_bound: Any,
+    regularisation_parameter: Any,
+    direction: Any,
+    length: Any,
+    weight: Any,
+    measure: Any,
+) -> Any:
+    """A form whose derivative in the jump is the primal-dual tangent of j_ε.
+
+    With q = φ_ε′ as an unknown of its own, q max(|u_T|, ε) = u_T is linear in q, and
+    Newton's method on the pair converges for any ε where that on u alone does not
+    (T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999) 1964-1977).
+
+    Args:
+        direction: q, a coefficient with |q| ≤ 1.
+        length: max(|u_T|, ε) at the present state, a coefficient.
+    """
+    slip = tangential(jump, normal)
+    defect = slip - direction * smoothed_length(slip, regularisation_parameter)
+    return weight * friction_bound / length * ufl.dot(defect, tangential(test, normal)) * measure
 
 
 def prescribed_pressure_energy(

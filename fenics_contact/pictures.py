@@ -234,7 +234,7 @@ def _look(plotter: Any, body: Any, flat: bool) -> None:
 
 def _add_body(plotter: Any, body: Any, factor: float) -> None:
     """The undeformed outline in grey, the deformed body in colour, its cells in white."""
-    plotter.add_mesh(_edges(_surface(body), creases=True), color="grey", line_width=2)
+    plotter.add_mesh(_edges(_surface(body)), color="grey", line_width=2)
     smooth = _surface(body, subdivision=3).warp_by_vector("displacement", factor=factor)
     bar = {
         "color": "black",
@@ -248,7 +248,7 @@ def _add_body(plotter: Any, body: Any, factor: float) -> None:
         "fmt": "%.3g",
     }
     plotter.add_mesh(smooth, scalars="von Mises stress", cmap="viridis", scalar_bar_args=bar)
-    cells = _edges(_surface(body.separate_cells(), subdivision=3), creases=False)
+    cells = _edges(_surface(body.separate_cells(), subdivision=3))
     cells = cells.warp_by_vector("displacement", factor=factor)
     cells.points[:, 2] += 1e-4 * body.length  # in front of the faces of a flat body
     plotter.add_mesh(cells, color="white", line_width=2)
@@ -266,9 +266,9 @@ def _surface(grid: Any, subdivision: int = 1) -> Any:
     return pyvista.wrap(surface.GetOutput())
 
 
-def _edges(surface: Any, creases: bool) -> Any:
+def _edges(surface: Any) -> Any:
     return surface.extract_feature_edges(
-        boundary_edges=True, feature_edges=creases, manifold_edges=False, non_manifold_edges=False
+        boundary_edges=True, feature_edges=True, manifold_edges=False, non_manifold_edges=False
     )
 
 

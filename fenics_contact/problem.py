@@ -173,7 +173,8 @@ class Problem:
                 terms.append(Term(f"contact pressure on {contact.label}", (contact.pressure_load,)))
         for contact in self.frictional:
             assert contact.friction is not None
-            terms.append(Term(f"regularised friction on {contact.label}", contact.friction))
+            forms = (contact.friction.residual, contact.friction.tangent)
+            terms.append(Term(f"regularised friction on {contact.label}", forms))
         return terms
 
     def _load_term(self, number: int, load: Load) -> list[Term]:

@@ -26,7 +26,7 @@ logger = logging.getLogger(__name__)
 OPTIONS_PREFIX = "fenics_contact_"
 # What the user sets (PETSC_OPTIONS, or petsc4py's Options) wins over these.
 DEFAULT_OPTIONS = {
-    "snes_linesearch_type": "bt",
+    "snes_linesearch_type": "basic",
     "ksp_type": "preonly",
     "pc_type": "lu",
     "pc_factor_mat_solver_type": "mumps",
@@ -42,7 +42,7 @@ _REASONS = {
     -3: "the linear system could not be solved (a singular matrix: is the body held?)",
     _NOT_A_NUMBER: "the forces became infinite or not a number",
     -5: "the Newton steps allowed were used up",
-    -6: "no step along the Newton direction lowers the energy",
+    -6: "the line search found no step",
     -9: "the force imbalance grows",
 }
 
@@ -86,7 +86,9 @@ def solve(problem: Problem, timings: Timings | None = None) -> Solution:
 
 
 class _Newton:
-    """SNES with the energy as its merit function, so that every step descends."""
+    """SNES with full steps: from the adhesive start, with the primal-dual tangent, line
+    searches on the residual or the energy only cost steps, or stall in round-off.
+    """
 
     def __init__(self, problem: Problem, timings: Timings) -> None:
         self.problem = problem
@@ -136,7 +138,6 @@ class _Newton:
         snes.setOptionsPrefix(OPTIONS_PREFIX)
         snes.setFunction(self._set_residual, self.residual)
         snes.setJacobian(self._set_tangent, self.tangent)
-        snes.setObjective(lambda snes, state: self._energy(state))
         options = PETSc.Options()
         for name, value in DEFAULT_OPTIONS.items():
             if not options.hasName(OPTIONS_PREFIX + name):
@@ -150,6 +151,8 @@ class _Newton:
         """The adhesive start: nothing has slipped; supports stand at their values."""
         self.state.set(0.0)
         owned = self.problem.constrained < self.owned_size
+        for contact in self.problem.frictional:
+            contact.stick_all()
         with self.state as array:
             array[self.owned_constrained] = self.problem.prescribed[owned]
 
@@ -158,12 +161,17 @@ class _Newton:
         state.copy(self.unknown)
         self.problem.displacement.x.scatter_forward()
 
+    def _nodal_displacement(self) -> NDArray[np.float64]:
+        """The present displacement, shape (nodes, components), ghosts included."""
+        array = self.problem.displacement.x.array
+        return array.reshape(-1, self.problem.spaces.components)
+
     def _friction_residual(self) -> NDArray[np.float64]:
         """Derivative of Σ j_ε at the present displacement, flat, owned dofs."""
         forces = np.zeros(self.owned_size)
         for contact in self.problem.frictional:
             assert contact.friction is not None
-            nodal = self.problem.spaces.assemble(contact.friction[1])
+            nodal = self.problem.spaces.assemble(contact.friction.residual)
             forces += nodal.reshape(-1)[: self.owned_size]
         return forces
 
@@ -181,26 +189,14 @@ class _Newton:
         with self.timings.phase("assemble"):
             self._take(state)
             self.stiffness.copy(tangent, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+            displacement = self._nodal_displacement()
             for contact in self.problem.frictional:
                 assert contact.friction is not None
-                fem_petsc.assemble_matrix(tangent, contact.friction[2])
+                contact.follow(displacement)
+                fem_petsc.assemble_matrix(tangent, contact.friction.tangent)
             tangent.assemble()
             rows = self.owned_constrained.astype(PETSc.IntType)
             tangent.zeroRowsColumnsLocal(rows, diag=1.0)
-
-    def _energy(self, state: Any) -> float:
-        """I_ε = ½ a(v, v) − f(v) + Σ j_ε(v), global."""
-        with self.timings.phase("assemble"):
-            self._take(state)
-            self.stiffness.mult(state, self.work)
-            elastic = 0.5 * self.work.dot(state)
-            work = total(self.comm, self.load[: self.owned_size] @ state.array_r)
-            local = sum(
-                fem.assemble_scalar(contact.friction[0])
-                for contact in self.problem.frictional
-                if contact.friction is not None
-            )
-            return elastic - work + total(self.comm, local)
 
     def _converged(self, snes: Any, iteration: int, norms: tuple[float, float, float]) -> Any:
         """Stop when the force imbalance is small against the forces, or is round-off.
@@ -254,14 +250,14 @@ class _Newton:
         internal.x.array[: self.owned_size] = self.work.array_r
         internal.x.scatter_forward()
         friction = [
-            -spaces.assemble(contact.friction[1])[contact.nodes]
+            -spaces.assemble(contact.friction.residual)[contact.nodes]
             if contact.friction is not None
             else np.zeros((len(contact.nodes), spaces.components))
             for contact in self.problem.contacts
         ]
         shape = (-1, spaces.components)
         return Solution(
-            displacement=self.problem.displacement.x.array.reshape(shape).copy(),
+            displacement=self._nodal_displacement().copy(),
             internal_force=internal.x.array.reshape(shape).copy(),
             friction_force=friction,
             residual_history=tuple(self.history),

@@ -150,11 +150,16 @@ class Spaces:
         self, name: str, values: NDArray[np.float64], nodes: NDArray[np.int32], empty: float = 0.0
     ) -> Any:
         """A scalar function with given values at some nodes and ``empty`` at the others."""
-        space, scalar_of_node = self._scalar_space()
-        function = fem.Function(space, name=name)
+        function = fem.Function(self._scalar_space()[0], name=name)
         function.x.array[:] = empty
-        function.x.array[scalar_of_node[nodes]] = values
+        self.set_nodal(function, values, nodes)
         return function
+
+    def set_nodal(
+        self, function: Any, values: NDArray[np.float64], nodes: NDArray[np.int32]
+    ) -> None:
+        """Set a scalar nodal function at some nodes."""
+        function.x.array[self._scalar_space()[1][nodes]] = values
 
     def _scalar_space(self) -> tuple[Any, NDArray[np.int64]]:
         """The space of one component, and its dof at every node."""

@@ -27,7 +27,7 @@ _SHOWN = (
 )
 
 
-def print_model(scene: Scene, model: Mapping[str, Any]) -> None:
+def print_model(scene: Scene, model: Mapping[str, Any], contacts: list[dict[str, Any]]) -> None:
     """Say what would be modelled: ``fenics-contact check``."""
     console = Console()
     table = _table("", "")
@@ -39,6 +39,13 @@ def print_model(scene: Scene, model: Mapping[str, Any]) -> None:
     console.print("Energy terms modelled:")
     for term in model["terms"]:
         console.print(f"  {term}", markup=False)
+    for contact in contacts:
+        console.print(
+            f"Contact {contact['name']}: {contact['contact']}, friction law {contact['law']}, "
+            f"regularisation parameter {contact['parameters']['regularisation_parameter']:.3g}",
+            markup=False,
+            highlight=False,
+        )
     console.print("The scene can be run: supports and friction can hold the loads.")
 
 

@@ -64,7 +64,8 @@ def set_state(problem, x):
 def test_taylor_residual_and_tangent(dimension):
     """Energy to residual and residual to tangent: remainders of second order."""
     problem = pad(dimension)
-    energy, residual, tangent = problem.contacts[0].friction
+    contact = problem.contacts[0]
+    energy, residual = fem.form(contact.friction.energy), contact.friction.residual
     coordinates = problem.spaces.coordinates
     direction = np.stack(
         [np.sin(3 * coordinates[:, 0] + i) for i in range(problem.spaces.components)], axis=1
@@ -77,7 +78,12 @@ def test_taylor_residual_and_tangent(dimension):
         return value, problem.spaces.assemble(residual).ravel()
 
     value, slope = evaluate(0.0)
-    matrix = fem.assemble_matrix(tangent)
+    # Where q is the direction of the slip, the primal-dual tangent is Newton's own.
+    state = set_state(problem, 0.0)
+    contact.stick_all()
+    contact.follow(state)
+    contact.follow(state)
+    matrix = fem.assemble_matrix(contact.friction.tangent)
     matrix.scatter_reverse()
     local = matrix.to_scipy()  # owned rows, owned and ghost columns
     change = (local @ direction[: local.shape[1]])[owned]
@@ -99,17 +105,34 @@ def test_taylor_residual_and_tangent(dimension):
 @pytest.mark.serial
 def test_tangent_is_symmetric_and_semidefinite():
     problem = pad(3)
-    set_state(problem, 0.0)
-    matrix = fem.assemble_matrix(problem.contacts[0].friction[2])
+    state = set_state(problem, 0.0)
+    contact = problem.contacts[0]
+    contact.follow(state)
+    contact.follow(state)
+    matrix = fem.assemble_matrix(contact.friction.tangent)
     dense = matrix.to_dense()
     assert np.abs(dense - dense.T).max() < 1e-12 * np.abs(dense).max()
     assert np.linalg.eigvalsh(dense).min() > -1e-10 * np.abs(dense).max()
 
 
+@pytest.mark.serial
+def test_tangent_on_the_way_is_positive():
+    """With |q| < 1 the tangent resists every tangential motion, slipping or not."""
+    problem = pad(3)
+    contact = problem.contacts[0]
+    contact.stick_all()
+    contact.follow(0.4 * set_state(problem, 0.0))
+    dense = fem.assemble_matrix(contact.friction.tangent).to_dense()
+    tangential = contact.nodes[:, None] * 3 + np.arange(2)
+    rows = np.sort(tangential.ravel())
+    block = dense[np.ix_(rows, rows)]
+    assert np.linalg.eigvalsh(block + block.T).min() > -1e-10
+
+
 def test_friction_resists_slip_and_ignores_normal_motion():
     problem = pad(3)
     components = problem.spaces.components
-    residual = problem.contacts[0].friction[1]
+    residual = problem.contacts[0].friction.residual
     normal_only = np.zeros((len(problem.spaces.coordinates), components))
     normal_only[:, 2] = 0.7
     problem.displacement.x.array[:] = normal_only.ravel()

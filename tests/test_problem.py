@@ -45,7 +45,7 @@ TWO_LOADS = dataclasses.replace(
                 "elastic energy": [CELL],
                 "traction on right": [BOUNDARY],
                 "contact pressure on top": [BOUNDARY],
-                "regularised friction on top": [BOUNDARY] * 3,
+                "regularised friction on top": [BOUNDARY] * 2,
             },
         ),
         (
@@ -64,7 +64,7 @@ TWO_LOADS = dataclasses.replace(
                 "pressure on right": [BOUNDARY],
                 "body force on slab": [CELL],
                 "contact pressure on top": [BOUNDARY],
-                "regularised friction on top": [BOUNDARY] * 3,
+                "regularised friction on top": [BOUNDARY] * 2,
             },
         ),
     ],

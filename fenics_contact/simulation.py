@@ -96,8 +96,9 @@ class Run:
             return self._unconverged(error)
         return self._evaluate(solution)
 
-    def _contacts(self, quantities: list[dict[str, Any]]) -> list[dict[str, Any]]:
-        """``contacts`` of ``result.json``."""
+    def contacts(self, quantities: list[dict[str, Any]] | None = None) -> list[dict[str, Any]]:
+        """``contacts`` of ``result.json``, with the quantities of each once there are any."""
+        quantities = quantities or [{} for _ in self.problem.contacts]
         return [
             {
                 "name": contact.label,
@@ -133,7 +134,7 @@ class Run:
             converged=True,
             verdict=_verdict(checks),
             model=self.model,
-            contacts=self._contacts(by_contact),
+            contacts=self.contacts(by_contact),
             supports=supports,
             quantities=quantities,
             steps=[step],
@@ -157,7 +158,7 @@ class Run:
             converged=False,
             verdict=f"No answer: {error}.",
             model=self.model,
-            contacts=self._contacts([{} for _ in self.problem.contacts]),
+            contacts=self.contacts(),
             quantities={},
             steps=[step],
             checks={},

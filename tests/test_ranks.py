@@ -1,0 +1,111 @@
+"""The same numbers on any number of ranks: each rank alone against all together."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import Contact, Load, Material, Run, Scene, Support, run
+from fenics_contact.errors import InputError
+from fenics_contact.parallel import gather_rows, largest, on_root, raise_together, smallest, total
+from tests.scenes import box_body, slab
+
+COMM = MPI.COMM_WORLD
+
+
+def assert_same(alone, together):
+    for key, value in alone.quantities.items():
+        assert together.quantities[key] == pytest.approx(value, rel=1e-9, abs=1e-9), key
+    for name in ("coordinates", "normals", "friction_traction", "slip", "weights"):
+        first, second = getattr(alone.points, name), getattr(together.points, name)
+        assert np.abs(first - second).max() <= 1e-9 * max(1.0, np.abs(first).max()), name
+    assert (alone.points.status == together.points.status).all()
+    assert set(alone.checks) == set(together.checks)
+    assert together.passed
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        slab(300, cells=(32, 4)),
+        slab(700, cells=(32, 4), cell="triangle", degree=1),
+        slab(300, cells=(32, 4), cell="triangle", order=2, pressure=lambda x: 100 + 25 * x[0]),
+        slab(719.99, cells=(16, 2), held=False),
+    ],
+    ids=["Q2", "P1", "P2 curved, varying pressure", "held by friction"],
+)
+def test_slab_alone_and_together(scene):
+    assert_same(run(scene, MPI.COMM_SELF), run(scene, COMM))
+
+
+def pads():
+    """A strip with a rough pad at its right end only, and a second, smooth one."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        load=(Load("x1", traction=(20, 0)),),
+        contact=(
+            Contact("rough", pressure=50, friction_coefficient=0.3),
+            Contact("smooth", pressure=10),
+        ),
+    )
+    patches = {
+        "rough": ("y1", lambda x: x[0] > 7.5),
+        "smooth": ("y1", lambda x: x[0] < 0.5),
+    }
+    return scene, lambda comm: box_body((64, 4), (8, 0.5), comm=comm, patches=patches)
+
+
+def test_contact_that_misses_a_rank():
+    scene, body = pads()
+    prepared = Run(scene, COMM, body(COMM))
+    facets = prepared.problem.body.boundary("rough", "contact[0].on")
+    local = len(prepared.problem.body.entities(facets))
+    fewest = COMM.allreduce(local, op=MPI.MIN)
+    assert COMM.size == 1 or fewest == 0, "the partition no longer leaves a rank without contact"
+    together = prepared.solve()
+    assert_same(run(scene, MPI.COMM_SELF, body(MPI.COMM_SELF)), together)
+    assert together.quantities["slip_area"] > 0
+
+
+def test_block_alone_and_together():
+    scene = Scene(
+        kinematics="3D",
+        material=Material(1000, 0.3),
+        support=(Support("z1", {"x": 0, "y": 0, "z": 0}),),
+        load=(Load("x0", traction=(30, 10, 0)),),
+        contact=(Contact("z0", pressure=20, friction_coefficient=0.5),),
+    )
+    alone = run(scene, MPI.COMM_SELF, box_body((4, 4, 2), comm=MPI.COMM_SELF))
+    together = run(scene, COMM, box_body((4, 4, 2)))
+    assert_same(alone, together)
+    slipping = alone.points.status == "SLIP"
+    assert slipping.any() and not slipping.all()
+    traction, slip = alone.points.friction_traction[slipping], alone.points.slip[slipping]
+    opposite = -10 * slip / np.linalg.norm(slip, axis=1)[:, None]
+    assert traction == pytest.approx(opposite, abs=1e-6)
+
+
+def test_reductions_over_ranks_that_hold_nothing():
+    mine = np.array([3.0 + COMM.rank]) if COMM.rank == COMM.size - 1 else np.zeros(0)
+    assert largest(COMM, mine) == 2.0 + COMM.size
+    assert smallest(COMM, mine) == 2.0 + COMM.size
+    assert largest(COMM, np.zeros(0), empty=-1.0) == -1.0
+    assert smallest(COMM, np.zeros(0), empty=-1.0) == -1.0
+    assert total(COMM, mine.sum()) == 2.0 + COMM.size
+    rows = gather_rows(COMM, np.full((COMM.rank, 2), float(COMM.rank)))
+    assert rows.shape == (COMM.size * (COMM.size - 1) // 2, 2)
+
+
+def test_errors_are_raised_on_every_rank():
+    def fail():
+        raise InputError("only rank 0 was asked")
+
+    with pytest.raises(InputError, match="only rank 0"):
+        on_root(COMM, fail)
+    with pytest.raises(RuntimeError, match="ZeroDivisionError"):
+        on_root(COMM, lambda: 1 // 0)
+    mine = InputError("from the last rank") if COMM.rank == COMM.size - 1 else None
+    with pytest.raises(InputError, match="from the last rank"):
+        raise_together(COMM, mine)
+    assert on_root(COMM, lambda: 7) == 7
