@@ -14,7 +14,6 @@ from fenics_contact.errors import (
 )
 from fenics_contact.mesh import Body, Group
 from fenics_contact.result import Check, ContactPoints, Result
-from fenics_contact.simulation import Run, run
 from fenics_contact.scene import (
     Contact,
     Discretisation,
@@ -27,6 +26,7 @@ from fenics_contact.scene import (
     Support,
 )
 from fenics_contact.scene_file import load_scene
+from fenics_contact.simulation import Run, run
 
 __all__ = [
     "Body",

@@ -14,9 +14,9 @@ from mpi4py import MPI
 from fenics_contact import files
 from fenics_contact.errors import FenicsContactError
 from fenics_contact.parallel import on_root
-from fenics_contact.simulation import Run
 from fenics_contact.scene import Scene
 from fenics_contact.scene_file import load_scene
+from fenics_contact.simulation import Run
 from fenics_contact.summary import print_model, print_result
 
 MACHINE_FAILED = 5

@@ -65,8 +65,15 @@ def primal_dual_residual(
     (T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999) 1964-1977).
 
     Args:
+        jump: Displacement jump, the unknown (length).
+        test: Test function of the jump's space.
+        normal: Outward unit normal.
+        friction_bound: g (stress).
+        regularisation_parameter: ε (length).
         direction: q, a coefficient with |q| ≤ 1.
-        length: max(|u_T|, ε) at the present state, a coefficient.
+        length: max(|u_T|, ε) at the present state, a coefficient (length).
+        weight: Factor of the integral (2πr where axisymmetric).
+        measure: Measure of the contact surface.
     """
     slip = tangential(jump, normal)
     defect = slip - direction * smoothed_length(slip, regularisation_parameter)

@@ -226,7 +226,9 @@ def _look(plotter: Any, body: Any, flat: bool) -> None:
     """Fill the window, leaving room for the title above and the colour bar below."""
     plotter.enable_parallel_projection()
     plotter.camera_position = "xy" if flat else "iso"
-    if flat:
+    if not flat:
+        plotter.camera.zoom(0.8)
+    else:
         left, right, low, high = body.bounds[:4]
         across = 1.15 * (right - left) * _WINDOW[1] / _WINDOW[0]
         plotter.camera.parallel_scale = 0.5 * max(across, 1.7 * (high - low))
@@ -237,6 +239,7 @@ def _add_body(plotter: Any, body: Any, factor: float) -> None:
     plotter.add_mesh(_edges(_surface(body)), color="grey", line_width=2)
     smooth = _surface(body, subdivision=3).warp_by_vector("displacement", factor=factor)
     bar = {
+        "title": "von Mises stress\n",  # the line break keeps it off the numbers
         "color": "black",
         "width": 0.5,
         "height": 0.14,

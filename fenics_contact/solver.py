@@ -86,8 +86,10 @@ def solve(problem: Problem, timings: Timings | None = None) -> Solution:
 
 
 class _Newton:
-    """SNES with full steps: from the adhesive start, with the primal-dual tangent, line
-    searches on the residual or the energy only cost steps, or stall in round-off.
+    """SNES with full steps.
+
+    From the adhesive start, with the primal-dual tangent, line searches on the residual
+    or the energy only cost steps, or stall in round-off.
     """
 
     def __init__(self, problem: Problem, timings: Timings) -> None:
