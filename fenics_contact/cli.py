@@ -12,12 +12,14 @@ from pathlib import Path
 from mpi4py import MPI
 
 from fenics_contact import files
-from fenics_contact.errors import FenicsContactError
+from fenics_contact.errors import FenicsContactError, InputError
 from fenics_contact.parallel import on_root
 from fenics_contact.scene import Scene
 from fenics_contact.scene_file import load_scene
 from fenics_contact.simulation import Run
 from fenics_contact.summary import print_model, print_result
+
+logger = logging.getLogger(__name__)
 
 MACHINE_FAILED = 5
 INTERRUPTED = 130
@@ -52,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     report.add_argument("folder", metavar="DIR", type=Path)
     options = parser.parse_args(arguments)
     if options.command == "report":
-        return guarded(lambda: _report(options.folder))
+        return guarded(lambda: on_root(MPI.COMM_WORLD, lambda: _report(options.folder)))
     _log_to_terminal(options)
     return guarded(lambda: _scene_command(options))
 
@@ -131,11 +133,19 @@ def _solve(scene: Scene, folder: Path, pictures: bool) -> int:
     result = prepared.solve()
     with prepared.timings.phase("output"):
         files.write(prepared, result, folder)
-    if comm.rank == 0:
+    if comm.rank == 0 and (logger.isEnabledFor(logging.INFO) or not result.passed):
         print_result(result, folder)
     if pictures and result.converged:
-        on_root(comm, lambda: _report(folder))
+        on_root(comm, lambda: _draw(folder))
     return result.exit_code
+
+
+def _draw(folder: Path) -> None:
+    """Pictures after a run: the answer stands without them."""
+    try:
+        _report(folder)
+    except InputError as error:
+        logger.warning("no pictures: %s", error)
 
 
 def _report(folder: Path) -> int:

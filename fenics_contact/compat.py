@@ -14,32 +14,63 @@ from typing import Any
 if importlib.util.find_spec("dolfinx_solver") is not None:
     import dolfinx_solver  # noqa: F401
 
+import basix.ufl
 import dolfinx
+import dolfinx.graph
+import dolfinx.io
+import dolfinx.mesh
 import numpy as np
 import ufl
 from dolfinx import fem
+from dolfinx.mesh import exterior_facet_indices
 from mpi4py import MPI
 from numpy.typing import NDArray
 
 DOLFINX_VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 
 
-def model_to_mesh(model: Any, comm: MPI.Comm, dimension: int) -> tuple[Any, Any, Any]:
-    """Gmsh model on rank 0 to a distributed mesh with its cell and facet tags."""
-    if DOLFINX_VERSION >= (0, 10):
-        from dolfinx.io import gmsh as gmsh_import
+def create_mesh(
+    comm: MPI.Comm,
+    cell: str,
+    order: int,
+    points: NDArray[np.float64],
+    cells: NDArray[np.int64],
+) -> Any:
+    """A distributed mesh from the points and cells of rank 0 (none on the others)."""
+    element = basix.ufl.element(
+        "Lagrange",
+        cell,
+        order,
+        lagrange_variant=basix.LagrangeVariant.equispaced,
+        shape=(points.shape[1],),
+    )
+    # By keywords: the order of the arguments differs between the versions.
+    return dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=ufl.Mesh(element))
 
-        data = gmsh_import.model_to_mesh(model, comm, 0, gdim=dimension)
-        return data.mesh, data.cell_tags, data.facet_tags
-    from dolfinx.io import gmshio
 
-    found = gmshio.model_to_mesh(model, comm, 0, gdim=dimension)
-    return found[0], found[1], found[2]
+def distributed_tags(
+    mesh: Any, dimension: int, entities: NDArray[np.int64], tags: NDArray[np.int32]
+) -> Any:
+    """Mesh tags of entities given on rank 0 by their nodes."""
+    local, values = dolfinx.io.distribute_entity_data(mesh, dimension, entities, tags)
+    mesh.topology.create_connectivity(dimension, mesh.topology.dim)
+    adjacency = dolfinx.graph.adjacencylist(local)
+    return dolfinx.mesh.meshtags_from_entities(
+        mesh, dimension, adjacency, values.astype(np.int32, copy=False)
+    )
+
+
+def exterior_facets(mesh: Any) -> NDArray[np.int32]:
+    """Owned facets on the boundary of the body."""
+    mesh.topology.create_connectivity(mesh.topology.dim - 1, mesh.topology.dim)
+    return dolfinx.mesh.exterior_facet_indices(mesh.topology)
 
 
 def boundary_entities(topology: Any, facets: NDArray[np.int32]) -> NDArray[np.int32]:
     """(cell, local facet) pairs of the owned exterior facets, as measures take them."""
     kind = fem.IntegralType.exterior_facet
+    # From 0.10 on, facets inside the body are not left out by themselves.
+    facets = np.intersect1d(facets, exterior_facet_indices(topology)).astype(np.int32)
     if DOLFINX_VERSION >= (0, 10):
         return fem.compute_integration_domains(kind, topology, facets)
     return fem.compute_integration_domains(kind, topology, facets, topology.dim - 1)
@@ -51,10 +82,9 @@ def interpolation_points(element: Any) -> NDArray[np.float64]:
     return points() if callable(points) else points
 
 
-def cell_geometry_dofmap(mesh: Any) -> NDArray[np.int32]:
-    """Geometry nodes of every local cell, shape (cells, nodes per cell)."""
-    geometry = mesh.geometry
-    return geometry.dofmap if DOLFINX_VERSION < (0, 11) else geometry.dofmaps[0]
+def is_tensor_cell(mesh: Any) -> bool:
+    """Whether the cells are quadrilaterals or hexahedra."""
+    return mesh.topology.cell_name() in ("quadrilateral", "hexahedron")
 
 
 def integral_types(form: Any) -> list[str]:

@@ -13,6 +13,7 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from fenics_contact import compat
 from fenics_contact.errors import InputError
 from fenics_contact.friction import (
     friction_energy,
@@ -25,8 +26,8 @@ from fenics_contact.spaces import Spaces
 
 OPEN, STICK, SLIP = "OPEN", "STICK", "SLIP"
 
-# ε = this × g h / E: a stuck point creeps by less than ε, which changes the stress
-# near it by about E ε / h, so the bias is of this order whatever the mesh.
+# ε = this × g h / E, h the shortest edge at the contact: a stuck point creeps by less
+# than ε, which changes the stress near it by about E ε / h, so the bias is of this order.
 _REGULARISATION_SHARE = 1e-5
 
 
@@ -60,7 +61,12 @@ class ContactSurface:
     """
 
     def __init__(
-        self, contact: Contact, key: str, spaces: Spaces, displacement: Any, youngs_modulus: float
+        self,
+        contact: Contact,
+        key: str,
+        spaces: Spaces,
+        displacement: Any,
+        reference_modulus: float,
     ) -> None:
         self.contact = contact
         self.label = contact.label
@@ -73,7 +79,7 @@ class ContactSurface:
         if contact.law == "none":
             coefficient = np.zeros_like(coefficient)
         self.friction_bound = coefficient * self.contact_pressure
-        self.regularisation_parameter = self._regularisation(youngs_modulus)
+        self.regularisation_parameter = self._regularisation(reference_modulus)
         self.pressure_load = self._pressure_form()
         self.friction = self._friction_forms(displacement)
 
@@ -109,27 +115,69 @@ class ContactSurface:
             raise InputError(f"{key}: its smallest value is {lowest:g}, but it must be ≥ 0")
         return values
 
-    def _regularisation(self, youngs_modulus: float) -> float:
+    def _regularisation(self, reference_modulus: float) -> float:
         """The scene's ε, or one whose bias in force and peak traction is below .1 %."""
         strongest = largest(self.spaces.comm, self.friction_bound)
         if strongest == 0:
             return 0.0
         if self.contact.regularisation_parameter != "auto":
             return float(self.contact.regularisation_parameter)
-        facet_size = smallest(self.spaces.comm, self._facet_sizes())
-        return _REGULARISATION_SHARE * strongest * facet_size / youngs_modulus
+        return _REGULARISATION_SHARE * strongest * self._smallest_edge() / reference_modulus
 
-    def _facet_sizes(self) -> NDArray[np.float64]:
-        """Diameters of this rank's contact facets (length)."""
-        mesh = self.spaces.body.mesh
-        return mesh.h(mesh.topology.dim - 1, self.spaces.body.entities(self.group))
+    def _smallest_edge(self) -> float:
+        """Shortest edge of the cells at the contact (length): flat ones are stiff."""
+        topology = self.spaces.body.mesh.topology
+        topology.create_entities(1)
+        topology.create_connectivity(topology.dim, 1)
+        topology.create_connectivity(1, topology.dim)  # which `h` asks for
+        entities = compat.boundary_entities(topology, self.spaces.body.entities(self.group))
+        cells = np.unique(np.asarray(entities).reshape(-1, 2)[:, 0])
+        links = topology.connectivity(topology.dim, 1)
+        edges = [np.zeros(0, dtype=np.int32), *(links.links(cell) for cell in cells)]
+        lengths = self.spaces.body.mesh.h(1, np.unique(np.concatenate(edges)))
+        return smallest(self.spaces.comm, lengths)
 
     def relative_facet_size(self) -> float:
         """Largest facet over the extent of the contact surface; collective."""
-        comm = self.spaces.comm
-        points = self.spaces.coordinates[self.nodes].T
-        extent = [largest(comm, axis) - smallest(comm, axis) for axis in points]
-        return largest(comm, self._facet_sizes()) / float(np.linalg.norm(extent))
+        spaces = self.spaces
+        mesh = spaces.body.mesh
+        facets = spaces.body.entities(self.group)
+        points = spaces.coordinates[spaces.nodes(self.group)].T
+        extent = [largest(spaces.comm, axis) - smallest(spaces.comm, axis) for axis in points]
+        size = largest(spaces.comm, mesh.h(mesh.topology.dim - 1, facets))
+        return size / float(np.linalg.norm(extent))
+
+    def _held(self, constrained: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Which components of the points a support holds, shape (points, components)."""
+        components = self.spaces.components
+        held = np.zeros(len(self.spaces.coordinates) * components, dtype=bool)
+        held[constrained] = True
+        return held.reshape(-1, components)[self.nodes]
+
+    def free_along_surface(
+        self, constrained: NDArray[np.int64]
+    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Where nothing but friction acts along the surface.
+
+        Args:
+            constrained: Local indices of the dofs that supports prescribe.
+
+        Returns:
+            Components along which no support acts, shape (points, components); and the
+            points that can move along such a one. A support at an angle to the surface
+            counts for all of a point, since its reaction has a part in every direction.
+        """
+        held = self._held(constrained)
+        tangential = 1 - self.normals**2 > 1e-9
+        held_tangentially = held & tangential
+        oblique = (held_tangentially & (self.normals**2 > 1e-9)).any(axis=1)
+        movable = held_tangentially.sum(axis=1) < self.spaces.components - 1
+        return ~held_tangentially, movable & ~oblique
+
+    def held_axes(self, constrained: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Along which axes supports hold more than a tenth of the surface; collective."""
+        held = self.integral(self._held(constrained).astype(np.float64))
+        return held > 0.1 * self.integral(np.ones(len(self.nodes)))
 
     def _pressure_form(self) -> Any:
         """The work f on Γ_C as a linear form: minus the derivative of ∫ p v_n."""

@@ -155,9 +155,8 @@ def _resisted_modes(problem: Problem, rigid: _RigidModes, modes: Array) -> tuple
         )
     values, vectors = np.linalg.eigh(gram)
     scaled = modes @ (vectors / np.sqrt(values))
-    scaled_force = force @ scaled
-    scaled_force[np.abs(scaled_force) <= 1e-12 * size] = 0.0
-    return scaled, scaled_force
+    force[np.abs(force) <= 1e-12 * size] = 0.0
+    return scaled, force @ scaled
 
 
 def _used_share(comm: Any, points: tuple[Array, Array], force: Array) -> tuple[float, Array]:

@@ -14,6 +14,7 @@ from fenics_contact.problem import Problem
 from fenics_contact.quantities import status
 from fenics_contact.solver import Solution
 
+_NO_NODES = np.zeros(0, dtype=np.int32)
 # Values of the field `status`.
 NO_CONTACT, FIELD_OPEN, FIELD_STICK, FIELD_SLIP = -1.0, 0.0, 1.0, 2.0
 
@@ -42,8 +43,8 @@ def nodal_stress(problem: Problem) -> Any:
         # u_r / r has no value on the axis itself: look from a millionth inside.
         points = points + 1e-6 * (points.mean(axis=0) - points)
     cells = np.arange(mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32)
-    expression = fem.Expression(problem.stress(problem.displacement), points)
-    values = expression.eval(mesh, cells).reshape(len(cells), -1, 9)
+    expression = fem.Expression(problem.elastic.stress(), points)
+    values = expression.eval(mesh, cells).reshape(len(cells), len(points), 9)
     stress, count = fem.Function(space, name="stress"), fem.Function(space)
     nodes = space.dofmap.list[cells]
     np.add.at(stress.x.array.reshape(-1, 9), nodes, values)
@@ -56,19 +57,23 @@ def nodal_stress(problem: Problem) -> Any:
 
 
 def _contact_functions(problem: Problem, solution: Solution) -> list[Any]:
-    """Contact pressure, friction traction and status as functions on the body."""
+    """Contact pressure, friction traction and status as functions on the body.
+
+    At a point of two contacts the pressure and status are those of the later one, and the
+    traction is the force of both over the area of both.
+    """
     spaces = problem.spaces
-    nodes = np.concatenate([np.zeros(0, dtype=np.int32), *(c.nodes for c in problem.contacts)])
-    pressure, traction, state = [np.zeros(0)], [np.zeros((0, spaces.components))], [np.zeros(0)]
+    pressure = spaces.nodal_function("contact_pressure", np.zeros(0), _NO_NODES)
+    state = spaces.nodal_function("status", np.zeros(0), _NO_NODES, NO_CONTACT)
+    forces = np.zeros_like(solution.displacement)
+    areas = np.zeros(len(forces))
     for contact, force in zip(problem.contacts, solution.friction_force, strict=True):
-        pressure.append(contact.contact_pressure)
-        traction.append(force / contact.weights[:, None])
+        spaces.set_nodal(pressure, contact.contact_pressure, contact.nodes)
         found = status(contact, solution.displacement)
-        state.append(
-            np.select([found == OPEN, found == STICK], [FIELD_OPEN, FIELD_STICK], FIELD_SLIP)
-        )
-    return [
-        spaces.nodal_function("contact_pressure", np.concatenate(pressure), nodes),
-        spaces.vector_function("friction_traction", np.concatenate(traction), nodes),
-        spaces.nodal_function("status", np.concatenate(state), nodes, NO_CONTACT),
-    ]
+        values = np.select([found == OPEN, found == STICK], [FIELD_OPEN, FIELD_STICK], FIELD_SLIP)
+        spaces.set_nodal(state, values, contact.nodes)
+        forces[contact.nodes] += force
+        areas[contact.nodes] += contact.weights
+    nodes = np.flatnonzero(areas).astype(np.int32)
+    traction = forces[nodes] / areas[nodes, None]
+    return [pressure, spaces.vector_function("friction_traction", traction, nodes), state]

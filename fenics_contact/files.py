@@ -5,7 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import math
-import os
+import re
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -35,13 +36,18 @@ def require_writable(folder: Path, comm: MPI.Comm) -> None:
 
 
 def _require_writable(folder: Path) -> None:
-    existing = folder
-    while not existing.exists() and existing != existing.parent:
-        existing = existing.parent
-    if not existing.is_dir():
-        raise InputError(f"--out '{folder}': '{existing}' is not a folder")
-    if not os.access(existing, os.W_OK | os.X_OK):
-        raise InputError(f"--out '{folder}': '{existing}' cannot be written to")
+    """Make the folder and a file in it, and take away again what was not there."""
+    made = [path for path in (folder, *folder.parents) if not path.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(f"--out '{folder}': cannot be written to: {error.strerror}") from None
+    finally:
+        for path in made:
+            if path.is_dir():
+                path.rmdir()
 
 
 def write(run: Run, result: Result, folder: Path) -> None:
@@ -57,12 +63,17 @@ def write(run: Run, result: Result, folder: Path) -> None:
     on_root(comm, lambda: _write_tables(result, folder))
 
 
+# Files of a run and of its report, and nothing else that may lie in the folder.
+_OWN_FILES = re.compile(
+    r"result\.json|contact\.csv|report\.html|deformed\.png|contact_\d+\.png|"
+    r"fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
+)
+
+
 def _clear(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    stale = ["result.json", "contact.csv", "report.html", "fields*.pvd", "fields*.vtu"]
-    stale += ["fields*.pvtu", "*.png"]
-    for pattern in stale:
-        for path in folder.glob(pattern):
+    for path in folder.iterdir():
+        if _OWN_FILES.fullmatch(path.name):
             path.unlink()
 
 

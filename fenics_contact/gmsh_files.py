@@ -1,24 +1,40 @@
-"""The room for Gmsh: geometries and mesh files to a ``Body``.
+"""Geometries and mesh files to a ``Body``, with Gmsh in a process of its own.
 
-Gmsh runs on rank 0 only; what goes wrong there is raised on every rank.
+Rank 0 has Gmsh mesh or read the file and examines the result; what goes wrong there is
+raised on every rank. Then the cells are dealt out.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+import io
+import json
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from mpi4py import MPI
+from numpy.typing import NDArray
 
-from fenics_contact import compat
+from fenics_contact import compat, mesh_arrays
 from fenics_contact.errors import InputError
-from fenics_contact.mesh import Body, Group
+from fenics_contact.geometry_script import require_harmless, require_mesh
+from fenics_contact.mesh import Body
+from fenics_contact.mesh_arrays import MeshArrays
 from fenics_contact.parallel import on_root
 from fenics_contact.scene import MeshSource
 
-_CELLS = {"triangle": 0, "quadrilateral": 1}  # Gmsh's Mesh.RecombineAll
+_KINDS = {".geo": "geo", ".msh": "msh", ".step": "cad", ".stp": "cad", ".brep": "cad"}
+_CAD_FORMATS = {".step": "step", ".stp": "step", ".brep": "brep"}
+# Of reading a mesh that exists; meshing a geometry may take what it needs.
+_BASE_MEMORY, _MEMORY_PER_BYTE = 4 * 2**30, 100
+_BASE_SECONDS, _SECONDS_PER_BYTE = 60.0, 2e-6
+# Length units of STEP files by their SI prefix, as Gmsh calls them.
+_STEP_UNITS = {"$": "M", ".MILLI.": "MM", ".CENTI.": "CM", ".KILO.": "KM", ".MICRO.": "UM"}
 
 
 def load_body(source: MeshSource, dimension: int, comm: MPI.Comm) -> Body:
@@ -30,135 +46,137 @@ def load_body(source: MeshSource, dimension: int, comm: MPI.Comm) -> Body:
         comm: Communicator; collective.
 
     Raises:
-        InputError: The file is missing, Gmsh refuses it, or it has no usable groups.
+        InputError: The file is missing, Gmsh refuses it, or its mesh is unsound.
     """
-    with _session(comm):
-        groups = on_root(comm, lambda: _build(source, dimension))
-        model: Any = None
-        if comm.rank == 0:
-            import gmsh
+    arrays: list[MeshArrays] = []  # stays on rank 0
 
-            model = gmsh.model
-        mesh, cell_tags, facet_tags = compat.model_to_mesh(model, comm, dimension)
-    return Body(mesh, cell_tags, facet_tags, groups, source.file)
+    def prepare() -> tuple[Any, ...]:
+        made = _load(source, dimension)
+        arrays.append(made)
+        return made.cell, made.order, made.facets.shape[1], made.groups, made.numbers
+
+    cell, order, facet_nodes, groups, numbers = on_root(comm, prepare)
+    if arrays:
+        made = arrays.pop()
+        points, cells, cell_tags = made.points, made.cells, made.cell_tags
+        facets, facet_tags = made.facets, made.facet_tags
+    else:
+        nodes = mesh_arrays.nodes_of(cell, order)
+        points, cells = np.zeros((0, dimension)), np.zeros((0, nodes), dtype=np.int64)
+        facets = np.zeros((0, facet_nodes), dtype=np.int64)
+        cell_tags, facet_tags = np.zeros(0, dtype=np.int32), np.zeros(0, dtype=np.int32)
+    mesh = compat.create_mesh(comm, cell, order, points, cells)
+    return Body(
+        mesh,
+        compat.distributed_tags(mesh, dimension, cells, cell_tags),
+        compat.distributed_tags(mesh, dimension - 1, facets, facet_tags),
+        groups,
+        source.file,
+        numbers,
+    )
 
 
-@contextmanager
-def _session(comm: MPI.Comm) -> Iterator[None]:
-    """A quiet Gmsh on rank 0, ended whatever happens."""
-    if comm.rank != 0:
-        yield
-        return
-    import gmsh
-
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    try:
-        yield
-    finally:
-        gmsh.finalize()
-
-
-def _build(source: MeshSource, dimension: int) -> dict[str, Group]:
-    """Fill Gmsh's model with a mesh in which every part has its own tag."""
-    import gmsh
-
+def _load(source: MeshSource, dimension: int) -> MeshArrays:
+    """The mesh of a file, examined; on rank 0."""
     path = Path(source.file)
     if not path.is_file():
         raise InputError(f"mesh.file = '{source.file}': there is no such file")
-    if path.suffix not in (".geo", ".msh"):
-        raise InputError(f"mesh.file = '{source.file}': must end in .geo or .msh")
+    suffix = path.suffix.lower()
+    if suffix not in _KINDS:
+        raise InputError(f"mesh.file = '{source.file}': must end in {_either(_KINDS)}")
+    _check_settings(source, _KINDS[suffix])
+    description, read = _run_gmsh(source, _job(source, path, suffix, dimension))
+    return mesh_arrays.build(read, description, source.groups, dimension, source.file)
+
+
+def _check_settings(source: MeshSource, kind: str) -> None:
+    """Settings that the kind of file has no use for are mistakes."""
+    meshing = {
+        "cell": source.cell != "as meshed",
+        "order": source.order != 1,
+        "size": source.size is not None,
+        "curvature": source.curvature is not None,
+    }
+    given = [key for key, is_given in meshing.items() if is_given]
+    if kind == "msh" and (given or source.parameters):
+        raise InputError(
+            f"mesh.file = '{source.file}' is a mesh already: "
+            f"{', '.join(given or ['parameters'])} cannot change it"
+        )
+    if kind == "cad" and source.parameters:
+        raise InputError(f"mesh.parameters: only .geo files have parameters, not '{source.file}'")
+
+
+def _job(source: MeshSource, path: Path, suffix: str, dimension: int) -> dict[str, Any]:
+    """What ``gmsh_process`` is to do."""
+    kind = _KINDS[suffix]
+    job: dict[str, Any] = {"kind": kind, "file": source.file, "dimension": dimension, "memory": 0}
+    if kind != "cad":  # which is no script, and is read without Gmsh's way of opening files
+        require_harmless(path)
+    if kind == "msh":
+        memory = _BASE_MEMORY + _MEMORY_PER_BYTE * path.stat().st_size
+        return job | {"version": require_mesh(path), "memory": memory}
+    job |= {
+        "cell": source.cell,
+        "order": source.order,
+        "size": source.size,
+        "curvature": source.curvature,
+    }
+    if kind == "geo":
+        return job | {"parameters": dict(source.parameters)}
+    form = _CAD_FORMATS[suffix]
+    return job | {"format": form, "unit": _step_unit(path) if form == "step" else ""}
+
+
+def _step_unit(path: Path) -> str:
+    """The length unit of a STEP file, so that its numbers come in as they are."""
+    text = path.read_bytes().decode("latin-1")
+    found = re.search(r"CONVERSION_BASED_UNIT\s*\(\s*'(INCH|FOOT|FT)'", text, re.IGNORECASE)
+    if found is not None:
+        return "INCH" if found[1].upper() == "INCH" else "FT"
+    si = re.search(r"SI_UNIT\s*\(\s*(\$|\.\w+\.)\s*,\s*\.METRE\.\s*\)", text)
+    return _STEP_UNITS.get(si[1], "") if si is not None else ""
+
+
+def _run_gmsh(
+    source: MeshSource, job: Mapping[str, Any]
+) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Run ``gmsh_process`` on a job: the model's description and the mesh's arrays."""
+    program = Path(__file__).with_name("gmsh_process.py")
+    # -P: the modules of this package must not stand in for those that Gmsh's imports want.
+    command = [sys.executable, "-P", "-B", str(program), json.dumps(job)]
+    where = f"mesh.file = '{source.file}'"
+    seconds = None
+    if job["kind"] == "msh":
+        seconds = _BASE_SECONDS + _SECONDS_PER_BYTE * Path(source.file).stat().st_size
     try:
-        if path.suffix == ".geo":
-            _mesh_geometry(source, dimension)
-        elif source.parameters or source.cell != "as meshed" or source.order != 1:
-            raise InputError(
-                f"mesh.file = '{source.file}' is a mesh already: "
-                "parameters, cell and order are only for .geo files"
-            )
-        else:
-            gmsh.open(source.file)
-        return _tag_parts(source.file, dimension)
-    except InputError:
-        raise
-    except Exception as error:  # Gmsh raises plain Exceptions
-        raise InputError(f"mesh.file = '{source.file}': Gmsh says: {error}") from None
-
-
-def _mesh_geometry(source: MeshSource, dimension: int) -> None:
-    import gmsh
-
-    known = _constants(source.file) if source.parameters else []
-    for name, value in source.parameters.items():
-        if name not in known:
-            raise InputError(
-                f"mesh.parameters.{name} = {value:g}: {source.file} defines no such constant; "
-                f"it has: {', '.join(known) or 'none'}"
-            )
-        gmsh.parser.setNumber(name, [value])
-    if source.cell != "as meshed":
-        gmsh.option.setNumber("Mesh.RecombineAll", _CELLS[source.cell])
-    gmsh.option.setNumber("Mesh.ElementOrder", source.order)
-    gmsh.merge(source.file)  # unlike `open`, it keeps the values just set
-    for name, value in source.parameters.items():
-        if list(gmsh.parser.getNumber(name)) != [value]:
-            raise InputError(
-                f"mesh.parameters.{name} = {value:g}: {source.file} overwrites it; "
-                "let the file set it with DefineConstant"
-            )
-    gmsh.model.mesh.generate(dimension)
-
-
-def _constants(file: str) -> list[str]:
-    """Names of the variables of a geometry, found by reading it once."""
-    import gmsh
-
-    gmsh.open(file)
-    names = list(gmsh.parser.getNames())
-    gmsh.clear()
-    gmsh.parser.clear()
-    gmsh.onelab.clear()  # it remembers the constants' own values and would restore them
-    return names
-
-
-def _tag_parts(file: str, dimension: int) -> dict[str, Group]:
-    """Replace the physical groups by one tag a geometric part.
-
-    A facet can then belong to several of the user's groups, which dolfinx's
-    mesh tags (one value a facet) could not say.
-    """
-    import gmsh
-
-    groups: dict[str, Group] = {}
-    for group_dimension, tag in gmsh.model.getPhysicalGroups():
-        if group_dimension < dimension - 1:
-            continue
-        name = gmsh.model.getPhysicalName(group_dimension, tag) or str(tag)
-        parts = gmsh.model.getEntitiesForPhysicalGroup(group_dimension, tag)
-        groups[name] = Group(int(group_dimension), tuple(int(part) for part in parts))
-    cells = {part for g in groups.values() if g.dimension == dimension for part in g.tags}
-    if not cells:
-        kind = "Physical Surface" if dimension == 2 else "Physical Volume"
-        raise InputError(
-            f"mesh.file = '{file}': has no {kind}, so it is not known what the body is"
+        done = subprocess.run(
+            command, stdin=subprocess.DEVNULL, capture_output=True, check=False, timeout=seconds
         )
-    _check_cells(file, dimension, cells)
-    gmsh.model.removePhysicalGroups()
-    for part_dimension in (dimension - 1, dimension):
-        for part in {p for g in groups.values() if g.dimension == part_dimension for p in g.tags}:
-            gmsh.model.addPhysicalGroup(part_dimension, [part], part)
-    return groups
+    except subprocess.TimeoutExpired:
+        raise InputError(f"{where}: Gmsh cannot read it in {seconds:.0f} s; damaged?") from None
+    if done.returncode == -signal.SIGKILL:
+        raise MemoryError(f"{where}: Gmsh was killed, most likely for want of memory")
+    if done.returncode != 0 or not done.stdout:
+        raise InputError(f"{where}: Gmsh {_end(done)}; is the file damaged?")
+    with np.load(io.BytesIO(done.stdout), allow_pickle=False) as data:
+        arrays = dict(data)
+    description = json.loads(str(arrays.pop("description")))
+    if "refused" in description:
+        raise InputError(description["refused"])
+    if "gmsh" in description:
+        raise InputError(f"{where}: Gmsh says: {description['gmsh']}")
+    return description, arrays
 
 
-def _check_cells(file: str, dimension: int, parts: set[int]) -> None:
-    """All cells must be of one type, and there must be some."""
-    import gmsh
+def _end(done: subprocess.CompletedProcess[bytes]) -> str:
+    """How a process ended that gave no mesh."""
+    if done.returncode < 0:
+        return f"crashed on it ({signal.Signals(-done.returncode).name})"
+    last = done.stderr.decode("utf-8", "replace").strip().splitlines()[-1:]
+    return f"gave no mesh ({' '.join(last) or 'it ended early'})"
 
-    kinds = {k for part in parts for k in gmsh.model.mesh.getElementTypes(dimension, part)}
-    names = sorted(gmsh.model.mesh.getElementProperties(kind)[0] for kind in kinds)
-    if not names:
-        raise InputError(f"mesh.file = '{file}': the body has no cells of dimension {dimension}")
-    if len(names) > 1:
-        raise InputError(
-            f"mesh.file = '{file}': mixes cells ({', '.join(names)}); all must be of one type"
-        )
+
+def _either(words: Mapping[str, str]) -> str:
+    *first, last = words
+    return f"{', '.join(first)} or {last}"

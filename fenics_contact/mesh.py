@@ -3,21 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact import compat
 from fenics_contact.errors import InputError
+from fenics_contact.parallel import largest, smallest, total
 
 
 @dataclass(frozen=True)
 class Group:
-    """A physical group: its topological dimension and the tags of its parts."""
+    """A physical group: its topological dimension and the tags of its parts.
+
+    Attributes:
+        dimension: That of the body, or one less.
+        tags: Values of the mesh tags.
+        outside: How many of its facets are no sides of the body's cells.
+        centre: Where a numbered part is, for messages.
+    """
 
     dimension: int
     tags: tuple[int, ...]
+    outside: int = 0
+    centre: tuple[float, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +41,8 @@ class Body:
         facet_tags: dolfinx mesh tags of the facets.
         groups: Name → group; groups may share parts.
         source: What messages call this mesh, such as its file name.
+        numbers: Number → group: physical groups by their tags, or, where the boundary
+            has none, its geometric parts.
     """
 
     mesh: Any
@@ -37,6 +50,7 @@ class Body:
     facet_tags: Any
     groups: Mapping[str, Group]
     source: str = "the mesh"
+    numbers: Mapping[str, Group] = field(default_factory=dict)
 
     @property
     def dimension(self) -> int:
@@ -44,26 +58,71 @@ class Body:
         return self.mesh.topology.dim
 
     def group(self, name: str, key: str) -> Group:
-        """A group by name.
+        """A group by name, or by number; collective.
 
         Raises:
-            InputError: There is none of that name; the message lists those there are.
+            InputError: There is none of that name (the message lists those there are), or
+                it is empty, or not part of the body.
         """
-        if name not in self.groups:
-            known = ", ".join(sorted(self.groups)) or "none"
+        group = self.groups.get(name) or self.numbers.get(name)
+        if group is None:
             raise InputError(
-                f"{key} = '{name}': {self.source} has no such physical group; it has: {known}"
+                f"{key} = '{name}': {self.source} has no such physical group; "
+                f"it has: {self._known()}"
             )
-        return self.groups[name]
+        kind = "cells" if group.dimension == self.dimension else "facets"
+        if group.outside:
+            raise InputError(
+                f"{key} = '{name}': {group.outside} of its {kind} are no sides of the body's cells"
+            )
+        if total(self.mesh.comm, len(self._owned(group))) == 0:
+            raise InputError(f"{key} = '{name}': the group is empty, it has no {kind}")
+        return group
 
     def boundary(self, name: str, key: str) -> Group:
-        """A group of facets by name; an error if it is one of cells."""
+        """A group of facets on the boundary of the body, by name; collective.
+
+        Raises:
+            InputError: As for ``group``; or it is one of cells, or lies inside the body.
+        """
         group = self.group(name, key)
         if group.dimension != self.dimension - 1:
             raise InputError(f"{key} = '{name}': must be a boundary, not a part of the body")
+        facets = self._owned(group)
+        inside = np.setdiff1d(facets, compat.exterior_facets(self.mesh))
+        count, every = (int(total(self.mesh.comm, len(found))) for found in (inside, facets))
+        if count:
+            raise InputError(
+                f"{key} = '{name}': {count} of its {every} facets lie inside the body; "
+                "all must be on its boundary"
+            )
         return group
+
+    def require_radii(self) -> None:
+        """Refuse a mesh that reaches over the axis of revolution x = 0; collective."""
+        radii = self.mesh.geometry.x[:, 0]
+        least = smallest(self.mesh.comm, radii)
+        if least < -1e-9 * largest(self.mesh.comm, radii):
+            raise InputError(
+                f"kinematics = 'axisymmetric': x is the radius, but {self.source} reaches down to "
+                f"x = {least:g}; it must be ≥ 0"
+            )
 
     def entities(self, group: Group) -> NDArray[np.int32]:
         """Local indices (owned and ghost, sorted) of the cells or facets of a group."""
         tags = self.cell_tags if group.dimension == self.dimension else self.facet_tags
         return tags.indices[np.isin(tags.values, group.tags)]
+
+    def _owned(self, group: Group) -> NDArray[np.int32]:
+        self.mesh.topology.create_entities(group.dimension)
+        entities = self.entities(group)
+        return entities[entities < self.mesh.topology.index_map(group.dimension).size_local]
+
+    def _known(self) -> str:
+        """Names of the groups, and numbers of the geometric parts with their places."""
+        names = sorted(self.groups)
+        for number, group in sorted(self.numbers.items(), key=lambda item: int(item[0])):
+            if group.centre and number not in self.groups:
+                place = ", ".join(f"{value:.4g}" for value in group.centre)
+                names.append(f"{number} at ({place})")
+        return ", ".join(names) or "none"

@@ -105,7 +105,7 @@ def _figure(title: str, size: tuple[float, float]) -> tuple[Any, Any]:
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(figsize=size, layout="constrained")
-    axes.set_title(title, loc="left", fontsize=11)
+    axes.set_title(title.replace("$", r"\$"), loc="left", fontsize=11)
     axes.spines[["top", "right"]].set_visible(False)
     return figure, axes
 

@@ -15,11 +15,11 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from fenics_contact import compat
+from fenics_contact.bulk import ElasticBody
 from fenics_contact.contact import ContactSurface
-from fenics_contact.elasticity import strain, strain_energy, stress
 from fenics_contact.errors import InputError
-from fenics_contact.mesh import Body
-from fenics_contact.parallel import raise_together
+from fenics_contact.mesh import Body, Group
+from fenics_contact.parallel import largest, raise_together
 from fenics_contact.scene import AXES, Load, Scene, Value
 from fenics_contact.spaces import Spaces
 from fenics_contact.timings import Timings
@@ -61,7 +61,7 @@ class Problem:
         supports: In scene order.
         contacts: In scene order.
         terms: The energy terms modelled.
-        stiffness: Compiled bilinear form a(·, ·).
+        elastic: ½ a(·, ·): law, compiled forms, stress.
         load: Nodal loads with the prescribed contact pressures, (nodes, components).
     """
 
@@ -70,7 +70,6 @@ class Problem:
         self.scene = scene
         self.body = body
         self.comm = body.mesh.comm
-        self.material = scene.material
         with timings.phase("compile"):
             self.spaces = Spaces(scene, body)
             self.displacement = fem.Function(self.spaces.displacement_space, name="displacement")
@@ -79,17 +78,18 @@ class Problem:
             ]
             self.constrained, self.prescribed = self._constraints()
             self._refuse_overlaps()
-            self.stiffness = self._elastic_form()
+            self.elastic = ElasticBody(scene, self.spaces, self.displacement)
             self.contacts = [
                 ContactSurface(
                     contact,
                     f"contact[{number}]",
                     self.spaces,
                     self.displacement,
-                    self.material.youngs_modulus,
+                    self.elastic.reference_modulus,
                 )
                 for number, contact in enumerate(scene.contact)
             ]
+            self._refuse_held_contacts()
             self.terms = self._terms()
         with timings.phase("assemble"):
             self.load = self._assemble_load()
@@ -99,27 +99,14 @@ class Problem:
         """The contacts that have a friction term."""
         return [contact for contact in self.contacts if contact.friction is not None]
 
-    def _elastic_form(self) -> Any:
-        """a(·, ·): the second derivative of ½ a(v, v)."""
-        spaces, mesh = self.spaces, self.body.mesh
-        self._youngs_modulus = fem.Constant(mesh, self.material.youngs_modulus)
-        self._poissons_ratio = fem.Constant(mesh, self.material.poissons_ratio)
-        energy = strain_energy(
-            self.displacement,
-            spaces.kinematics,
-            spaces.position,
-            self._youngs_modulus,
-            self._poissons_ratio,
-            spaces.weight,
-            spaces.bulk,
-        )
-        residual = ufl.derivative(energy, self.displacement)
-        return fem.form(ufl.derivative(residual, self.displacement))
-
-    def stress(self, displacement: Any) -> Any:
-        """Cauchy stress of a displacement as a UFL expression, shape (3, 3)."""
-        e = strain(displacement, self.spaces.kinematics, self.spaces.position, self._poissons_ratio)
-        return stress(e, self._youngs_modulus, self._poissons_ratio)
+    def is_loaded(self, group: Group) -> bool:
+        """Whether a load acts on some of the facets of a group."""
+        loaded = [
+            self.body.groups[load.on]
+            for load in self.scene.load
+            if load.body_force is None and load.on in self.body.groups
+        ]
+        return any(set(group.tags) & set(other.tags) for other in loaded)
 
     def _support(self, number: int, on: str) -> AppliedSupport:
         key = f"support[{number}]"
@@ -134,10 +121,12 @@ class Problem:
         """All constrained dofs, each once, with their values."""
         owner: dict[int, tuple[float, str]] = {}
         error = None
+        every = [np.zeros(0), *(support.values for support in self.supports)]
+        size = largest(self.comm, np.abs(np.concatenate(every)))
         for support in self.supports:
             for dof, value in zip(support.dofs.tolist(), support.values.tolist(), strict=True):
                 first, on = owner.setdefault(dof, (value, support.on))
-                if abs(first - value) > 1e-12 * max(abs(first), abs(value)):
+                if abs(first - value) > 1e-12 * size:
                     axis = AXES[dof % self.spaces.components]
                     error = InputError(
                         f"support on '{support.on}': displacement.{axis} = {value:g}, but the "
@@ -164,8 +153,19 @@ class Problem:
                     )
             taken |= dict.fromkeys(group.tags, f"the contact '{contact.label}'")
 
+    def _refuse_held_contacts(self) -> None:
+        """Friction on a surface that supports hold everywhere does nothing: surely a slip."""
+        for number, contact in enumerate(self.contacts):
+            _, movable = contact.free_along_surface(self.constrained)
+            free = contact.owned & movable
+            if contact.friction is not None and self.comm.allreduce(int(free.sum())) == 0:
+                raise InputError(
+                    f"contact[{number}].on = '{contact.contact.on}': supports hold every point of "
+                    "it along the surface, so nothing can slip"
+                )
+
     def _terms(self) -> list[Term]:
-        terms = [Term("elastic energy", (self.stiffness,))]
+        terms = [Term(self.elastic.name, self.elastic.forms)]
         for number, load in enumerate(self.scene.load):
             terms += self._load_term(number, load)
         for contact in self.contacts:

@@ -12,6 +12,7 @@ from fenics_contact.parallel import gather_rows, largest, total
 from fenics_contact.problem import Problem
 from fenics_contact.result import ContactPoints
 from fenics_contact.solver import Solution
+from fenics_contact.spaces import Spaces
 
 Array = NDArray[np.float64]
 
@@ -36,7 +37,7 @@ def contact_quantities(
     dissipated = -total(comm, np.sum(friction_force[owned] * slip[owned]))
     return {
         "normal_force": float(contact.integral(contact.contact_pressure)),
-        "friction_force": total(comm, friction_force[owned].sum(axis=0)).tolist(),
+        "friction_force": _resultant(contact.spaces, friction_force[owned]).tolist(),
         "max_contact_pressure": largest(comm, contact.contact_pressure),
         "contact_area": area[STICK] + area[SLIP],
         "stick_area": area[STICK],
@@ -76,8 +77,17 @@ def support_reactions(problem: Problem, solution: Solution) -> tuple[Array, list
 
 def resultant(problem: Problem, forces: Array) -> Array:
     """Global sum of nodal forces, shape (components,)."""
-    nodal = forces.reshape(problem.load.shape)[: problem.spaces.owned_nodes]
-    return total(problem.comm, nodal.sum(axis=0))
+    return _resultant(
+        problem.spaces, forces.reshape(problem.load.shape)[: problem.spaces.owned_nodes]
+    )
+
+
+def _resultant(spaces: Spaces, forces: Array) -> Array:
+    """Global sum of forces at owned points; over a revolution, radial ones cancel."""
+    summed = total(spaces.comm, forces.sum(axis=0))
+    if spaces.kinematics == "axisymmetric":
+        summed[0] = 0.0
+    return summed
 
 
 def global_quantities(

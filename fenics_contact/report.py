@@ -61,7 +61,10 @@ def write_report(folder: Path) -> list[Path]:
 def _read(folder: Path) -> dict[str, Any]:
     path = folder / "result.json"
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        result = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(result, dict) or "converged" not in result:
+            raise ValueError("it lacks the key 'converged'")
+        return result
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except ValueError as error:
@@ -72,7 +75,7 @@ def _page(result: dict[str, Any], pictures: list[Path]) -> str:
     checks = [["check", "value", "limit", ""]]
     for name, check in result["checks"].items():
         verdict = "passed" if check["passed"] else "FAILED"
-        checks.append([_words(name), f"{check['value']:.2e}", f"{check['limit']:.2e}", verdict])
+        checks.append([_words(name), _written(check["value"]), _written(check["limit"]), verdict])
     passed = all(check["passed"] for check in result["checks"].values())
     return _PAGE.format(
         title=escape(result["title"] or "Result"),

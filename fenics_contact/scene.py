@@ -6,12 +6,13 @@ scene file (``fenics_contact.scene_file``). Units are the user's, consistent.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import dataclasses
+from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ConfigDict, Field, Strict
+from pydantic import BeforeValidator, ConfigDict, Field, Strict
 from pydantic.dataclasses import dataclass
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
@@ -22,6 +23,8 @@ AxisName = Literal["x", "y", "z"]
 Kinematics = Literal["plane strain", "plane stress", "axisymmetric", "3D"]
 
 AXES: tuple[AxisName, ...] = ("x", "y", "z")
+# Index pairs of a stress or strain in the order of a 6 × 6 stiffness matrix.
+VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 _CLOSED = ConfigDict(extra="forbid")
 
 
@@ -60,7 +63,10 @@ class MeshSource:
 
     file: Annotated[
         Text,
-        Field(description="Gmsh geometry (`.geo`) or mesh (`.msh`); relative to the scene file"),
+        Field(
+            description="Gmsh geometry (`.geo`), mesh (`.msh`) or CAD file (`.step`, `.stp`, "
+            "`.brep`); relative to the scene file"
+        ),
     ]
     parameters: Annotated[
         Mapping[str, Number],
@@ -68,21 +74,79 @@ class MeshSource:
     ] = Field(default_factory=dict)
     cell: Annotated[
         Literal["as meshed", "triangle", "quadrilateral"],
-        Field(description="shape of the cells made from a `.geo` file"),
+        Field(description="shape of the cells made from a geometry"),
     ] = "as meshed"
     order: Annotated[
-        Integer, Field(ge=1, le=2, description="order of the geometry made from a `.geo` file")
+        Integer, Field(ge=1, le=2, description="order of the cells' geometry made from a geometry")
     ] = 1
+    size: Annotated[
+        Positive | None,
+        Field(description="largest cell made from a geometry (length); by default Gmsh's choice"),
+    ] = None
+    curvature: Annotated[
+        Integer | None,
+        Field(ge=3, description="cells along a full circle made from a geometry, for finer holes"),
+    ] = None
+    groups: Annotated[
+        Mapping[str, tuple[Integer, ...]],
+        Field(
+            description="boundary groups named here: name → Gmsh's numbers of surfaces (3D) or "
+            "curves (2D), such as `{ fixed = [3, 4] }`"
+        ),
+    ] = Field(default_factory=dict)
+
+
+def _stiffness_matrix(value: Any) -> Any:
+    """A tensor E_ijkl of shape (3, 3, 3, 3) as the 6 × 6 matrix; anything else as it is."""
+    if isinstance(value, np.ndarray) and value.shape == (3, 3, 3, 3):
+        for axes in ((1, 0, 2, 3), (0, 1, 3, 2), (2, 3, 0, 1)):
+            if not np.allclose(value, value.transpose(axes), rtol=1e-10):
+                raise ValueError("E_ijkl must equal E_jikl, E_ijlk and E_klij")
+        value = np.array([[value[i, j, k, m] for k, m in VOIGT] for i, j in VOIGT])
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+_Row = Annotated[tuple[Value, ...], Field(min_length=6, max_length=6)]
+Stiffness = Annotated[
+    tuple[_Row, ...], Field(min_length=6, max_length=6), BeforeValidator(_stiffness_matrix)
+]
 
 
 @dataclass(frozen=True, config=_CLOSED)
 class Material:
-    """Isotropic linear elasticity (paper, (1.1): E_ijkl of Lamé's form)."""
+    """Linear elasticity (paper, (1.1)): isotropic, or any elastic tensor E_ijkl."""
 
-    youngs_modulus: Annotated[Positive, Field(description="Young's modulus, > 0 (stress)")]
+    youngs_modulus: Annotated[Value | None, Field(description="Young's modulus, > 0 (stress)")] = (
+        None
+    )
     poissons_ratio: Annotated[
-        Number, Field(gt=-1, lt=0.5, description="Poisson's ratio, between −1 and 0.5")
-    ]
+        Value | None,
+        Field(description="Poisson's ratio, between −1 and 0.5; from .49 nothing locks"),
+    ] = None
+    stiffness: Annotated[
+        Stiffness | None,
+        Field(
+            description="instead of the two: 6 × 6 matrix of E_ijkl in the mesh's axes, ordered "
+            "xx, yy, zz, yz, xz, xy (no factors 2); symmetric, positive definite (stress)"
+        ),
+    ] = None
+    on: Annotated[
+        str, Field(description="physical group of cells that it fills; by default the body")
+    ] = ""
+
+    def __post_init__(self) -> None:
+        isotropic = (self.youngs_modulus, self.poissons_ratio)
+        if self.stiffness is None:
+            for key, value in zip(("youngs_modulus", "poissons_ratio"), isotropic, strict=True):
+                if value is None:
+                    raise ValueError(f"{key} is missing (or give a stiffness)")
+        elif isotropic != (None, None):
+            raise ValueError("give either youngs_modulus and poissons_ratio, or stiffness")
+        young, poisson = isotropic
+        if isinstance(young, float | int) and young <= 0:
+            raise ValueError(f"youngs_modulus = {young:g} must be greater than 0")
+        if isinstance(poisson, float | int) and not -1 < poisson < 0.5:
+            raise ValueError(f"poissons_ratio = {poisson:g} must lie between -1 and 0.5")
 
 
 @dataclass(frozen=True, config=_CLOSED)
@@ -172,7 +236,9 @@ class SolverSettings:
         Number,
         Field(gt=0, lt=1e-3, description="force imbalance over all applied and support forces"),
     ] = 1e-10
-    max_iterations: Annotated[Integer, Field(ge=1, description="Newton steps at the most")] = 50
+    max_iterations: Annotated[
+        Integer, Field(ge=1, le=1_000_000, description="Newton steps at the most")
+    ] = 50
 
 
 @dataclass(frozen=True, config=_CLOSED)
@@ -182,12 +248,24 @@ class Scene:
     kinematics: Annotated[
         Kinematics, Field(description="in axisymmetric models x is the radius and y the axis")
     ]
-    material: Annotated[Material, Field(description="the elastic material")]
+    material: Annotated[
+        tuple[Material, ...],
+        BeforeValidator(lambda value: value if isinstance(value, list | tuple) else (value,)),
+        Field(
+            min_length=1,
+            description="the elastic material: one `[material]`, or several `[[material]]`, "
+            "each `on` its group of cells",
+        ),
+    ]
     mesh: Annotated[
         MeshSource | None,
         Field(description="the mesh; in Python it may be left out and a `Body` passed instead"),
     ] = None
     title: Annotated[str, Field(description="one line for results and pictures")] = ""
+    thickness: Annotated[
+        Value | None,
+        Field(description="of a plane stress model, > 0 (length); without it, all is per unit"),
+    ] = None
     discretisation: Annotated[Discretisation, Field(description="the finite element space")] = (
         Field(default_factory=Discretisation)
     )
@@ -215,6 +293,12 @@ class Scene:
                         f"load[{number}].{key} has {len(vector)} entries; "
                         f"a {self.kinematics} model needs {dimension}"
                     )
+        if self.thickness is not None and self.kinematics != "plane stress":
+            raise ValueError(f"thickness is for plane stress, not for {self.kinematics}")
+        if isinstance(self.thickness, float | int) and self.thickness <= 0:
+            raise ValueError(f"thickness = {self.thickness:g} must be greater than 0")
+        if dimension == 2 and any(profile.along == "z" for profile in _profiles(self)):
+            raise ValueError(f"a profile along z: a {self.kinematics} model has only x and y")
         labels = [contact.label for contact in self.contact]
         for label in labels:
             if labels.count(label) > 1:
@@ -224,3 +308,18 @@ class Scene:
     def dimension(self) -> int:
         """Number of displacement components: 3 for 3D, else 2."""
         return 3 if self.kinematics == "3D" else 2
+
+
+def _profiles(part: Any) -> Iterator[Profile]:
+    """All profiles inside a scene or a part of it."""
+    if isinstance(part, Profile):
+        yield part
+    elif dataclasses.is_dataclass(part):
+        for field in dataclasses.fields(part):
+            yield from _profiles(getattr(part, field.name))
+    elif isinstance(part, Mapping):
+        for value in part.values():
+            yield from _profiles(value)
+    elif isinstance(part, tuple):
+        for value in part:
+            yield from _profiles(value)

@@ -49,6 +49,8 @@ def _read(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: not a text file in UTF-8") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError as error:  # such as a number of thousands of digits
+        raise InputError(f"{path}: cannot be read: {error}") from None
 
 
 def _beside(scene: Scene, folder: Path) -> Scene:
@@ -87,7 +89,7 @@ def _override(data: dict[str, Any], setting: str) -> None:
 
 
 def _entry(entries: list[Any], name: str, setting: str) -> Any:
-    if not name.isdigit() or int(name) >= len(entries):
+    if not (name.isascii() and name.isdigit()) or int(name) >= len(entries):
         raise InputError(f"--set {setting}: '{name}' must be a number from 0 to {len(entries) - 1}")
     return entries[int(name)]
 
@@ -109,8 +111,7 @@ def _sentence(error: ValidationError, data: dict[str, Any]) -> str:
     messages = " or ".join(dict.fromkeys(_plain(problem) for problem in same))
     if same[0]["type"] == "value_error":
         return f"{key}: {messages}" if key else messages
-    verb = "must" if messages.startswith("have ") else "must be"
-    return f"{key} = {value!r}: {verb} {messages}"
+    return f"{key} = {value!r}: must be {messages}"
 
 
 def _beside_the_point(problem: Any) -> bool:
@@ -127,12 +128,15 @@ def _plain(problem: Any) -> str:
         "string_type": "a text",
         "finite_number": "a finite number",
         "dataclass_type": "a table",
-        "tuple_type": "a list (of tables: [[...]])",
+        "tuple_type": "a list",
         "mapping_type": "a table",
         "none_required": "left out",
     }
+    if problem["type"] in ("too_short", "too_long"):
+        limit, number = next(item for item in problem["ctx"].items() if item[0].endswith("_length"))
+        return f"of {'at least' if limit.startswith('min') else 'at most'} {number} entries"
     message = words.get(problem["type"], problem["msg"])
-    for prefix in ("Value error, ", "Input should be ", "Tuple should "):
+    for prefix in ("Value error, ", "Input should be "):
         message = message.removeprefix(prefix)
     return message
 

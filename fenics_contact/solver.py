@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 from dolfinx import fem
-from dolfinx.fem import petsc as fem_petsc
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fenics_contact.errors import NotConvergedError
+from fenics_contact.linear_system import LinearSystem
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
 from fenics_contact.timings import Timings
@@ -104,20 +104,17 @@ class _Newton:
         self.load = problem.load.reshape(-1)
         self.load_norm = total(self.comm, np.abs(self.load[: self.owned_size]).sum())
         with timings.phase("assemble"):
-            self.stiffness = fem_petsc.assemble_matrix(problem.stiffness)
-            self.stiffness.assemble()
-            self.tangent = self.stiffness.duplicate(copy=True)
-        # A function's vector is taken once and kept: one from a temporary dangles.
-        self.unknown = problem.displacement.x.petsc_vec
-        self.state = self.unknown.duplicate()
-        self.residual = self.unknown.duplicate()
-        self.work = self.unknown.duplicate()
+            self.system = LinearSystem(problem)
+        self.tangent = self.system.stiffness.duplicate(copy=True)
+        self.state, self.residual = self.tangent.createVecs()
+        self.work = self.state.duplicate()
         self.reaction_norm = 0.0
         self.limit = 0.0
 
     def destroy(self) -> None:
         """Free PETSc's objects: factors hold communicators, of which there are few."""
-        for thing in (self.stiffness, self.tangent, self.state, self.residual, self.work):
+        self.system.destroy()
+        for thing in (self.tangent, self.state, self.residual, self.work):
             thing.destroy()
 
     def solve(self) -> Solution:
@@ -144,8 +141,8 @@ class _Newton:
         for name, value in DEFAULT_OPTIONS.items():
             if not options.hasName(OPTIONS_PREFIX + name):
                 options.setValue(OPTIONS_PREFIX + name, value)
-        snes.setFromOptions()
         snes.setTolerances(rtol=0.0, atol=0.0, stol=0.0, max_it=settings.max_iterations)
+        snes.setFromOptions()
         snes.setConvergenceTest(self._converged)
         return snes
 
@@ -160,7 +157,7 @@ class _Newton:
 
     def _take(self, state: Any) -> None:
         """A global vector into the displacement function, ghosts included."""
-        state.copy(self.unknown)
+        self.problem.displacement.x.array[: self.owned_size] = state.array_r[: self.owned_size]
         self.problem.displacement.x.scatter_forward()
 
     def _nodal_displacement(self) -> NDArray[np.float64]:
@@ -180,9 +177,10 @@ class _Newton:
     def _set_residual(self, snes: Any, state: Any, residual: Any) -> None:
         with self.timings.phase("assemble"):
             self._take(state)
-            self.stiffness.mult(state, residual)
+            self.system.stiffness.mult(state, residual)
             with residual as array:
-                array += self._friction_residual() - self.load[: self.owned_size]
+                forces = self._friction_residual() - self.load[: self.owned_size]
+                array[: self.owned_size] += forces
                 reactions = np.abs(array[self.owned_constrained]).sum()
                 array[self.owned_constrained] = 0.0  # they hold their values exactly
             self.reaction_norm = total(self.comm, reactions)
@@ -190,15 +188,16 @@ class _Newton:
     def _set_tangent(self, snes: Any, state: Any, tangent: Any, preconditioner: Any) -> None:
         with self.timings.phase("assemble"):
             self._take(state)
-            self.stiffness.copy(tangent, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+            self.system.stiffness.copy(tangent, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
             displacement = self._nodal_displacement()
             for contact in self.problem.frictional:
                 assert contact.friction is not None
                 contact.follow(displacement)
-                fem_petsc.assemble_matrix(tangent, contact.friction.tangent)
+                self.system.add(tangent, contact.friction.tangent)
             tangent.assemble()
-            rows = self.owned_constrained.astype(PETSc.IntType)
-            tangent.zeroRowsColumnsLocal(rows, diag=1.0)
+            first, _ = tangent.getOwnershipRange()
+            rows = (first + self.owned_constrained).astype(PETSc.IntType)
+            tangent.zeroRowsColumns(rows, diag=1.0)
 
     def _converged(self, snes: Any, iteration: int, norms: tuple[float, float, float]) -> Any:
         """Stop when the force imbalance is small against the forces, or is round-off.
@@ -206,7 +205,8 @@ class _Newton:
         The 1-norm bounds the error of any resultant. PETSc's relative tolerance is
         not used: its reference, the first residual, is no physical force.
         """
-        imbalance = self.residual.norm(PETSc.NormType.NORM_1)
+        forces_left = np.abs(self.residual.array_r[: self.owned_size])
+        imbalance = total(self.comm, forces_left.sum())
         self.history.append(imbalance)
         forces = self.load_norm + self.reaction_norm
         logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
@@ -227,10 +227,11 @@ class _Newton:
             self.tangent.getSizes(), csr=(first, columns, np.abs(values)), comm=self.comm
         )
         lengths = self.state.duplicate()
-        self.unknown.copy(lengths)
+        self.state.copy(lengths)
         lengths.abs()
         magnitude.mult(lengths, self.work)
-        floor = 20 * np.finfo(float).eps * self.work.norm(PETSc.NormType.NORM_1)
+        left = total(self.comm, self.work.array_r[: self.owned_size].sum())
+        floor = 20 * np.finfo(float).eps * left
         magnitude.destroy()
         lengths.destroy()
         return floor
@@ -247,9 +248,10 @@ class _Newton:
 
     def _solution(self) -> Solution:
         spaces = self.problem.spaces
-        self.stiffness.mult(self.state, self.work)
+        self.system.stiffness.mult(self.state, self.work)
+        self.system.take_mean_stress(self.state)
         internal = fem.Function(spaces.displacement_space)
-        internal.x.array[: self.owned_size] = self.work.array_r
+        internal.x.array[: self.owned_size] = self.work.array_r[: self.owned_size]
         internal.x.scatter_forward()
         friction = [
             -spaces.assemble(contact.friction.residual)[contact.nodes]
@@ -257,10 +259,9 @@ class _Newton:
             else np.zeros((len(contact.nodes), spaces.components))
             for contact in self.problem.contacts
         ]
-        shape = (-1, spaces.components)
         return Solution(
             displacement=self._nodal_displacement().copy(),
-            internal_force=internal.x.array.reshape(shape).copy(),
+            internal_force=internal.x.array.reshape(-1, spaces.components).copy(),
             friction_force=friction,
             residual_history=tuple(self.history),
             imbalance_limit=self.limit,

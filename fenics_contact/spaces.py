@@ -42,6 +42,8 @@ class Spaces:
                 f"kinematics = '{scene.kinematics}' needs cells of dimension {scene.dimension}; "
                 f"those of {body.source} have {body.dimension}"
             )
+        if scene.kinematics == "axisymmetric":
+            body.require_radii()
         self.components = scene.dimension
         self.displacement_space = fem.functionspace(
             body.mesh, ("Lagrange", self.degree, (self.components,))
@@ -49,8 +51,8 @@ class Spaces:
         self.coordinates = self.displacement_space.tabulate_dof_coordinates()
         self.owned_nodes = self.displacement_space.dofmap.index_map.size_local
         self.position = ufl.SpatialCoordinate(body.mesh)
-        self.weight = measure_weight(scene.kinematics, self.position)
         self._scalar: tuple[Any, NDArray[np.int64]] | None = None
+        self.weight = measure_weight(scene.kinematics, self.position, self._thickness(scene))
         body.mesh.topology.create_connectivity(body.dimension - 1, body.dimension)
         body.mesh.topology.create_connectivity(body.dimension, body.dimension - 1)
         body.mesh.topology.create_connectivity(body.dimension, body.dimension)
@@ -58,10 +60,33 @@ class Spaces:
     @property
     def bulk(self) -> Any:
         """Measure of the whole body, exact for the stiffness of undistorted cells."""
-        order = self.body.mesh.ufl_domain().ufl_coordinate_element().embedded_superdegree
-        degree = 2 * self.degree + 2 * (min(order, 2) - 1)
-        degree += 1 if self.kinematics == "axisymmetric" else 0
+        degree = 2 * self.degree + 2 * (self._geometry_order - 1) + self._extra_degree
         return ufl.Measure("dx", domain=self.body.mesh, metadata={"quadrature_degree": degree})
+
+    @property
+    def _geometry_order(self) -> int:
+        return int(self.body.mesh.ufl_domain().ufl_coordinate_element().degree)
+
+    @property
+    def _extra_degree(self) -> int:
+        """What the weight, 2πr or a varying thickness, adds to an integrand."""
+        if self.kinematics == "axisymmetric":
+            return 1
+        return self.degree if self._thickness_varies else 0
+
+    def _thickness(self, scene: Scene) -> Any:
+        """The scene's thickness as a coefficient, or None."""
+        self._thickness_varies = callable(scene.thickness)
+        if scene.thickness is None:
+            return None
+        nodes = np.arange(len(self.coordinates), dtype=np.int32)
+        values = self.evaluate(scene.thickness, nodes, "thickness")
+        if smallest(self.comm, values) <= 0:
+            raise InputError(
+                f"thickness: its smallest value is {smallest(self.comm, values):g}, "
+                "but it must be greater than 0"
+            )
+        return self.coefficient(values, nodes)
 
     def part(self, group: Group) -> Any:
         """Measure of a group of cells."""
@@ -104,21 +129,27 @@ class Spaces:
         return nodes < self.owned_nodes
 
     def evaluate(self, value: Value, nodes: NDArray[np.int32], key: str) -> NDArray[np.float64]:
-        """A scene's value at nodes, shape (nodes,); collective.
+        """A scene's value at nodes, shape (nodes,); collective (see ``evaluate_at``)."""
+        return self.evaluate_at(value, self.coordinates[nodes].T, key)
+
+    def evaluate_at(
+        self, value: Value, points: NDArray[np.float64], key: str
+    ) -> NDArray[np.float64]:
+        """A scene's value at points of shape (3, n), shape (n,); collective.
 
         Raises:
             InputError: On every rank, if a function fails or gives what is not finite.
         """
         error: FenicsContactError | None = None
-        values = np.zeros(len(nodes))
+        values = np.zeros(points.shape[1])
         try:
-            points = self.coordinates[nodes].T
             found = value(points) if callable(value) else value
             values[:] = np.broadcast_to(np.asarray(found, dtype=np.float64), values.shape)
             if not np.isfinite(values).all():
                 error = InputError(f"{key}: its function gives values that are not finite")
         except Exception as caught:  # whatever a user's function raises
-            error = InputError(f"{key}: its function fails: {type(caught).__name__}: {caught}")
+            said = " ".join(str(caught).split())
+            error = InputError(f"{key}: its function fails: {type(caught).__name__}: {said}")
         raise_together(self.comm, error)
         return values
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from rich import box
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from fenics_contact.result import Result
@@ -34,7 +35,7 @@ def print_model(scene: Scene, model: Mapping[str, Any], contacts: list[dict[str,
     for key, value in model.items():
         if key != "terms":
             table.add_row(key.replace("_", " "), _written(value))
-    console.print(f"\n[bold]{scene.title or 'Scene'}[/bold]")
+    console.print(f"\n[bold]{escape(scene.title or 'Scene')}[/bold]")
     console.print(table)
     console.print("Energy terms modelled:")
     for term in model["terms"]:
@@ -52,7 +53,7 @@ def print_model(scene: Scene, model: Mapping[str, Any], contacts: list[dict[str,
 def print_result(result: Result, folder: Path) -> None:
     """Say what came out and whether to trust it."""
     console = Console()
-    console.print(f"\n[bold]{result.title or 'Result'}[/bold]", highlight=False)
+    console.print(f"\n[bold]{escape(result.title or 'Result')}[/bold]", highlight=False)
     if result.converged:
         quantities = _table("quantity", "value")
         for key in _SHOWN:

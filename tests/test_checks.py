@@ -6,12 +6,21 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Run
+from fenics_contact import (
+    Contact,
+    Discretisation,
+    InputError,
+    Load,
+    Material,
+    Run,
+    Scene,
+    Support,
+)
 from fenics_contact.checks import run_checks
 from fenics_contact.parallel import largest
 from fenics_contact.quantities import support_reactions
 from fenics_contact.solver import solve
-from tests.scenes import slab
+from tests.scenes import box_body, slab
 
 COMM = MPI.COMM_WORLD
 
@@ -116,3 +125,82 @@ def test_a_value_that_is_not_a_number_fails(solved):
     wrong = dataclasses.replace(solution, internal_force=np.nan * solution.internal_force)
     assert "equilibrium" in failed(problem, wrong)
     assert largest(COMM, np.zeros(0)) == 0
+
+
+def two_pads():
+    """Two rough pads that share a point of the strip's top."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        load=(Load("x1", traction=(30, 0)),),
+        contact=(
+            Contact("left", pressure=20, friction_coefficient=0.2),
+            Contact("right", pressure=30, friction_coefficient=0.4),
+        ),
+    )
+    patches = {"left": ("y1", lambda x: x[0] < 1), "right": ("y1", lambda x: x[0] > 1)}
+    return Run(scene, COMM, box_body((16, 4), (2, 0.5), patches=patches))
+
+
+def test_contacts_that_share_a_point_pass_and_can_fail():
+    prepared = two_pads()
+    assert prepared.solve().passed
+    problem, solution = prepared.problem, prepared.solution
+    shared = set(problem.contacts[0].nodes) & set(problem.contacts[1].nodes)
+    assert COMM.allreduce(len(shared)) > 0
+    friction = [force.copy() for force in solution.friction_force]
+    friction[1] *= 0.99
+    wrong = dataclasses.replace(solution, friction_force=friction)
+    assert "friction_law" in failed(problem, wrong)
+
+
+@pytest.mark.parametrize("cells", [4, 40])
+@pytest.mark.parametrize("degree", [1, 2])
+def test_contact_that_supports_hold_along_its_normal(cells, degree):
+    """A sheared layer: the supports' normal reaction is in σ n and in K u − f, and is left out."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.25),
+        discretisation=Discretisation(degree),
+        support=(Support("body", {"y": 0}), Support("y0", {"x": 0.1})),
+        contact=(Contact("y1", pressure=20, friction_coefficient=0.4),),
+    )
+    prepared = Run(scene, COMM, box_body((cells, 2), (2, 0.5)))
+    result = prepared.solve()
+    assert result.passed
+    assert {"friction_cone", "friction_law", "dissipation", "boundary_stress"} <= set(result.checks)
+    solution = prepared.solution
+    wrong = dataclasses.replace(solution, internal_force=0.98 * solution.internal_force)
+    assert {"friction_law", "equilibrium"} <= failed(prepared.problem, wrong)
+
+
+def test_contact_that_cannot_slip_is_refused():
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.25),
+        support=(Support("body", {"x": 0}),),
+        contact=(Contact("y1", pressure=20, friction_coefficient=0.4),),
+    )
+    with pytest.raises(InputError, match="supports hold every point of it along the surface"):
+        Run(scene, COMM, box_body((4, 2), (2, 0.5)))
+
+
+def test_load_on_the_contact_itself_leaves_boundary_stress_out():
+    scene = dataclasses.replace(slab(), load=(*slab().load, Load("top", traction=(-20, 0))))
+    result = Run(scene, COMM).solve()
+    assert result.passed
+    assert "boundary_stress" not in result.checks
+    assert "friction_law" in result.checks
+
+
+def test_a_body_without_stress_fails_on_the_coarsest_mesh():
+    prepared = Run(slab(cells=(2, 1), degree=1), COMM)
+    prepared.solve()
+    problem, solution = prepared.problem, prepared.solution
+    none = dataclasses.replace(
+        solution,
+        displacement=0 * solution.displacement,
+        internal_force=0 * solution.internal_force,
+    )
+    assert "boundary_stress" in failed(problem, none)

@@ -145,7 +145,7 @@ def test_supports_that_contradict_each_other_are_refused():
         ({"load": (Load("slab", pressure=1),)}, r"load\[0\].on = 'slab': must be a boundary"),
         ({"load": (Load("top", body_force=(0, 1)),)}, "needs a part of the body"),
         ({"support": (Support("lfet", {"x": 0}),)}, r"support\[0\].on = 'lfet'"),
-        ({"kinematics": "3D", "load": ()}, "has no Physical Volume"),
+        ({"kinematics": "3D", "load": ()}, "is 2-dimensional, but .* needs a mesh of dimension 3"),
     ],
 )
 def test_scene_that_does_not_fit_its_mesh(change, message):

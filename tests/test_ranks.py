@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Contact, Load, Material, Run, Scene, Support, run
+from fenics_contact import Contact, Load, Material, Run, Scene, Support, files, run
 from fenics_contact.errors import InputError
 from fenics_contact.parallel import gather_rows, largest, on_root, raise_together, smallest, total
 from tests.scenes import box_body, slab
@@ -84,6 +84,17 @@ def test_block_alone_and_together():
     traction, slip = alone.points.friction_traction[slipping], alone.points.slip[slipping]
     opposite = -10 * slip / np.linalg.norm(slip, axis=1)[:, None]
     assert traction == pytest.approx(opposite, abs=1e-6)
+
+
+def test_one_cell_for_all_ranks(folder):
+    """Ranks without any cell take part in everything, files and pictures' fields included."""
+    scene = slab(300, cells=(1, 1))
+    prepared = Run(scene, COMM)
+    result = prepared.solve()
+    assert result.passed
+    files.write(prepared, result, folder)
+    assert (folder / "fields.pvd").exists()
+    assert_same(run(scene, MPI.COMM_SELF), result)
 
 
 def test_reductions_over_ranks_that_hold_nothing():

@@ -17,7 +17,7 @@ def reference():
     """Q2 on 256 × 32 squares, with its stiffness for the energy norm."""
     prepared = Run(slab(300, cells=(256, 32), epsilon=1e-12), COMM)
     prepared.solve()
-    stiffness = fem.assemble_matrix(prepared.problem.stiffness).to_scipy()
+    stiffness = fem.assemble_matrix(prepared.problem.elastic.stiffness).to_scipy()
     return prepared, stiffness
 
 
@@ -39,17 +39,22 @@ def relative_error(reference, **kwargs):
 @pytest.mark.parametrize(
     ("cell", "degree", "coarsest", "rate"),
     [
-        ("triangle", 1, 0.109, 0.78),
-        ("quadrilateral", 1, 0.102, 0.87),
-        ("triangle", 2, 0.0362, 1.0),
-        ("quadrilateral", 2, 0.0262, 1.0),
+        ("triangle", 1, 0.109, 0.83),
+        ("quadrilateral", 1, 0.102, 0.89),
+        ("triangle", 2, 0.0362, 1.12),
+        ("quadrilateral", 2, 0.0262, 1.16),
     ],
 )
 def test_relative_energy_error_against_mesh_size(reference, cell, degree, coarsest, rate):
-    """h = 1, 1/2, 1/4, 1/8: the first error as tabled, the last rate at least as tabled."""
+    """h = 1 … 1/16: the specification's errors and last rates.
+
+    Its triangles are cut otherwise than ours, so their first errors differ by up to 17 %.
+    The last rates of degree 2 hold the reference's own error (h = 1/32), which flatters them.
+    """
     errors = [
-        relative_error(reference, cells=(8 * n, n), cell=cell, degree=degree) for n in (1, 2, 4, 8)
+        relative_error(reference, cells=(8 * n, n), cell=cell, degree=degree)
+        for n in (1, 2, 4, 8, 16)
     ]
     rates = np.log2(np.divide(errors[:-1], errors[1:]))
-    print(cell, degree, errors, rates)
-    assert rates[-1] >= rate - 0.02
+    assert errors[0] == pytest.approx(coarsest, rel=0.17 if cell == "triangle" else 0.01)
+    assert rates[-1] == pytest.approx(rate, abs=0.05), (errors, rates)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Profile, Run, run
+from fenics_contact import Contact, Material, Profile, Run, Scene, Support, run
 from fenics_contact.parallel import total
-from tests.scenes import slab
+from tests.scenes import box_body, slab
 
 COMM = MPI.COMM_WORLD
 
@@ -59,6 +59,23 @@ def test_automatic_parameter_has_little_bias(name):
     assert force[0] == pytest.approx(force[1], rel=1e-3)
     assert peak[0] == pytest.approx(peak[1], rel=1e-3)
     assert reduced.contacts[0]["parameters"]["regularisation_parameter"] == used / 10
+
+
+@pytest.mark.parametrize("height", [1e-2, 1e-4])
+def test_automatic_parameter_on_flat_cells(height):
+    """A layer far thinner than its facets are long is stiff: ε has to follow its height."""
+    young, poisson, pressure, coefficient = 1000.0, 0.25, 20.0, 0.4
+    threshold = coefficient * pressure * height / (young / 2.5)
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(young, poisson),
+        support=(Support("body", {"y": 0}), Support("y0", {"x": 0.9 * threshold})),
+        contact=(Contact("y1", pressure=pressure, friction_coefficient=coefficient),),
+    )
+    result = run(scene, COMM, box_body((4, 2), (4, height)))
+    # stuck: all of the shear strain's force arrives
+    force = result.quantities["friction_force"][0]
+    assert force == pytest.approx(-0.9 * coefficient * pressure * 4, rel=1e-3)
 
 
 @pytest.mark.parametrize("epsilon", [1e-3, 1e-6, 1e-9, 1e-12])

@@ -1,0 +1,129 @@
+"""The body's elastic energy, discretised so that ν → ½ neither locks nor ruins pressures.
+
+From ν = .49 (not in plane stress, where the thickness gives way) the mean stress becomes an
+unknown of its own, s = K tr(e), in a space that suits the displacement's: continuous of
+degree 1 on simplices of degree 2 (Taylor and Hood), discontinuous of degree 1 on Q2 and of
+degree 0 on Q1. On simplices of degree 1 it is continuous of degree 1, stabilised by its
+difference from the mean of each cell (C. R. Dohrmann and P. B. Bochev, Int. J. Numer. Meth.
+Fluids 46 (2004) 183-201).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from fenics_contact import compat
+from fenics_contact.elasticity import Isotropic, strain, strain_energy
+from fenics_contact.material import Elasticities
+from fenics_contact.scene import Scene
+from fenics_contact.spaces import Spaces
+
+NEARLY_INCOMPRESSIBLE = 0.49
+
+
+@dataclass(frozen=True, eq=False)
+class MixedForms:
+    """Compiled forms that couple the displacement u with the mean stress s.
+
+    Attributes:
+        gradient: ∫ s tr(e(v)).
+        divergence: ∫ t tr(e(u)).
+        compressibility: ∫ s t / K, and the stabilisation where there is one.
+        mean_stress: The second unknown, a dolfinx function (stress).
+    """
+
+    gradient: Any
+    divergence: Any
+    compressibility: Any
+    mean_stress: Any
+
+
+class ElasticBody:
+    """½ a(v, v) and its forms.
+
+    Attributes:
+        name: What is modelled, in words.
+        stiffness: Compiled bilinear form: a(·, ·), or its deviatoric part if mixed.
+        mixed: The forms of a mean stress, or None.
+        reference_modulus: Largest stiffness of the body (stress).
+    """
+
+    def __init__(self, scene: Scene, spaces: Spaces, displacement: Any) -> None:
+        self._spaces = spaces
+        self._displacement = displacement
+        elasticities = Elasticities(scene, spaces)
+        self.law = elasticities.law
+        self.reference_modulus = elasticities.reference_modulus
+        self.name = "elastic energy"
+        self.mixed: MixedForms | None = None
+        e = self.strain(displacement)
+        stress = self.law.stress(e)
+        nearly = elasticities.largest_poissons_ratio >= NEARLY_INCOMPRESSIBLE
+        if nearly and scene.kinematics != "plane stress":
+            assert isinstance(self.law, Isotropic)
+            self.name = "elastic energy, nearly incompressible: mean stress as a second unknown"
+            self.mixed = self._mixed_forms(self.law)
+            stress = self.law.deviatoric_stress(e)
+        energy = strain_energy(e, stress, spaces.weight, spaces.bulk)
+        residual = ufl.derivative(energy, displacement)
+        self.stiffness = fem.form(ufl.derivative(residual, displacement))
+
+    @property
+    def forms(self) -> tuple[Any, ...]:
+        """All compiled forms."""
+        if self.mixed is None:
+            return (self.stiffness,)
+        mixed = self.mixed
+        return (self.stiffness, mixed.gradient, mixed.divergence, mixed.compressibility)
+
+    def strain(self, displacement: Any) -> Any:
+        """Strain of a displacement, shape (3, 3)."""
+        spaces = self._spaces
+        return strain(displacement, spaces.kinematics, spaces.position, self.law)
+
+    def stress(self) -> Any:
+        """Cauchy stress of the solution as a UFL expression, shape (3, 3)."""
+        e = self.strain(self._displacement)
+        if self.mixed is None:
+            return self.law.stress(e)
+        assert isinstance(self.law, Isotropic)
+        return self.law.deviatoric_stress(e) + self.mixed.mean_stress * ufl.Identity(3)
+
+    def _mixed_forms(self, law: Isotropic) -> MixedForms:
+        spaces = self._spaces
+        tensor = compat.is_tensor_cell(spaces.body.mesh)
+        family = {1: ("DG", 0), 2: ("DPC", 1)}[spaces.degree] if tensor else ("Lagrange", 1)
+        space = fem.functionspace(spaces.body.mesh, family)
+        s, t = ufl.TrialFunction(space), ufl.TestFunction(space)
+        u = ufl.TrialFunction(spaces.displacement_space)
+        v = ufl.TestFunction(spaces.displacement_space)
+        weight, bulk = spaces.weight, spaces.bulk
+        compressibility = weight / law.bulk_modulus * s * t * bulk
+        if not tensor and spaces.degree == 1:
+            difference = _cell_covariance(spaces.body.mesh, s, t)
+            compressibility += weight / law.shear_modulus * difference * bulk
+        return MixedForms(
+            gradient=fem.form(weight * s * ufl.tr(self.strain(v)) * bulk),
+            divergence=fem.form(weight * t * ufl.tr(self.strain(u)) * bulk),
+            compressibility=fem.form(compressibility),
+            mean_stress=fem.Function(space, name="mean_stress"),
+        )
+
+
+def _cell_covariance(mesh: Any, s: Any, t: Any) -> Any:
+    """Mean of (s − Πs)(t − Πt) over a simplex, s and t linear and Π the mean of the cell.
+
+    By the covariance of the reference simplex's coordinates: constants drop out exactly,
+    whatever the weight, so a uniform mean stress is left alone.
+    """
+    dimension = mesh.topology.dim
+    scale = (dimension + 1) ** 2 * (dimension + 2)
+    covariance = ((dimension + 1) * np.eye(dimension) - np.ones((dimension, dimension))) / scale
+    jacobian = ufl.Jacobian(mesh)
+    slopes = [jacobian.T * ufl.grad(function) for function in (s, t)]
+    return ufl.dot(slopes[0], ufl.dot(ufl.as_matrix(covariance.tolist()), slopes[1]))

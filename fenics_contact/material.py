@@ -1,0 +1,185 @@
+"""The body's elasticities as UFL coefficients, from the scene's materials.
+
+Numbers become constants where one material fills the body, else functions on cells; what
+varies in space is interpolated in each cell with the displacement's degree.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from fenics_contact.elasticity import Anisotropic, Isotropic, Law
+from fenics_contact.errors import InputError
+from fenics_contact.parallel import largest, raise_together, smallest
+from fenics_contact.scene import Material, Scene, Value
+from fenics_contact.spaces import Spaces
+
+Array = NDArray[np.float64]
+
+
+class Elasticities:
+    """Values of the scene's materials at the points of a discontinuous space.
+
+    Attributes:
+        law: Isotropic or anisotropic Hooke's law with UFL coefficients.
+        reference_modulus: Largest stiffness in the body (stress): Young's modulus, or
+            eigenvalue of E_ijkl.
+        largest_poissons_ratio: Of isotropic materials; −1 for a tensor.
+    """
+
+    def __init__(self, scene: Scene, spaces: Spaces) -> None:
+        self.spaces = spaces
+        self.materials = scene.material
+        self._keys = [
+            f"material[{i}]" if len(scene.material) > 1 else "material"
+            for i in range(len(scene.material))
+        ]
+        self._space = self._choose_space()
+        self._points = self._space.tabulate_dof_coordinates().T
+        self._owner = self._find_owners()
+        if all(material.stiffness is None for material in scene.material):
+            self.law: Law = self._isotropic()
+        else:
+            self.law = self._anisotropic(plane=scene.kinematics != "3D")
+
+    def _choose_space(self) -> Any:
+        """Discontinuous: constants in each cell, or of the displacement's degree."""
+        varies = any(callable(value) for m in self.materials for value in _values(m))
+        degree = self.spaces.degree if varies else 0
+        return fem.functionspace(self.spaces.body.mesh, ("DG", degree))
+
+    def _find_owners(self) -> NDArray[np.int64]:
+        """Number of the material at each point; every cell must have exactly one."""
+        body = self.spaces.body
+        index_map = body.mesh.topology.index_map(body.dimension)
+        owner = np.full(index_map.size_local + index_map.num_ghosts, -1)
+        error = None
+        for number, (key, material) in enumerate(zip(self._keys, self.materials, strict=True)):
+            cells: Any = slice(None)
+            if material.on:
+                group = body.group(material.on, f"{key}.on")
+                if group.dimension != body.dimension:
+                    raise InputError(f"{key}.on = '{material.on}': must be a part of the body")
+                cells = body.entities(group)
+            if (owner[cells] >= 0).any():
+                error = InputError(
+                    f"{key}.on = '{material.on}': shares cells with another material"
+                )
+            owner[cells] = number
+        raise_together(self.spaces.comm, error)
+        if (owner < 0).any():
+            error = InputError("material: some cells of the body have none; give each its own")
+        raise_together(self.spaces.comm, error)
+        owner_of_point = np.empty(self._points.shape[1], dtype=np.int64)
+        owner_of_point[self._space.dofmap.list] = owner[:, None]
+        return owner_of_point
+
+    def _evaluate(self, name: str, values: list[Value]) -> Array:
+        """One coefficient at all points: value i where material i is."""
+        found = np.zeros(len(self._owner))
+        for number, value in enumerate(values):
+            mine = self._owner == number
+            key = f"{self._keys[number]}.{name}"
+            found[mine] = self.spaces.evaluate_at(value, self._points[:, mine], key)
+        return found
+
+    def _coefficient(self, values: Array) -> Any:
+        """A constant where the values are all the same, else a function."""
+        comm = self.spaces.comm
+        least = smallest(comm, values)
+        if least == largest(comm, values):
+            return fem.Constant(self.spaces.body.mesh, least)
+        function = fem.Function(self._space)
+        function.x.array[:] = values
+        return function
+
+    def _isotropic(self) -> Isotropic:
+        comm = self.spaces.comm
+        young = self._evaluate("youngs_modulus", [m.youngs_modulus for m in self.materials])  # type: ignore[misc]
+        poisson = self._evaluate("poissons_ratio", [m.poissons_ratio for m in self.materials])  # type: ignore[misc]
+        if smallest(comm, young) <= 0:
+            raise InputError(
+                f"material.youngs_modulus: its smallest value is {smallest(comm, young):g}, "
+                "but it must be greater than 0"
+            )
+        if not -1 < smallest(comm, poisson) <= largest(comm, poisson) < 0.5:
+            raise InputError(
+                f"material.poissons_ratio: it reaches from {smallest(comm, poisson):g} to "
+                f"{largest(comm, poisson):g}, but must lie between -1 and 0.5"
+            )
+        self.reference_modulus = largest(comm, young)
+        self.largest_poissons_ratio = largest(comm, poisson)
+        return Isotropic(self._coefficient(young), self._coefficient(poisson))
+
+    def _anisotropic(self, plane: bool) -> Anisotropic:
+        matrices = np.zeros((len(self._owner), 6, 6))
+        given = [_stiffness(material) for material in self.materials]
+        for i in range(6):
+            for j in range(6):
+                entries = [matrix[i][j] for matrix in given]
+                matrices[:, i, j] = self._evaluate(f"stiffness[{i}][{j}]", entries)
+        self._require_elastic(matrices, plane)
+        self.largest_poissons_ratio = -1.0
+        # An entry that is zero everywhere is left out of the form, not multiplied.
+        size = largest(self.spaces.comm, np.abs(matrices).ravel())
+        entries_found = {
+            (i, j): self._coefficient(0.5 * (matrices[:, i, j] + matrices[:, j, i]))
+            for i in range(6)
+            for j in range(6)
+            if largest(self.spaces.comm, np.abs(matrices[:, i, j])) > 1e-14 * size
+        }
+        return Anisotropic(entries_found)
+
+    def _require_elastic(self, matrices: Array, plane: bool) -> None:
+        """The paper's conditions (1.1): symmetry and ellipticity; and no warping out of plane."""
+        comm = self.spaces.comm
+        size = largest(comm, np.abs(matrices).ravel())
+        skew = largest(comm, np.abs(matrices - matrices.transpose(0, 2, 1)).ravel())
+        if skew > 1e-10 * size:
+            raise InputError("material.stiffness: must be symmetric (E_ijkl = E_klij)")
+        # With shear rows doubled in a strain's energy, eigenvalues are those of the tensor.
+        double = np.sqrt([1.0, 1, 1, 2, 2, 2])
+        eigenvalues = np.linalg.eigvalsh(matrices * double[:, None] * double)
+        least = smallest(comm, eigenvalues.ravel())
+        self.reference_modulus = largest(comm, eigenvalues.ravel())
+        if least <= 1e-12 * size:
+            raise InputError(
+                f"material.stiffness: must be positive definite, its least eigenvalue is {least:g}"
+            )
+        coupling = matrices[:, 3:5][:, :, [0, 1, 2, 5]]
+        if plane and largest(comm, np.abs(coupling).ravel()) > 1e-10 * size:
+            raise InputError(
+                "material.stiffness: couples in-plane with out-of-plane shear (rows yz, xz), "
+                "which no plane or axisymmetric model can hold; use 3D"
+            )
+
+
+def _values(material: Material) -> list[Any]:
+    """All the values that a material is given by."""
+    if material.stiffness is not None:
+        return [value for row in material.stiffness for value in row]
+    return [material.youngs_modulus, material.poissons_ratio]
+
+
+def _stiffness(material: Material) -> Any:
+    """A material's 6 × 6 matrix of values; that of an isotropic one by Lamé's formula."""
+    if material.stiffness is not None:
+        return material.stiffness
+
+    def entry(i: int, j: int) -> Value:
+        def value(points: Array) -> Array:
+            young, poisson = (
+                v(points) if callable(v) else np.full(points.shape[1], v)
+                for v in (material.youngs_modulus, material.poissons_ratio)
+            )
+            shear = young / (2 * (1 + poisson))
+            lame = 2 * shear * poisson / (1 - 2 * poisson)
+            return (lame if i < 3 and j < 3 else 0.0) + (2 - (i > 2)) * shear * (i == j)
+
+        return value
+
+    return [[entry(i, j) for j in range(6)] for i in range(6)]
