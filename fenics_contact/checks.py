@@ -7,6 +7,7 @@ bulk, as nodal reactions (K u − f) or as boundary stress, so a wrong solution 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
-from fenics_contact.contact import ContactSurface
 from fenics_contact.parallel import largest, smallest, total
 from fenics_contact.problem import Problem
 from fenics_contact.result import Check
@@ -31,9 +31,6 @@ _TRACE = 1e-6
 _STRESS_OVER_SIZE = {1: 10.0, 2: 2.5}
 # A limit that a body without any stress would keep is none.
 _LARGEST_STRESS_LIMIT = 0.5
-
-# Contact, its tractions (bulk's and law's, over the largest bound) and slip → see `_worst`.
-Compare = Callable[[ContactSurface, Array, Array, Array], tuple[Array, float]]
 
 
 def run_checks(problem: Problem, solution: Solution, reactions: Array) -> dict[str, Check]:
@@ -82,12 +79,12 @@ def equilibrium(problem: Problem, solution: Solution, reactions: Array) -> Check
     return Check(float(np.linalg.norm(total(problem.comm, sums))) / size, limit)
 
 
-def recovered_traction(problem: Problem, solution: Solution, number: int) -> Array:
-    """Friction traction that the bulk needs at the points of a contact.
+def recovered_friction(problem: Problem, solution: Solution, number: int) -> Array:
+    """Friction forces that the bulk needs at the nodes of a contact.
 
     Returns:
-        (K u − f) / weight, tangential, shape (points, components) (stress), less what other
-        contacts give to a shared point.
+        K u − f, tangential, shape (nodes, components) (force), less what other contacts
+        give to a shared node.
     """
     contact = problem.contacts[number]
     force = solution.internal_force - problem.load
@@ -96,39 +93,60 @@ def recovered_traction(problem: Problem, solution: Solution, number: int) -> Arr
     ):
         if other != number:
             force[neighbour.nodes] -= friction
-    return contact.tangential(force[contact.nodes] / contact.weights[:, None])
+    return contact.tangential(force[contact.nodes])
 
 
-def _limit(contact: ContactSurface, solution: Solution) -> float:
-    """What the accepted imbalance, all on the lightest point, does to traction over g."""
-    comm = contact.spaces.comm
-    lightest = smallest(comm, contact.weights[contact.owned])
-    traction = 2 * solution.imbalance_limit / lightest
-    return _TRACE + traction / largest(comm, contact.friction_bound)
+@dataclass(frozen=True, eq=False)
+class _Compared:
+    """What a friction check compares at the nodes where nothing but friction acts.
+
+    Attributes:
+        bulk: Recovered friction, over the largest bound and the node's area: a traction's share.
+        law: The friction law's, likewise.
+        bound: The most that the points around a node can give it, likewise.
+        slip: Displacement along the surface (length).
+        nodal: Whether each node is a point of its own, whose law can be asked.
+        comm: Communicator.
+    """
+
+    bulk: Array
+    law: Array
+    bound: Array
+    slip: Array
+    nodal: bool
+    comm: Any
 
 
-def _worst(problem: Problem, solution: Solution, compare: Compare) -> Check | None:
+def _worst(
+    problem: Problem, solution: Solution, compare: Callable[[_Compared], float]
+) -> Check | None:
     """The check of the frictional contact that comes nearest to its limit.
 
     Args:
         problem: The model.
         solution: Its solution.
-        compare: Values at the points of a contact, not to exceed 0, and their scale. It is
-            given traction, law's traction and slip without the components that supports hold.
+        compare: The global value of the check for one contact, good at or below 0.
     """
     worst: Check | None = None
     for number, contact in enumerate(problem.contacts):
         free, movable = contact.free_along_surface(problem.constrained)
-        counted = contact.owned & movable
+        counted = contact.owned_nodes & movable
         if contact.friction is None or problem.comm.allreduce(int(counted.sum())) == 0:
             continue
-        traction = free * recovered_traction(problem, solution, number)
-        law = free * solution.friction_force[number] / contact.weights[:, None]
-        slip = free * contact.slip(solution.displacement)
-        strongest = largest(problem.comm, contact.friction_bound)
-        values, scale = compare(contact, traction / strongest, law / strongest, slip)
-        found = largest(problem.comm, values[counted]) / scale
-        check = Check(found if np.isnan(found) else max(found, 0.0), _limit(contact, solution))
+        trace = contact.trace
+        area = trace.to_nodes(trace.weights)
+        unit = area * largest(problem.comm, contact.friction_bound)
+        bound = trace.to_nodes(trace.weights * contact.friction_bound) / unit
+        bulk = free * recovered_friction(problem, solution, number) / unit[:, None]
+        law = free * solution.friction_force[number] / unit[:, None]
+        slip = free * contact.tangential(solution.displacement[contact.nodes])
+        compared = _Compared(
+            bulk[counted], law[counted], bound[counted], slip[counted], trace.nodal, problem.comm
+        )
+        found = compare(compared)
+        lightest = smallest(problem.comm, unit[contact.owned_nodes])
+        limit = _TRACE + 2 * solution.imbalance_limit / lightest
+        check = Check(found if np.isnan(found) else max(found, 0.0), limit)
         worst = check if worst is None else _nearer_to_failing(worst, check)
     return worst
 
@@ -141,11 +159,8 @@ def _nearer_to_failing(first: Check, second: Check) -> Check:
 def friction_cone(problem: Problem, solution: Solution) -> Check | None:
     """|σ_T| − g, over the largest g (paper, (1.6)): traction within its bound."""
 
-    def excess(
-        contact: ContactSurface, traction: Array, law: Array, slip: Array
-    ) -> tuple[Array, float]:
-        bound = contact.friction_bound / largest(problem.comm, contact.friction_bound)
-        return np.linalg.norm(traction, axis=1) - bound, 1.0
+    def excess(compared: _Compared) -> float:
+        return largest(compared.comm, np.linalg.norm(compared.bulk, axis=1) - compared.bound)
 
     return _worst(problem, solution, excess)
 
@@ -153,22 +168,25 @@ def friction_cone(problem: Problem, solution: Solution) -> Check | None:
 def friction_law(problem: Problem, solution: Solution) -> Check | None:
     """|σ_T + g φ_ε′(u_T)| over the largest g (paper, (2.8)): bulk against friction law."""
 
-    def difference(
-        contact: ContactSurface, traction: Array, law: Array, slip: Array
-    ) -> tuple[Array, float]:
-        return np.linalg.norm(traction - law, axis=1), 1.0
+    def difference(compared: _Compared) -> float:
+        return largest(compared.comm, np.linalg.norm(compared.bulk - compared.law, axis=1))
 
     return _worst(problem, solution, difference)
 
 
 def dissipation(problem: Problem, solution: Solution) -> Check | None:
-    """σ_T · u_T ≤ 0 at every point: friction takes energy, nowhere gives it (paper, (1.6))."""
+    """σ_T · u_T ≤ 0 at every point: friction takes energy, nowhere gives it (paper, (1.6)).
 
-    def given(
-        contact: ContactSurface, traction: Array, law: Array, slip: Array
-    ) -> tuple[Array, float]:
-        longest = largest(problem.comm, np.linalg.norm(slip, axis=1))
-        return np.einsum("ij,ij->i", traction, slip), longest or 1.0
+    Where points lie between nodes, a node's force is not that of one slip, and only the
+    sum must be so.
+    """
+
+    def given(compared: _Compared) -> float:
+        power = np.einsum("ij,ij->i", compared.bulk, compared.slip)
+        longest = largest(compared.comm, np.linalg.norm(compared.slip, axis=1)) or 1.0
+        if compared.nodal:
+            return largest(compared.comm, power) / longest
+        return total(compared.comm, power.sum()) / longest
 
     return _worst(problem, solution, given)
 
@@ -193,12 +211,14 @@ def boundary_stress(problem: Problem, solution: Solution) -> Check | None:
         measure = spaces.boundary(contact.group)
         nodal = spaces.assemble(fem.form(spaces.weight * ufl.dot(traction, test) * measure))
         found = total(problem.comm, nodal[: spaces.owned_nodes].sum(axis=0))
-        pressure = contact.contact_pressure[:, None] * contact.normals
-        given = total(problem.comm, force[contact.owned].sum(axis=0)) - contact.integral(pressure)
+        pressure = contact.contact_pressure[:, None] * contact.trace.normals
+        given = total(
+            problem.comm, force[contact.owned_nodes].sum(axis=0)
+        ) - contact.trace.integral(pressure)
         carried = contact.contact_pressure + contact.friction_bound + typical
-        limit = _STRESS_OVER_SIZE[spaces.degree] * contact.relative_facet_size()
+        limit = _STRESS_OVER_SIZE[spaces.degree] * contact.trace.relative_facet_size()
         check = Check(
-            float(np.linalg.norm((found - given)[axes]) / (contact.integral(carried) or 1.0)),
+            float(np.linalg.norm((found - given)[axes]) / (contact.trace.integral(carried) or 1.0)),
             min(limit, _LARGEST_STRESS_LIMIT),
         )
         worst = check if worst is None else _nearer_to_failing(worst, check)

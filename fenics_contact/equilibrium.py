@@ -124,12 +124,12 @@ def _slips(problem: Problem, rigid: _RigidModes, modes: Array) -> tuple[Array, A
     """Weights w g and slips (points, components, modes) of modes at this rank's points."""
     weights, slips = [np.zeros(0)], [np.zeros((0, problem.spaces.components, modes.shape[1]))]
     for contact in problem.frictional:
-        moved = rigid.fields[contact.nodes] @ modes
+        moved = contact.trace.at_points(rigid.fields) @ modes
         tangential = np.stack(
             [contact.tangential(moved[..., i]) for i in range(modes.shape[1])], axis=-1
         )
-        weights.append((contact.weights * contact.friction_bound)[contact.owned])
-        slips.append(tangential[contact.owned])
+        weights.append((contact.trace.weights * contact.friction_bound)[contact.trace.owned])
+        slips.append(tangential[contact.trace.owned])
     return np.concatenate(weights), np.concatenate(slips)
 
 

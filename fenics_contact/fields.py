@@ -14,7 +14,6 @@ from fenics_contact.problem import Problem
 from fenics_contact.quantities import status
 from fenics_contact.solver import Solution
 
-_NO_NODES = np.zeros(0, dtype=np.int32)
 # Values of the field `status`.
 NO_CONTACT, FIELD_OPEN, FIELD_STICK, FIELD_SLIP = -1.0, 0.0, 1.0, 2.0
 
@@ -57,23 +56,21 @@ def nodal_stress(problem: Problem) -> Any:
 
 
 def _contact_functions(problem: Problem, solution: Solution) -> list[Any]:
-    """Contact pressure, friction traction and status as functions on the body.
+    """Contact pressure, friction traction and status at the nodes, as functions on the body.
 
-    At a point of two contacts the pressure and status are those of the later one, and the
-    traction is the force of both over the area of both.
+    At a node of two contacts the later one's values stand.
     """
     spaces = problem.spaces
-    pressure = spaces.nodal_function("contact_pressure", np.zeros(0), _NO_NODES)
-    state = spaces.nodal_function("status", np.zeros(0), _NO_NODES, NO_CONTACT)
-    forces = np.zeros_like(solution.displacement)
-    areas = np.zeros(len(forces))
-    for contact, force in zip(problem.contacts, solution.friction_force, strict=True):
-        spaces.set_nodal(pressure, contact.contact_pressure, contact.nodes)
-        found = status(contact, solution.displacement)
+    none = np.zeros(0, dtype=np.int32)
+    pressure = spaces.nodal_function("contact_pressure", np.zeros(0), none)
+    state = spaces.nodal_function("status", np.zeros(0), none, NO_CONTACT)
+    traction = spaces.vector_function("friction_traction", np.zeros((0, spaces.components)), none)
+    for contact in problem.contacts:
+        nodes, at_nodes = contact.nodes, slice(0, len(contact.nodes))
+        spaces.set_nodal(pressure, contact.contact_pressure[at_nodes], nodes)
+        found = status(contact, solution.displacement)[at_nodes]
         values = np.select([found == OPEN, found == STICK], [FIELD_OPEN, FIELD_STICK], FIELD_SLIP)
-        spaces.set_nodal(state, values, contact.nodes)
-        forces[contact.nodes] += force
-        areas[contact.nodes] += contact.weights
-    nodes = np.flatnonzero(areas).astype(np.int32)
-    traction = forces[nodes] / areas[nodes, None]
-    return [pressure, spaces.vector_function("friction_traction", traction, nodes), state]
+        spaces.set_nodal(state, values, nodes)
+        tractions = contact.friction_traction(solution.displacement)[at_nodes]
+        traction.x.array.reshape(-1, spaces.components)[nodes] = tractions
+    return [pressure, traction, state]

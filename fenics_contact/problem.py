@@ -157,7 +157,7 @@ class Problem:
         """Friction on a surface that supports hold everywhere does nothing: surely a slip."""
         for number, contact in enumerate(self.contacts):
             _, movable = contact.free_along_surface(self.constrained)
-            free = contact.owned & movable
+            free = contact.owned_nodes & movable
             if contact.friction is not None and self.comm.allreduce(int(free.sum())) == 0:
                 raise InputError(
                     f"contact[{number}].on = '{contact.contact.on}': supports hold every point of "

@@ -28,22 +28,27 @@ def status(contact: ContactSurface, displacement: Array) -> NDArray[np.str_]:
 def contact_quantities(
     contact: ContactSurface, displacement: Array, friction_force: Array
 ) -> dict[str, Any]:
-    """The interface's quantities of one contact."""
-    comm = contact.spaces.comm
+    """The interface's quantities of one contact.
+
+    Args:
+        contact: The contact.
+        displacement: Nodal displacements of this rank, (nodes, components) (length).
+        friction_force: Friction forces on the body at the contact's nodes (force).
+    """
+    comm, integral = contact.spaces.comm, contact.trace.integral
     state = status(contact, displacement)
-    slip = contact.slip(displacement)
-    area = {kind: float(contact.integral((state == kind) * 1.0)) for kind in (STICK, SLIP)}
-    owned = contact.owned
-    dissipated = -total(comm, np.sum(friction_force[owned] * slip[owned]))
+    area = {kind: float(integral((state == kind) * 1.0)) for kind in (STICK, SLIP)}
+    owned = contact.owned_nodes
+    dissipated = -total(comm, np.sum((friction_force * displacement[contact.nodes])[owned]))
     return {
-        "normal_force": float(contact.integral(contact.contact_pressure)),
+        "normal_force": float(integral(contact.contact_pressure)),
         "friction_force": _resultant(contact.spaces, friction_force[owned]).tolist(),
         "max_contact_pressure": largest(comm, contact.contact_pressure),
         "contact_area": area[STICK] + area[SLIP],
         "stick_area": area[STICK],
         "slip_area": area[SLIP],
         "max_penetration": 0.0,
-        "max_slip": largest(comm, np.linalg.norm(slip, axis=1)),
+        "max_slip": largest(comm, np.linalg.norm(contact.slip(displacement), axis=1)),
         "friction_work": dissipated,
         "penalty_energy": 0.0,
     }
@@ -139,21 +144,20 @@ def contact_points(problem: Problem, solution: Solution) -> ContactPoints:
 def _rows(number: int, problem: Problem, solution: Solution) -> Array:
     """Owned points of one contact as numbers, in the order of ``contact_points``."""
     contact = problem.contacts[number]
+    trace = contact.trace
     state = status(contact, solution.displacement)
-    traction = solution.friction_force[number] / contact.weights[:, None] + 0.0  # no −0
-    slip = contact.slip(solution.displacement)
     columns = [
         np.full((len(state), 1), float(number)),
         np.select([state == OPEN, state == STICK], [0.0, 1.0], 2.0)[:, None],
-        problem.spaces.coordinates[contact.nodes],
-        _three(contact.normals),
+        trace.coordinates,
+        _three(trace.normals),
         np.zeros((len(state), 1)),
         contact.contact_pressure[:, None],
-        _three(traction),
-        _three(slip),
-        contact.weights[:, None],
+        _three(contact.friction_traction(solution.displacement)),
+        _three(contact.slip(solution.displacement)),
+        trace.weights[:, None],
     ]
-    return np.hstack(columns)[contact.owned]
+    return np.hstack(columns)[trace.owned]
 
 
 def _three(vectors: Array) -> Array:

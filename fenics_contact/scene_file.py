@@ -15,6 +15,8 @@ from fenics_contact.errors import InputError
 from fenics_contact.scene import Profile, Scene
 from fenics_contact.scene_reference import keys_of
 
+_SMALLEST, _LARGEST = 1e-100, 1e100  # sizes of numbers that a scene may hold
+
 
 def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     """Read a scene file.
@@ -31,6 +33,7 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     data = _read(path)
     for setting in overrides:
         _override(data, setting)
+    _refuse_extremes(data, path)
     if "mesh" not in data:
         raise InputError(f"{path}: the table [mesh] is missing; it names the mesh's file")
     try:
@@ -49,8 +52,20 @@ def _read(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: not a text file in UTF-8") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except ValueError as error:  # such as a number of thousands of digits
+    except (ValueError, RecursionError) as error:  # thousands of digits, or of brackets
         raise InputError(f"{path}: cannot be read: {error}") from None
+
+
+def _refuse_extremes(data: Any, file: Path, path: tuple[Any, ...] = ()) -> None:
+    """Numbers whose squares or products would overflow are slips of the pen."""
+    if isinstance(data, dict | list):
+        for step, part in data.items() if isinstance(data, dict) else enumerate(data):
+            _refuse_extremes(part, file, (*path, step))
+    elif isinstance(data, int | float) and data != 0 and not _SMALLEST < abs(data) < _LARGEST:
+        raise InputError(
+            f"{file}: {_written(path)} = {str(data)[:20]}: must be a finite number, and 0 or of "
+            f"a size between {_SMALLEST:g} and {_LARGEST:g}"
+        )
 
 
 def _beside(scene: Scene, folder: Path) -> Scene:
@@ -68,7 +83,7 @@ def _override(data: dict[str, Any], setting: str) -> None:
         raise InputError(f"--set {setting}: write it as table.key=value")
     try:
         value = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         value = text.strip()  # a bare word is a string
     *tables, key = path.strip().split(".")
     target: Any = data
@@ -125,7 +140,7 @@ def _plain(problem: Any) -> str:
     words = {
         "float_type": "a number",
         "int_type": "a whole number",
-        "string_type": "a text",
+        "string_type": "a text, in quotes",
         "finite_number": "a finite number",
         "dataclass_type": "a table",
         "tuple_type": "a list",

@@ -70,7 +70,7 @@ class Run:
         """``model`` of ``result.json``; collective."""
         problem = self.problem
         index_map = problem.spaces.displacement_space.dofmap.index_map
-        points = sum(total(problem.comm, int(c.owned.sum())) for c in problem.contacts)
+        points = sum(total(problem.comm, int(c.trace.owned.sum())) for c in problem.contacts)
         cells = problem.body.mesh.topology.index_map(problem.body.dimension)
         return {
             "kinematics": self.scene.kinematics,

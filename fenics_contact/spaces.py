@@ -101,22 +101,6 @@ class Spaces:
             "ds", domain=self.body.mesh, subdomain_data=[(1, entities)], metadata=metadata
         )(1)
 
-    def contact_boundary(self, group: Group) -> Any:
-        """Measure whose points are the nodes of the trace, with weights ≥ 0.
-
-        Simpson's rule on degree 2 (paper, Section 4: J), the vertices on degree 1;
-        their tensor products on quadrilaterals.
-        """
-        facet = "triangle" if self.body.mesh.topology.cell_name() == "tetrahedron" else "tensor"
-        if facet == "triangle" and self.degree == 2:
-            raise InputError(
-                "discretisation.degree = 2: contact on tetrahedra needs degree 1, "
-                "or hexahedra, for a rule with positive weights"
-            )
-        rule = "vertex" if facet == "triangle" else "GLL"
-        degree = 1 if self.degree == 1 else 3
-        return self.boundary(group, {"quadrature_rule": rule, "quadrature_degree": degree})
-
     def nodes(self, group: Group) -> NDArray[np.int32]:
         """Local indices (owned and ghost) of the nodes on a group; collective."""
         entities = self.body.entities(group)
@@ -191,6 +175,10 @@ class Spaces:
     ) -> None:
         """Set a scalar nodal function at some nodes."""
         function.x.array[self._scalar_space()[1][nodes]] = values
+
+    def nodal_values(self, function: Any) -> NDArray[np.float64]:
+        """A scalar nodal function's values at all nodes of this rank."""
+        return function.x.array[self._scalar_space()[1]]
 
     def _scalar_space(self) -> tuple[Any, NDArray[np.int64]]:
         """The space of one component, and its dof at every node."""
