@@ -64,7 +64,7 @@ class Body:
             InputError: There is none of that name (the message lists those there are), or
                 it is empty, or not part of the body.
         """
-        group = self.groups.get(name) or self.numbers.get(name)
+        group = self.find(name)
         if group is None:
             raise InputError(
                 f"{key} = '{name}': {self.source} has no such physical group; "
@@ -78,6 +78,10 @@ class Body:
         if total(self.mesh.comm, len(self._owned(group))) == 0:
             raise InputError(f"{key} = '{name}': the group is empty, it has no {kind}")
         return group
+
+    def find(self, name: str) -> Group | None:
+        """A group by name, or by number, if there is one."""
+        return self.groups.get(name) or self.numbers.get(name)
 
     def boundary(self, name: str, key: str) -> Group:
         """A group of facets on the boundary of the body, by name; collective.

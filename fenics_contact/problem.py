@@ -101,12 +101,8 @@ class Problem:
 
     def is_loaded(self, group: Group) -> bool:
         """Whether a load acts on some of the facets of a group."""
-        loaded = [
-            self.body.groups[load.on]
-            for load in self.scene.load
-            if load.body_force is None and load.on in self.body.groups
-        ]
-        return any(set(group.tags) & set(other.tags) for other in loaded)
+        loaded = [self.body.find(load.on) for load in self.scene.load if load.body_force is None]
+        return any(other and set(group.tags) & set(other.tags) for other in loaded)
 
     def _support(self, number: int, on: str) -> AppliedSupport:
         key = f"support[{number}]"

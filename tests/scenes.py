@@ -24,6 +24,15 @@ from fenics_contact import (
 ROOT = Path(__file__).resolve().parent.parent
 SLAB = str(ROOT / "meshes" / "slab.geo")
 
+# A block on a rough pad (its side z0), held at its top and pulled obliquely.
+PULLED_BLOCK = Scene(
+    kinematics="3D",
+    material=Material(1000, 0.3),
+    support=(Support("z1", {"x": 0, "y": 0, "z": 0}),),
+    load=(Load("x0", traction=(30, 10, 0)),),
+    contact=(Contact("z0", pressure=20, friction_coefficient=0.5),),
+)
+
 
 def slab(
     end_load: float = 300.0,

@@ -72,8 +72,8 @@ def test_script_and_scene_on_one_and_two_ranks(name, tmp_path):
         found = quantities(tmp_path / label)
         for key, value in reference.items():
             assert found[key] == pytest.approx(value, rel=1e-9, abs=1e-9), f"{label}: {key}"
-    tables = [(tmp_path / label / "contact.csv").read_text() for label in ("script", "scene")]
-    assert tables[0] == tables[1]
+    tables = {(tmp_path / label / "contact.csv").read_text() for label in runs}
+    assert len(tables) == 1
     pictures = sorted(path.name for path in (tmp_path / "script").glob("*.png"))
     assert "deformed.png" in pictures
     assert (tmp_path / "script" / "report.html").exists()

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Contact, Load, Material, Run, Scene, Support, files, pictures, report
-from tests.scenes import box_body, slab
+from fenics_contact import Load, Material, Run, Scene, Support, files, pictures, report
+from tests.scenes import PULLED_BLOCK, box_body, slab
 
 pytestmark = pytest.mark.serial
 
@@ -50,14 +50,7 @@ def test_where_nothing_slips_nothing_is_drawn_slipping(tmp_path):
 
 
 def test_three_dimensions(tmp_path):
-    scene = Scene(
-        kinematics="3D",
-        material=Material(1000, 0.3),
-        support=(Support("z1", {"x": 0, "y": 0, "z": 0}),),
-        load=(Load("x0", traction=(30, 10, 0)),),
-        contact=(Contact("z0", pressure=20, friction_coefficient=0.5),),
-    )
-    write_run(scene, tmp_path, box_body((4, 4, 2), comm=MPI.COMM_SELF))
+    write_run(PULLED_BLOCK, tmp_path, box_body((4, 4, 2), comm=MPI.COMM_SELF))
     report.write_report(tmp_path)
     assert (tmp_path / "contact_0.png").stat().st_size > 10_000
     assert np.ptp(pixels(tmp_path / "deformed.png")) > 0.5

@@ -7,7 +7,7 @@ from mpi4py import MPI
 from fenics_contact import Contact, Load, Material, Run, Scene, Support, files, run
 from fenics_contact.errors import InputError
 from fenics_contact.parallel import gather_rows, largest, on_root, raise_together, smallest, total
-from tests.scenes import box_body, slab
+from tests.scenes import PULLED_BLOCK, box_body, slab
 
 COMM = MPI.COMM_WORLD
 
@@ -69,15 +69,8 @@ def test_contact_that_misses_a_rank():
 
 
 def test_block_alone_and_together():
-    scene = Scene(
-        kinematics="3D",
-        material=Material(1000, 0.3),
-        support=(Support("z1", {"x": 0, "y": 0, "z": 0}),),
-        load=(Load("x0", traction=(30, 10, 0)),),
-        contact=(Contact("z0", pressure=20, friction_coefficient=0.5),),
-    )
-    alone = run(scene, MPI.COMM_SELF, box_body((4, 4, 2), comm=MPI.COMM_SELF))
-    together = run(scene, COMM, box_body((4, 4, 2)))
+    alone = run(PULLED_BLOCK, MPI.COMM_SELF, box_body((4, 4, 2), comm=MPI.COMM_SELF))
+    together = run(PULLED_BLOCK, COMM, box_body((4, 4, 2)))
     assert_same(alone, together)
     slipping = alone.points.status == "SLIP"
     assert slipping.any() and not slipping.all()
