@@ -9,16 +9,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import basix
 import basix.ufl
 import numpy as np
+from dolfinx import cpp
 from numpy.typing import NDArray
 
-from fenics_contact import compat  # noqa: F401  (loads FEniCSx in the right order)
+from fenics_contact import mesh_checks
 from fenics_contact.errors import InputError
 from fenics_contact.mesh import Group
-
-from dolfinx import cpp  # isort: skip
 
 Points = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -48,9 +46,6 @@ _VERTICES = {"triangle": 3, "quadrilateral": 4, "tetrahedron": 4, "hexahedron": 
 _BOUNDARY_PARTS = {2: "curve", 3: "surface"}
 _SIDES = {2: "interval", 3: "triangle", 4: "quadrilateral"}  # by their vertices
 _BODY = "body"  # the whole body's group, where the file names none
-_FLAT = 1e-9  # out of plane, over the size of the body
-_DEGENERATE = 1e-12  # Jacobian determinant over the cell's size
-_CHUNK = 50_000  # cells looked at together: bounds the memory of the Jacobians
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,19 +92,19 @@ def build(
         file: For messages.
     """
     where = f"mesh.file = '{file}'"
-    _check_dimension(where, description, dimension)
+    mesh_checks.check_dimension(where, description, dimension)
     parts = _body_parts(description, dimension)
     kind, nodes, cell_parts = _cells(where, read, description, parts, dimension)
     cell, order = CELLS[kind]
     points, cells, old_tags = _used_points(where, read, nodes)
-    _check_points(where, points, dimension)
+    mesh_checks.check_points(where, points, dimension)
     points = points[:, :dimension]
-    _check_nodes(where, cells, points)
+    mesh_checks.check_nodes(where, cells, points)
     cells, cell_tags, body = _unique(cells, cell_parts, _VERTICES[cell], len(points))
     keys = _facet_keys(cell, cells, len(points))
-    _check_facets(where, keys)
+    mesh_checks.check_facets(where, keys)
     cells = cells[:, _permutation(cell, cells.shape[1])]
-    _check_jacobians(where, cell, order, points, cells, cell_tags)
+    mesh_checks.check_jacobians(where, cell, order, points, cells, cell_tags)
     facets, facet_parts, outside = _facets(read, cell, order, old_tags, keys, len(points))
     corners = len(_FACETS[cell][0][0])
     facets, facet_tags, boundary = _unique(facets, facet_parts, corners, len(points))
@@ -122,15 +117,6 @@ def build(
 def nodes_of(cell: str, order: int) -> int:
     """Geometry nodes of a cell."""
     return int(basix.ufl.element("Lagrange", cell, order).dim)
-
-
-def _check_dimension(where: str, description: Mapping[str, Any], dimension: int) -> None:
-    found = description["dimension"]
-    if found != dimension:
-        raise InputError(
-            f"{where}: is {max(found, 0)}-dimensional, but the scene's kinematics needs a mesh "
-            f"of dimension {dimension}"
-        )
 
 
 def _body_parts(description: Mapping[str, Any], dimension: int) -> list[int]:
@@ -189,18 +175,6 @@ def _used_points(
     return read["points"][order[place]], inverse.reshape(nodes.shape), used
 
 
-def _check_points(where: str, points: Points, dimension: int) -> None:
-    if not np.isfinite(points).all() or np.abs(points).max() > 1e100:
-        raise InputError(f"{where}: has coordinates that are not finite")
-    size = np.ptp(points, axis=0).max()
-    height = np.abs(points[:, 2]).max()
-    if dimension == 2 and height > _FLAT * size:
-        raise InputError(
-            f"{where}: is not in the plane z = 0 (|z| is up to {height:g}), "
-            "as a two-dimensional model needs"
-        )
-
-
 def _facet_keys(cell: str, cells: Integers, count: int) -> NDArray[np.uint64]:
     """One number for every facet of every cell, the same for the same vertices."""
     return _keys(cells[:, np.array(_FACETS[cell][0])], count)
@@ -212,71 +186,9 @@ def _keys(vertices: Integers, count: int) -> NDArray[np.uint64]:
     return random[vertices].sum(axis=-1, dtype=np.uint64)
 
 
-def _check_nodes(where: str, cells: Integers, points: Points) -> None:
-    """No node twice in a cell."""
-    in_order = np.sort(cells, axis=1)
-    collapsed = (in_order[:, 1:] == in_order[:, :-1]).any(axis=1)
-    if collapsed.any():
-        first = points[cells[np.argmax(collapsed)]].mean(axis=0)
-        raise InputError(
-            f"{where}: {_cells_are(collapsed.sum())} degenerate (the same node twice), "
-            f"the first at {_at(first)}"
-        )
-
-
-def _check_facets(where: str, keys: NDArray[np.uint64]) -> None:
-    """No facet of more than two cells."""
-    _, counts = np.unique(keys, return_counts=True)
-    if counts.max() > 2:
-        raise InputError(
-            f"{where}: {(counts > 2).sum()} facets belong to more than two cells: cells overlap"
-        )
-
-
 def _permutation(cell: str, nodes: int) -> Any:
     """From Gmsh's order of a cell's nodes to dolfinx's."""
     return cpp.io.perm_gmsh(cpp.mesh.to_type(cell), nodes)
-
-
-def _check_jacobians(
-    where: str, cell: str, order: int, points: Points, cells: Integers, parts: NDArray[Any]
-) -> None:
-    """The Jacobian determinant keeps one sign in every part, and is nowhere zero.
-
-    A part may be numbered the other way round as a whole: dolfinx does not mind.
-    """
-    element = basix.ufl.element(
-        "Lagrange", cell, order, lagrange_variant=basix.LagrangeVariant.equispaced
-    )
-    at = _sample_points(cell, order)
-    gradients = element.tabulate(1, at)[1:]  # (dimension, samples, nodes)
-    least, largest = np.empty(len(cells)), np.empty(len(cells))
-    for start in range(0, len(cells), _CHUNK):
-        x = points[cells[start : start + _CHUNK]]
-        size = np.ptp(x, axis=1).max(axis=1)[:, None] ** points.shape[1]
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            jacobians = np.einsum("cnd,jqn->cqdj", x, gradients)
-            relative = np.nan_to_num(np.linalg.det(jacobians) / size)
-        least[start : start + _CHUNK] = relative.min(axis=1)
-        largest[start : start + _CHUNK] = relative.max(axis=1)
-    _, part = np.unique(parts, return_inverse=True)
-    turned = (np.bincount(part, np.sign(least + largest)) < 0)[part]
-    least = np.where(turned, -largest, least)
-    bad = least <= _DEGENERATE
-    if bad.any():
-        first = points[cells[np.argmax(bad)]].mean(axis=0)
-        raise InputError(
-            f"{where}: {_cells_are(bad.sum())} degenerate or inverted (their Jacobian is zero or "
-            f"negative), the first at {_at(first)}"
-        )
-
-
-def _sample_points(cell: str, order: int) -> Points:
-    """Vertices and quadrature points of the reference cell; one point where J is constant."""
-    kind = getattr(basix.CellType, cell)
-    if order == 1 and cell in ("triangle", "tetrahedron"):
-        return basix.geometry(kind).mean(axis=0)[None, :]
-    return np.vstack([basix.geometry(kind), basix.make_quadrature(kind, 4)[0]])
 
 
 def _facets(
@@ -405,11 +317,3 @@ def _joined(where: str, name: str, first: Group | None, second: Group) -> Group:
         tuple(sorted({*first.tags, *second.tags})),
         first.outside + second.outside,
     )
-
-
-def _cells_are(count: Any) -> str:
-    return "1 cell is" if count == 1 else f"{count} cells are"
-
-
-def _at(point: Points) -> str:
-    return f"({', '.join(f'{value:g}' for value in point)})"

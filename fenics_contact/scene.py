@@ -84,8 +84,8 @@ class MeshSource:
         Field(description="largest cell made from a geometry (length); by default Gmsh's choice"),
     ] = None
     curvature: Annotated[
-        Integer | None,
-        Field(ge=3, description="cells along a full circle made from a geometry, for finer holes"),
+        Annotated[Integer, Field(ge=3)] | None,
+        Field(description="cells along a full circle made from a geometry, for finer holes"),
     ] = None
     groups: Annotated[
         Mapping[str, tuple[Integer, ...]],

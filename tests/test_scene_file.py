@@ -1,9 +1,12 @@
 import re
 
 import pytest
+from mpi4py import MPI
 
 from fenics_contact import InputError, Profile, Scene, load_scene, scene_reference
 from tests.scenes import ROOT
+
+COMM = MPI.COMM_WORLD
 
 GOOD = """
 kinematics = "plane stress"
@@ -27,7 +30,9 @@ friction_coefficient = 0.3
 
 def write(folder, text):
     path = folder / "scene.toml"
-    path.write_text(text)
+    if COMM.rank == 0:  # on all at once, one rank would read what another is still writing
+        path.write_text(text)
+    COMM.barrier()
     return path
 
 
@@ -90,7 +95,9 @@ def test_bad_scene_gives_one_sentence_with_file_and_key(folder, old, new, messag
 def test_missing_and_binary_files(folder):
     with pytest.raises(InputError, match="No such file"):
         load_scene(folder / "nowhere.toml")
-    (folder / "b.toml").write_bytes(b"\xff\xfe\x00\x80")
+    if COMM.rank == 0:
+        (folder / "b.toml").write_bytes(b"\xff\xfe\x00\x80")
+    COMM.barrier()
     with pytest.raises(InputError, match="UTF-8"):
         load_scene(folder / "b.toml")
 
