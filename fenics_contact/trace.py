@@ -33,8 +33,8 @@ _AT_CENTRE = np.array([-1 / 9] * 3 + [4 / 9] * 3)
 def _custom(points: Array, weights: Array) -> dict[str, Any]:
     return {
         "quadrature_rule": "custom",
-        "quadrature_points": points,
-        "quadrature_weights": weights,
+        "quadrature_points": tuple(map(tuple, points.tolist())),
+        "quadrature_weights": tuple(weights.tolist()),
         "quadrature_degree": 3,
     }
 
