@@ -216,9 +216,13 @@ class _Newton:
         # The floor costs a matrix copy, so it is asked for only where it may decide.
         if iteration > 0 and self.limit < imbalance <= _LARGEST_FLOOR * forces:
             self.limit = max(self.limit, min(self._floor(), _LARGEST_FLOOR * forces))
-        if imbalance <= self.limit:
+        if imbalance <= self.limit and not self._mean_stress_is_missing(iteration):
             return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
         return PETSc.SNES.ConvergedReason.CONVERGED_ITERATING
+
+    def _mean_stress_is_missing(self, iteration: int) -> bool:
+        """Whether a mean stress is yet to be found, be there no free displacement at all."""
+        return iteration == 0 and self.problem.elastic.mixed is not None
 
     def _floor(self) -> float:
         """20 × machine epsilon × ‖|J| |u|‖₁: what round-off leaves of a residual."""

@@ -111,6 +111,22 @@ def test_driven_block():
         assert pressure_error < {"P1": 1.0, "Q1": 0.3, "P2": 0.3, "Q2": 0.1}[element], element
 
 
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_with_every_displacement_prescribed(element):
+    """Nothing to solve but the mean stress: energy of a uniform strain, E-ν formula."""
+    cell, degree = ELEMENTS[element]
+    strain = 1e-3
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(E, NU),
+        discretisation=Discretisation(degree),
+        support=(Support("body", {"x": lambda x: strain * x[0], "y": 0}),),
+    )
+    result = Run(scene, COMM, box_body((2, 2), (1, 1), cell)).solve()
+    modulus = E * (1 - NU) / ((1 + NU) * (1 - 2 * NU))
+    assert result.quantities["strain_energy"] == pytest.approx(0.5 * modulus * strain**2, rel=1e-6)
+
+
 def test_choice_is_made_by_itself_and_said():
     scene = Scene(
         kinematics="plane strain",
