@@ -5,7 +5,9 @@ unknown of its own, s = K tr(e), in a space that suits the displacement's: conti
 degree 1 on simplices of degree 2 (Taylor and Hood), discontinuous of degree 1 on Q2 and of
 degree 0 on Q1. On simplices of degree 1 it is continuous of degree 1, stabilised by its
 difference from the mean of each cell (C. R. Dohrmann and P. B. Bochev, Int. J. Numer. Meth.
-Fluids 46 (2004) 183-201).
+Fluids 46 (2004) 183-201). Between several materials the mean stress jumps: there it is constant
+in each cell on simplices of degree 2; on those of degree 1 it stays continuous, and converges
+only at first order.
 """
 
 from __future__ import annotations
@@ -17,13 +19,11 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from fenics_contact import compat
+from fenics_contact import compat, material
 from fenics_contact.elasticity import Isotropic, strain, strain_energy
 from fenics_contact.material import Elasticities
 from fenics_contact.scene import Scene
 from fenics_contact.spaces import Spaces
-
-NEARLY_INCOMPRESSIBLE = 0.49
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,11 +63,11 @@ class ElasticBody:
         self.mixed: MixedForms | None = None
         e = self.strain(displacement)
         stress = self.law.stress(e)
-        nearly = elasticities.largest_poissons_ratio >= NEARLY_INCOMPRESSIBLE
+        nearly = elasticities.largest_poissons_ratio >= material.NEARLY_INCOMPRESSIBLE
         if nearly and scene.kinematics != "plane stress":
             assert isinstance(self.law, Isotropic)
             self.name = "elastic energy, nearly incompressible: mean stress as a second unknown"
-            self.mixed = self._mixed_forms(self.law)
+            self.mixed = self._mixed_forms(self.law, several=len(scene.material) > 1)
             stress = self.law.deviatoric_stress(e)
         energy = strain_energy(e, stress, spaces.weight, spaces.bulk)
         residual = ufl.derivative(energy, displacement)
@@ -94,10 +94,12 @@ class ElasticBody:
         assert isinstance(self.law, Isotropic)
         return self.law.deviatoric_stress(e) + self.mixed.mean_stress * ufl.Identity(3)
 
-    def _mixed_forms(self, law: Isotropic) -> MixedForms:
+    def _mixed_forms(self, law: Isotropic, several: bool) -> MixedForms:
         spaces = self._spaces
         tensor = compat.is_tensor_cell(spaces.body.mesh)
         family = {1: ("DG", 0), 2: ("DPC", 1)}[spaces.degree] if tensor else ("Lagrange", 1)
+        if several and not tensor and spaces.degree == 2:
+            family = ("DG", 0)  # the mean stress jumps from one material to the next
         space = fem.functionspace(spaces.body.mesh, family)
         s, t = ufl.TrialFunction(space), ufl.TestFunction(space)
         u = ufl.TrialFunction(spaces.displacement_space)

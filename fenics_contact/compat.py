@@ -14,6 +14,7 @@ from typing import Any
 if importlib.util.find_spec("dolfinx_solver") is not None:
     import dolfinx_solver  # noqa: F401
 
+import basix
 import basix.ufl
 import dolfinx
 import dolfinx.graph
@@ -80,6 +81,25 @@ def interpolation_points(element: Any) -> NDArray[np.float64]:
     """Reference points at which the element interpolates."""
     points = element.interpolation_points
     return points() if callable(points) else points
+
+
+def interior_element(mesh: Any, degree: int) -> Any:
+    """Discontinuous Lagrange element with all its nodes inside the cell.
+
+    On quadrilaterals and hexahedra they are Gauss points.
+    """
+    if degree == 0:
+        return ("DG", 0)
+    variant = basix.LagrangeVariant.gl_warped
+    return basix.ufl.element(
+        "P", mesh.basix_cell(), degree, lagrange_variant=variant, discontinuous=True
+    )
+
+
+def quadrature_points(mesh: Any, degree: int) -> NDArray[np.float64]:
+    """Points of the rule that integrals over cells use, on the reference cell."""
+    cell = getattr(basix.CellType, mesh.topology.cell_name())
+    return basix.make_quadrature(cell, degree)[0]
 
 
 def is_tensor_cell(mesh: Any) -> bool:

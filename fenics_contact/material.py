@@ -1,7 +1,7 @@
 """The body's elasticities as UFL coefficients, from the scene's materials.
 
 Numbers become constants where one material fills the body, else functions on cells; what
-varies in space is interpolated in each cell with the displacement's degree.
+varies in space is interpolated in each cell, between points inside it.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy as np
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from fenics_contact import compat
 from fenics_contact.elasticity import Anisotropic, Isotropic, Law
 from fenics_contact.errors import InputError
 from fenics_contact.parallel import largest, raise_together, smallest
@@ -19,6 +20,9 @@ from fenics_contact.scene import Material, Scene, Value
 from fenics_contact.spaces import Spaces
 
 Array = NDArray[np.float64]
+
+NEARLY_INCOMPRESSIBLE = 0.49
+_STEEP = " (between the points where it is evaluated, too: a jump needs materials of its own)"
 
 
 class Elasticities:
@@ -47,10 +51,22 @@ class Elasticities:
             self.law = self._anisotropic(plane=scene.kinematics != "3D")
 
     def _choose_space(self) -> Any:
-        """Discontinuous: constants in each cell, or of the displacement's degree."""
-        varies = any(callable(value) for m in self.materials for value in _values(m))
-        degree = self.spaces.degree if varies else 0
-        return fem.functionspace(self.spaces.body.mesh, ("DG", degree))
+        """Constants in each cell; or, where a value varies, of a degree that energies keep up with.
+
+        Its nodes lie inside the cells, so that a jump between cells stays one.
+        """
+        mesh, degree = self.spaces.body.mesh, 0
+        if any(callable(value) for m in self.materials for value in _values(m)):
+            degree = self.spaces.degree - (0 if compat.is_tensor_cell(mesh) else 1)
+        return fem.functionspace(mesh, compat.interior_element(mesh, degree))
+
+    def _where_used(self, values: Array) -> Array:
+        """Values at the nodes, and what they amount to at the points of quadrature."""
+        points = compat.quadrature_points(self.spaces.body.mesh, self.spaces.bulk_degree)
+        table = self._space.ufl_element().tabulate(0, points)[0]
+        of_cells = np.moveaxis(values[self._space.dofmap.list], 1, -1)
+        used = np.moveaxis(of_cells @ table.T, -1, 1).reshape(-1, *values.shape[1:])
+        return np.concatenate([values, used])
 
     def _find_owners(self) -> NDArray[np.int64]:
         """Number of the material at each point; every cell must have exactly one."""
@@ -101,15 +117,18 @@ class Elasticities:
         comm = self.spaces.comm
         young = self._evaluate("youngs_modulus", [m.youngs_modulus for m in self.materials])  # type: ignore[misc]
         poisson = self._evaluate("poissons_ratio", [m.poissons_ratio for m in self.materials])  # type: ignore[misc]
-        if smallest(comm, young) <= 0:
+        least = smallest(comm, self._where_used(young))
+        if least <= 0:
             raise InputError(
-                f"material.youngs_modulus: its smallest value is {smallest(comm, young):g}, "
-                "but it must be greater than 0"
+                f"material.youngs_modulus: its smallest value is {least:g}, but it must be "
+                f"greater than 0{_STEEP}"
             )
-        if not -1 < smallest(comm, poisson) <= largest(comm, poisson) < 0.5:
+        used = self._where_used(poisson)
+        least, most = smallest(comm, used), largest(comm, used)
+        if not -1 < least <= most < 0.5:
             raise InputError(
-                f"material.poissons_ratio: it reaches from {smallest(comm, poisson):g} to "
-                f"{largest(comm, poisson):g}, but must lie between -1 and 0.5"
+                f"material.poissons_ratio: it reaches from {least:g} to {most:g}, but must lie "
+                f"between -1 and 0.5{_STEEP}"
             )
         self.reference_modulus = largest(comm, young)
         self.largest_poissons_ratio = largest(comm, poisson)
@@ -122,7 +141,8 @@ class Elasticities:
             for j in range(6):
                 entries = [matrix[i][j] for matrix in given]
                 matrices[:, i, j] = self._evaluate(f"stiffness[{i}][{j}]", entries)
-        self._require_elastic(matrices, plane)
+        self._require_elastic(self._where_used(matrices), plane)
+        self._require_compressible(matrices)
         self.largest_poissons_ratio = -1.0
         # An entry that is zero everywhere is left out of the form, not multiplied.
         size = largest(self.spaces.comm, np.abs(matrices).ravel())
@@ -137,25 +157,47 @@ class Elasticities:
     def _require_elastic(self, matrices: Array, plane: bool) -> None:
         """The paper's conditions (1.1): symmetry and ellipticity; and no warping out of plane."""
         comm = self.spaces.comm
-        size = largest(comm, np.abs(matrices).ravel())
-        skew = largest(comm, np.abs(matrices - matrices.transpose(0, 2, 1)).ravel())
-        if skew > 1e-10 * size:
+        size = np.abs(matrices).max(axis=(1, 2))
+        skew = np.abs(matrices - matrices.transpose(0, 2, 1)).max(axis=(1, 2))
+        if largest(comm, skew / size) > 1e-10:
             raise InputError("material.stiffness: must be symmetric (E_ijkl = E_klij)")
-        # With shear rows doubled in a strain's energy, eigenvalues are those of the tensor.
-        double = np.sqrt([1.0, 1, 1, 2, 2, 2])
-        eigenvalues = np.linalg.eigvalsh(matrices * double[:, None] * double)
-        least = smallest(comm, eigenvalues.ravel())
+        eigenvalues = _eigenvalues(matrices)
         self.reference_modulus = largest(comm, eigenvalues.ravel())
-        if least <= 1e-12 * size:
+        if smallest(comm, eigenvalues[:, 0] / size) <= 1e-12:
             raise InputError(
-                f"material.stiffness: must be positive definite, its least eigenvalue is {least:g}"
+                "material.stiffness: must be positive definite, its least eigenvalue is "
+                f"{smallest(comm, eigenvalues.ravel()):g}{_STEEP}"
             )
-        coupling = matrices[:, 3:5][:, :, [0, 1, 2, 5]]
-        if plane and largest(comm, np.abs(coupling).ravel()) > 1e-10 * size:
+        coupling = np.abs(matrices[:, 3:5][:, :, [0, 1, 2, 5]]).max(axis=(1, 2))
+        if plane and largest(comm, coupling / size) > 1e-10:
             raise InputError(
                 "material.stiffness: couples in-plane with out-of-plane shear (rows yz, xz), "
                 "which no plane or axisymmetric model can hold; use 3D"
             )
+
+    def _require_compressible(self, matrices: Array) -> None:
+        """A tensor near incompressibility would lock: only E and ν have a remedy.
+
+        Isotropic materials have one eigenvalue 3K and five 2G, with K from the inverse
+        3K/2G = (1 + ν)/(1 − 2ν).
+        """
+        if self.spaces.kinematics == "plane stress":
+            return
+        compliances = np.linalg.inv(matrices)[:, :3, :3].sum(axis=(1, 2))  # 1/K
+        ratio = 3 / compliances / _eigenvalues(matrices)[:, -2]
+        limit = (1 + NEARLY_INCOMPRESSIBLE) / (1 - 2 * NEARLY_INCOMPRESSIBLE)
+        if largest(self.spaces.comm, ratio) >= limit:
+            raise InputError(
+                "material.stiffness: is nearly incompressible (as Poisson's ratio above "
+                f"{NEARLY_INCOMPRESSIBLE}), which locks; give youngs_modulus and poissons_ratio, "
+                "for all materials"
+            )
+
+
+def _eigenvalues(matrices: Array) -> Array:
+    """Of the tensors, ascending; a strain's energy counts each shear twice."""
+    double = np.sqrt([1.0, 1, 1, 2, 2, 2])
+    return np.linalg.eigvalsh(matrices * double[:, None] * double)
 
 
 def _values(material: Material) -> list[Any]:

@@ -98,12 +98,22 @@ class MeshSource:
 
 def _stiffness_matrix(value: Any) -> Any:
     """A tensor E_ijkl of shape (3, 3, 3, 3) as the 6 × 6 matrix; anything else as it is."""
+    if isinstance(value, list | tuple) and _depth(value) == 4:
+        value = np.array(value, dtype=float)
     if isinstance(value, np.ndarray) and value.shape == (3, 3, 3, 3):
         for axes in ((1, 0, 2, 3), (0, 1, 3, 2), (2, 3, 0, 1)):
             if not np.allclose(value, value.transpose(axes), rtol=1e-10):
                 raise ValueError("E_ijkl must equal E_jikl, E_ijlk and E_klij")
         value = np.array([[value[i, j, k, m] for k, m in VOIGT] for i, j in VOIGT])
     return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def _depth(value: Any) -> int:
+    """How deep lists are nested, by the first of each."""
+    depth = 0
+    while isinstance(value, list | tuple) and value:
+        value, depth = value[0], depth + 1
+    return depth
 
 
 _Row = Annotated[tuple[Value, ...], Field(min_length=6, max_length=6)]

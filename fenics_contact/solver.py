@@ -244,10 +244,12 @@ class _Newton:
         words = _REASONS.get(reason, f"PETSc's reason {reason}")
         left = f"{self.history[-1]:.2e}" if self.history else "unknown"
         forces = self.load_norm + self.reaction_norm
+        advice = "Try a larger solver.max_iterations, or a larger regularisation_parameter"
+        if self.history and self.history[-1] <= 10 * _LARGEST_FLOOR * forces:
+            advice = "So small a rest may be round-off: is the contrast of stiffnesses extreme?"
         return (
             f"not converged after {max(len(self.history) - 1, 0)} Newton steps: {words}; the "
-            f"force imbalance is {left} of {forces:.3g}. Try a larger solver.max_iterations, "
-            "or a larger regularisation_parameter"
+            f"force imbalance is {left} of {forces:.3g}. {advice}"
         )
 
     def _solution(self) -> Solution:

@@ -60,8 +60,13 @@ class Spaces:
     @property
     def bulk(self) -> Any:
         """Measure of the whole body, exact for the stiffness of undistorted cells."""
-        degree = 2 * self.degree + 2 * (self._geometry_order - 1) + self._extra_degree
-        return ufl.Measure("dx", domain=self.body.mesh, metadata={"quadrature_degree": degree})
+        metadata = {"quadrature_degree": self.bulk_degree}
+        return ufl.Measure("dx", domain=self.body.mesh, metadata=metadata)
+
+    @property
+    def bulk_degree(self) -> int:
+        """Quadrature degree of integrals over the body."""
+        return 2 * self.degree + 2 * (self._geometry_order - 1) + self._extra_degree
 
     @property
     def _geometry_order(self) -> int:

@@ -4,9 +4,19 @@ import dataclasses
 
 import numpy as np
 import pytest
+from dolfinx.mesh import CellType
 from mpi4py import MPI
 
-from fenics_contact import InputError, Load, Material, Run, Scene, Support, run
+from fenics_contact import (
+    Discretisation,
+    InputError,
+    Load,
+    Material,
+    Run,
+    Scene,
+    Support,
+    run,
+)
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD
@@ -132,13 +142,13 @@ def test_material_that_is_not_one(arguments, message):
         Material(**arguments)
 
 
-def bimaterial(comm=COMM):
+def bimaterial(comm=COMM, cells=(4, 2), cell=None):
     """A box whose cells with x < 1 are the group 'left', the others 'right'."""
     from dolfinx import mesh as meshes
 
     from fenics_contact import Group
 
-    body = box_body((4, 2), (2, 1), comm=comm)
+    body = box_body(cells, (2, 1), cell, comm=comm)
     cells = body.cell_tags.indices
     midpoints = meshes.compute_midpoints(body.mesh, 2, cells)
     tags = meshes.meshtags(
@@ -216,3 +226,62 @@ def test_thickness_scales_forces_and_may_vary():
         )
     with pytest.raises(ValueError, match="thickness is for plane stress"):
         pulled("plane strain", Material(100, 0), thickness=2.0)
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_jump_of_a_function_between_cells_stays_one(degree):
+    """E = 1 for x < 1 and 1000 beyond, read at points inside the cells."""
+    scene = pulled(
+        "plane stress",
+        Material(lambda x: np.where(x[0] < 1, 1.0, 1000.0), 0),
+        discretisation=Discretisation(degree),
+    )
+    prepared = Run(scene, COMM, box_body((8, 2), (2, 1)))
+    prepared.solve()
+    points = prepared.problem.spaces.coordinates
+    end = prepared.solution.displacement[np.isclose(points[:, 0], 2), 0]
+    assert np.abs(end - P * (1 + 1 / 1000)).max(initial=0.0) < 1e-9
+
+
+def test_jump_of_a_function_inside_cells_never_makes_energy_negative():
+    """Either the interpolant stays positive where it is used, or it is refused."""
+    for cell in (CellType.triangle, CellType.quadrilateral):
+        scene = pulled("plane stress", Material(lambda x: np.where(x[0] < 0.9, 1.0, 1000.0), 0))
+        try:
+            result = run(scene, COMM, box_body((7, 2), (2, 1), cell))
+        except InputError as error:
+            assert "a jump needs materials of its own" in str(error)
+        else:
+            assert result.quantities["strain_energy"] > 0
+
+
+def test_nearly_incompressible_tensors_are_refused():
+    young, poisson = 1.0, 0.4999
+    shear = young / (2 * (1 + poisson))
+    lame = 2 * shear * poisson / (1 - 2 * poisson)
+    tensor = lame * np.pad(np.ones((3, 3)), (0, 3)) + shear * np.diag([2, 2, 2, 1, 1, 1])
+    with pytest.raises(InputError, match="nearly incompressible"):
+        Run(pulled("plane strain", Material(stiffness=tensor)), COMM, box("plane strain"))
+    beside = (
+        Material(1, 0.4999, on="left"),
+        Material(stiffness=np.diag([1, 1, 1, 0.5, 0.5, 0.5]), on="right"),
+    )
+    with pytest.raises(InputError, match="nearly incompressible"):
+        Run(pulled("plane strain", beside), COMM, bimaterial())
+    # stiff fibres are not incompressible
+    fibres = np.diag([500.0, 1, 1, 0.5, 0.5, 0.5])
+    assert run(pulled("plane strain", Material(stiffness=fibres)), COMM, box("plane strain")).passed
+
+
+def test_tensor_as_nested_lists():
+    tensor = np.einsum("ik,jl->ijkl", np.eye(3), np.eye(3))
+    tensor = 0.5 * (tensor + tensor.transpose(1, 0, 2, 3))
+    assert Material(stiffness=tensor.tolist()) == Material(stiffness=tensor)
+
+
+def test_small_asymmetry_of_a_soft_tensor_is_seen_beside_a_stiff_material():
+    soft = np.diag([1.0, 1, 1, 0.5, 0.5, 0.5])
+    soft[0, 1] = 0.5
+    materials = (Material(1e12, 0.3, on="left"), Material(stiffness=soft, on="right"))
+    with pytest.raises(InputError, match="must be symmetric"):
+        Run(pulled("plane strain", materials), COMM, bimaterial())

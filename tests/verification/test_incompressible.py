@@ -7,9 +7,10 @@ import pytest
 from dolfinx.mesh import CellType
 from mpi4py import MPI
 
-from fenics_contact import Contact, Discretisation, Load, Material, Run, Scene, Support, bulk
+from fenics_contact import Contact, Discretisation, Load, Material, Run, Scene, Support, material
 from fenics_contact.fields import nodal_stress
 from tests.scenes import box_body
+from tests.test_material import bimaterial
 
 COMM = MPI.COMM_WORLD
 E, NU = 1.0, 0.4999
@@ -74,7 +75,7 @@ def test_thick_cylinder(element, displacement, mean_stress):
 
 @pytest.mark.parametrize("element", ["P1", "Q1"])
 def test_without_the_second_unknown_it_locks(element, monkeypatch):
-    monkeypatch.setattr(bulk, "NEARLY_INCOMPRESSIBLE", 0.5)
+    monkeypatch.setattr(material, "NEARLY_INCOMPRESSIBLE", 0.5)
     assert thick_cylinder(element, 16)[0] > 0.3
 
 
@@ -109,6 +110,35 @@ def test_driven_block():
         assert force == pytest.approx(reference["friction_force"][0], rel=0.01), element
         assert slip == pytest.approx(reference["max_slip"], rel=0.04), element
         assert pressure_error < {"P1": 1.0, "Q1": 0.3, "P2": 0.3, "Q2": 0.1}[element], element
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_rubber_beside_steel(element):
+    """Confined layers, ν = .495 | ν = 0: piecewise linear, the mean stress jumps.
+
+    Exact where it may jump; of first order on P1, where it is continuous.
+    """
+    cell, degree = ELEMENTS[element]
+    soft = E * (1 - 0.495) / ((1 + 0.495) * (1 - 2 * 0.495))
+    errors = []
+    for cells in (4, 8):
+        scene = Scene(
+            kinematics="plane strain",
+            material=(Material(E, 0.495, on="left"), Material(100, 0, on="right")),
+            discretisation=Discretisation(degree),
+            support=(Support("body", {"y": 0}), Support("x0", {"x": 0})),
+            load=(Load("x1", traction=(-0.1, 0)),),
+        )
+        prepared = Run(scene, COMM, bimaterial(cells=(2 * cells, cells), cell=cell))
+        assert prepared.solve().passed
+        x = prepared.problem.spaces.coordinates[:, 0]
+        exact = -0.1 * (np.minimum(x, 1) / soft + np.maximum(x - 1, 0) / 100)
+        errors.append(worst(prepared.solution.displacement[:, 0] - exact) / worst(exact))
+    if element == "P1":
+        assert np.log2(errors[0] / errors[1]) > 0.8
+        assert errors[1] < 0.06
+    else:
+        assert errors[1] < 1e-9
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
