@@ -67,14 +67,14 @@ def total(comm: MPI.Comm, value: Any) -> Any:
 
 
 def largest(comm: MPI.Comm, values: NDArray[np.float64], empty: float = 0.0) -> float:
-    """Largest entry over the ranks; ``empty`` where no rank has any."""
+    """Largest entry over the ranks, not a number if one is; ``empty`` where there is none."""
     local = float(values.max()) if values.size else -np.inf
-    found = comm.allreduce(local, op=MPI.MAX)
+    found = float(np.max(comm.allgather(local)))  # MPI's own maximum may lose a NaN
     return empty if found == -np.inf else found
 
 
 def smallest(comm: MPI.Comm, values: NDArray[np.float64], empty: float = 0.0) -> float:
-    """Smallest entry over the ranks; ``empty`` where no rank has any."""
+    """Smallest entry over the ranks, not a number if one is; ``empty`` where there is none."""
     return -largest(comm, -values, empty=-empty)
 
 

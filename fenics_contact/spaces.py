@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem
+from dolfinx import fem, la
 from numpy.typing import NDArray
 
 from fenics_contact import compat
@@ -196,8 +196,6 @@ class Spaces:
 
     def assemble(self, form: Any) -> NDArray[np.float64]:
         """A compiled linear form as nodal values, shape (nodes, components); collective."""
-        from dolfinx import la
-
         vector = fem.assemble_vector(form)
         vector.scatter_reverse(la.InsertMode.add)
         vector.scatter_forward()

@@ -96,6 +96,8 @@ def test_reductions_over_ranks_that_hold_nothing():
     assert smallest(COMM, mine) == 2.0 + COMM.size
     assert largest(COMM, np.zeros(0), empty=-1.0) == -1.0
     assert smallest(COMM, np.zeros(0), empty=-1.0) == -1.0
+    lost = np.array([np.nan]) if COMM.rank == COMM.size - 1 else np.array([1.0])
+    assert np.isnan(largest(COMM, lost)) and np.isnan(smallest(COMM, lost))
     assert total(COMM, mine.sum()) == 2.0 + COMM.size
     rows = gather_rows(COMM, np.full((COMM.rank, 2), float(COMM.rank)))
     assert rows.shape == (COMM.size * (COMM.size - 1) // 2, 2)
