@@ -59,6 +59,7 @@ class ElasticBody:
         elasticities = Elasticities(scene, spaces)
         self.law = elasticities.law
         self.reference_modulus = elasticities.reference_modulus
+        self._poissons_ratio = elasticities.largest_poissons_ratio
         self.name = "elastic energy"
         self.mixed: MixedForms | None = None
         e = self.strain(displacement)
@@ -72,6 +73,13 @@ class ElasticBody:
         energy = strain_energy(e, stress, spaces.weight, spaces.bulk)
         residual = ufl.derivative(energy, displacement)
         self.stiffness = fem.form(ufl.derivative(residual, displacement))
+
+    @property
+    def plane_strain_modulus(self) -> float:
+        """E/(1 − ν²) of the stiffest part (E in plane stress), for estimates (stress)."""
+        if self._spaces.kinematics == "plane stress" or self._poissons_ratio <= -1:
+            return self.reference_modulus
+        return self.reference_modulus / (1 - self._poissons_ratio**2)
 
     @property
     def forms(self) -> tuple[Any, ...]:

@@ -1,9 +1,10 @@
-"""Can friction hold the body? The paper's condition |f(r)| < j(r), (2.4)-(2.5).
+"""Can contact and friction hold the body? The paper's condition |f(r)| < j(r), (2.4)-(2.5).
 
-Where the supports leave rigid motions free, only friction resists them. The
-largest f(r) over the free motions with j(r) ≤ 1 is the share of the limit load
-that is used; it is found by cutting planes: every linear programme bounds it
-from above, every motion tried from below.
+Where the supports leave rigid motions free, friction resists them, and so do obstacles,
+one way. A motion r that enters no obstacle (r_n ≤ 0 on Γ_C) needs f(r) < j(r); without
+friction f(r) < 0: the loads press the body on. The largest f(r) over the free motions
+with j(r) ≤ 1 is the share of the limit load that is used; it is found by cutting planes:
+every linear programme bounds it from above, every motion tried from below.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from fenics_contact.errors import NoEquilibriumError
 from fenics_contact.parallel import largest, total
 from fenics_contact.problem import Problem
-from fenics_contact.scene import AXES
+from fenics_contact.rigid import RigidMotions, null_space
 
 # Round-off of the sums over the contact points.
 _ROUND_OFF = 1e-9
@@ -44,123 +45,119 @@ class FreeMotion:
 
 
 def require_equilibrium(problem: Problem) -> FreeMotion:
-    """Refuse a scene whose loads friction and supports cannot hold; collective.
+    """Refuse a scene whose loads contact, friction and supports cannot hold; collective.
 
     Raises:
         NoEquilibriumError: In one sentence that names the motion.
     """
-    rigid = _RigidModes(problem)
-    modes = rigid.free(problem)
-    if modes.shape[1] == 0:
+    rigid = RigidMotions(problem)
+    if rigid.count == 0:
         return FreeMotion(0, 0.0, "none")
-    resisted, force = _resisted_modes(problem, rigid, modes)
-    share, best = _used_share(problem.comm, _slips(problem, rigid, resisted), force)
-    motion = rigid.describe(resisted @ best)
+    closing = rigid.closings()
+    motions = _resisted_motions(problem, rigid, closing)
+    force = rigid.force @ motions
+    points = _scaled(rigid.slips(), motions)
+    closings = closing[1] @ motions
+    _require_pressed(problem, rigid, motions, points, closing[0], closings)
+    if total(problem.comm, points[0].sum()) == 0:
+        return FreeMotion(rigid.count, 0.0, "none: held by the obstacles")
+    share, best = _used_share(problem.comm, points, force, closings)
+    motion = rigid.describe(motions @ best)
     if share >= 1 - _ROUND_OFF:
         raise NoEquilibriumError(
             f"no equilibrium: the supports leave a rigid motion free ({motion}), and the loads "
             f"are {share:.6g} times what friction can hold back; add a support or friction, or "
             "lower the loads"
         )
-    return FreeMotion(modes.shape[1], share, motion)
+    return FreeMotion(rigid.count, share, motion)
 
 
-class _RigidModes:
-    """Rigid motions at the nodes: translations, then rotations scaled to the body's size."""
-
-    def __init__(self, problem: Problem) -> None:
-        spaces = problem.spaces
-        self.owned = spaces.owned_nodes
-        points = spaces.coordinates
-        count = total(problem.comm, self.owned)
-        self.centre = total(problem.comm, points[: self.owned].sum(axis=0)) / count
-        offset = points - self.centre
-        self.size = largest(problem.comm, np.abs(offset[: self.owned]).ravel(), empty=1.0)
-        offset = offset / self.size
-        self.names: list[tuple[str, int]] = []
-        fields: list[Array] = []
-        axes = range(spaces.components) if spaces.kinematics != "axisymmetric" else (1,)
-        for axis in axes:
-            field = np.zeros((len(points), 3))
-            field[:, axis] = 1.0
-            fields.append(field)
-            self.names.append(("translation", axis))
-        spins = {"3D": (0, 1, 2), "axisymmetric": ()}.get(spaces.kinematics, (2,))
-        for axis in spins:
-            fields.append(np.cross(np.eye(3)[axis], offset))
-            self.names.append(("rotation", axis))
-        # (nodes, components, modes)
-        self.fields = np.stack(fields, axis=-1)[:, : spaces.components]
-
-    def free(self, problem: Problem) -> Array:
-        """Combinations (modes, free) that vanish on every constrained dof."""
-        components = problem.spaces.components
-        dofs = problem.constrained[problem.constrained < self.owned * components]
-        rows = self.fields.reshape(-1, self.fields.shape[-1])[dofs]
-        return _null_space(total(problem.comm, rows.T @ rows))
-
-    def describe(self, combination: Array) -> str:
-        """A motion in words."""
-        translation, rotation = np.zeros(3), np.zeros(3)
-        for (kind, axis), share in zip(self.names, combination, strict=True):
-            (translation if kind == "translation" else rotation)[axis] += share
-        scale = np.abs(combination).max() or 1.0
-        words = []
-        for kind, vector in (("translation along", translation), ("rotation about", rotation)):
-            axes = [AXES[i] for i in range(3) if abs(vector[i]) > 1e-6 * scale]
-            if axes:
-                words.append(f"{kind} {' and '.join(axes)}")
-        return ", ".join(words)
+def _scaled(points: tuple[Array, Array], motions: Array) -> tuple[Array, Array]:
+    return points[0], points[1] @ motions
 
 
-def _null_space(gram: Array) -> Array:
-    """Null space of a symmetric positive semi-definite matrix, as columns."""
-    values, vectors = np.linalg.eigh(gram)
-    null = values <= 1e-13 * max(values.max(initial=0.0), np.finfo(float).tiny)
-    return vectors[:, null]
+def _friction_gram(comm: Any, points: tuple[Array, Array]) -> Array:
+    return np.asarray(total(comm, np.einsum("q,qci,qcj->ij", points[0], points[1], points[1])))
 
 
-def _slips(problem: Problem, rigid: _RigidModes, modes: Array) -> tuple[Array, Array]:
-    """Weights w g and slips (points, components, modes) of modes at this rank's points."""
-    weights, slips = [np.zeros(0)], [np.zeros((0, problem.spaces.components, modes.shape[1]))]
-    for contact in problem.frictional:
-        moved = contact.trace.at_points(rigid.fields) @ modes
-        tangential = np.stack(
-            [contact.tangential(moved[..., i]) for i in range(modes.shape[1])], axis=-1
-        )
-        weights.append((contact.trace.weights * contact.friction_bound)[contact.trace.owned])
-        slips.append(tangential[contact.trace.owned])
-    return np.concatenate(weights), np.concatenate(slips)
-
-
-def _resisted_modes(problem: Problem, rigid: _RigidModes, modes: Array) -> tuple[Array, Array]:
-    """Free modes scaled so that ∫ g |r_T|² is 1 for each, and the loads' work on them.
+def _resisted_motions(
+    problem: Problem, rigid: RigidMotions, closing: tuple[Array, Array, Array]
+) -> Array:
+    """Free motions scaled so that ∫ g |r_T|² + c ∫ r_n² is 1 for each, as columns.
 
     Raises:
-        NoEquilibriumError: Friction does not resist one of them at all.
+        NoEquilibriumError: Neither friction nor an obstacle resists one of them at all.
     """
-    weights, slips = _slips(problem, rigid, modes)
-    gram = total(problem.comm, np.einsum("q,qci,qcj->ij", weights, slips, slips))
-    unresisted = _null_space(gram)
-    work = problem.load[: rigid.owned, :, None] * rigid.fields[: rigid.owned]
-    force = total(problem.comm, work.sum(axis=(0, 1)))
-    size = total(problem.comm, np.abs(work).sum(axis=(0, 1))).max()
+    friction = _friction_gram(problem.comm, rigid.slips())
+    weights, normal, _ = closing
+    across = np.einsum("q,qi,qj->ij", weights, normal, normal)
+    # Only ratios within one motion matter, so that the unit of c is free.
+    share = np.trace(across)
+    gram = friction + across * ((np.trace(friction) or 1.0) / share if share > 0 else 0.0)
+    unresisted = null_space(gram)
     if unresisted.shape[1]:
-        motion = rigid.describe(modes @ unresisted[:, 0])
-        pushed = np.abs(force @ modes @ unresisted).max() > 1e-10 * size
+        motion = rigid.describe(unresisted[:, 0])
+        pushed = np.abs(rigid.force @ unresisted).max() > 1e-10 * rigid.force_size
         raise NoEquilibriumError(
-            f"no equilibrium: neither supports nor friction resist a rigid motion ({motion})"
+            "no equilibrium: neither supports nor friction nor obstacles resist a rigid motion "
+            f"({motion})"
             + (", which the loads push" if pushed else "; its size is left undetermined")
             + "; add a support or friction"
         )
     values, vectors = np.linalg.eigh(gram)
-    scaled = modes @ (vectors / np.sqrt(values))
-    force[np.abs(force) <= 1e-12 * size] = 0.0
-    return scaled, force @ scaled
+    return np.asarray(vectors / np.sqrt(values))
 
 
-def _used_share(comm: Any, points: tuple[Array, Array], force: Array) -> tuple[float, Array]:
-    """Maximise f(a) subject to j(a) = Σ w g |S a| ≤ 1, by cutting planes.
+def _require_pressed(
+    problem: Problem,
+    rigid: RigidMotions,
+    motions: Array,
+    points: tuple[Array, Array],
+    weights: Array,
+    closings: Array,
+) -> None:
+    """Every motion away from the obstacles that friction does not resist needs f(r) < 0.
+
+    The largest f(r) over the motions with r_n ≤ 0 and −∫ r_n = 1, a linear programme.
+    """
+    from scipy.optimize import linprog
+
+    loose = null_space(_friction_gram(problem.comm, points))
+    if loose.shape[1] == 0 or len(weights) == 0:
+        return
+    force = rigid.force @ motions @ loose
+    rows = closings @ loose
+    largest_row = np.abs(rows).max()
+    found = linprog(
+        -force / (np.abs(force).max() or 1.0),
+        A_ub=np.unique(np.round(rows / largest_row, 12), axis=0),
+        b_ub=np.zeros(len(np.unique(np.round(rows / largest_row, 12), axis=0))),
+        A_eq=[weights @ rows / (np.abs(weights @ rows).max() or 1.0)],
+        b_eq=[-1.0],
+        bounds=(None, None),
+        options=_LP_OPTIONS,
+    )
+    infeasible = 2
+    if found.status == infeasible:  # no motion leaves all obstacles: they hold it both ways
+        return
+    unbounded = found.x is None
+    best = loose @ (np.ones(loose.shape[1]) if unbounded else found.x)
+    work = np.inf if unbounded else -found.fun
+    work = problem.comm.bcast(work)
+    if work < -_ROUND_OFF and np.abs(force).max() > 0:
+        return
+    motion = rigid.describe(motions @ best)
+    pushed = "the loads push it away from" if work > _ROUND_OFF else "nothing presses it against"
+    raise NoEquilibriumError(
+        f"no equilibrium: a rigid motion is free ({motion}), and {pushed} the obstacles; add a "
+        "support, or a load or force that presses them together"
+    )
+
+
+def _used_share(
+    comm: Any, points: tuple[Array, Array], force: Array, closings: Array
+) -> tuple[float, Array]:
+    """Maximise f(a) subject to j(a) = Σ w g |S a| ≤ 1 and r_n ≤ 0, by cutting planes.
 
     j is convex and homogeneous, so j ≤ 1 is the set of all its supporting half
     spaces, and a motion a bounds the maximum from below by f(a)/j(a).
@@ -178,18 +175,19 @@ def _used_share(comm: Any, points: tuple[Array, Array], force: Array) -> tuple[f
     # With ∫ g |r_T|² = |a|², j(a) ≥ |a| / max|S| bounds the feasible motions.
     reach = largest(comm, np.linalg.norm(slips, axis=(1, 2)))
     trial = force / np.linalg.norm(force)
+    one_sided = np.unique(np.round(closings / (np.abs(closings).max(initial=0) or 1), 12), axis=0)
     cuts: list[Array] = []
     above: float = np.finfo(float).max
     below, best = 0.0, trial
     while len(cuts) < 2 * _MAX_CUTS and above - below > _GAP * above:
         dissipation, slope = _dissipation(comm, weights, slips, trial)
-        if force @ trial / dissipation > below:
+        if dissipation > 0 and force @ trial / dissipation > below:
             below, best = float(force @ trial) / dissipation, trial
         cuts += [slope, -slope]
         found = linprog(
             -force,
-            A_ub=np.array(cuts),
-            b_ub=np.ones(len(cuts)),
+            A_ub=np.array([*cuts, *one_sided]),
+            b_ub=np.concatenate([np.ones(len(cuts)), np.zeros(len(one_sided))]),
             bounds=(-reach, reach),
             options=_LP_OPTIONS,
         )

@@ -11,7 +11,6 @@ from dolfinx import fem, io, la
 from fenics_contact import compat
 from fenics_contact.contact import OPEN, STICK
 from fenics_contact.problem import Problem
-from fenics_contact.quantities import status
 from fenics_contact.solver import Solution
 
 # Values of the field `status`.
@@ -65,12 +64,12 @@ def _contact_functions(problem: Problem, solution: Solution) -> list[Any]:
     pressure = spaces.nodal_function("contact_pressure", np.zeros(0), none)
     state = spaces.nodal_function("status", np.zeros(0), none, NO_CONTACT)
     traction = spaces.vector_function("friction_traction", np.zeros((0, spaces.components)), none)
-    for contact in problem.contacts:
+    for contact, at_points in zip(problem.contacts, solution.states, strict=True):
         nodes, at_nodes = contact.nodes, slice(0, len(contact.nodes))
-        spaces.set_nodal(pressure, contact.contact_pressure[at_nodes], nodes)
-        found = status(contact, solution.displacement)[at_nodes]
+        spaces.set_nodal(pressure, at_points.contact_pressure[at_nodes], nodes)
+        found = at_points.status[at_nodes]
         values = np.select([found == OPEN, found == STICK], [FIELD_OPEN, FIELD_STICK], FIELD_SLIP)
         spaces.set_nodal(state, values, nodes)
-        tractions = contact.friction_traction(solution.displacement)[at_nodes]
+        tractions = at_points.friction_traction[at_nodes]
         traction.x.array.reshape(-1, spaces.components)[nodes] = tractions
     return [pressure, traction, state]

@@ -1,8 +1,8 @@
-"""Contact and friction energies: the paper's f on Γ_C and j_ε (Section 2.3).
+"""The friction energy: the paper's j_ε (Section 2.3).
 
-They see the displacement jump (against a rigid obstacle: the trace), the
+It sees the displacement jump (against a rigid obstacle: the trace), the
 normal, parameters, a weight (2πr where axisymmetric) and a measure, and nothing
-else: the same functions serve a boundary of the body and a contact submesh.
+else: the same function serves a boundary of the body and a contact submesh.
 """
 
 from __future__ import annotations
@@ -78,10 +78,3 @@ def primal_dual_residual(
     slip = tangential(jump, normal)
     defect = slip - direction * smoothed_length(slip, regularisation_parameter)
     return weight * friction_bound / length * ufl.dot(defect, tangential(test, normal)) * measure
-
-
-def prescribed_pressure_energy(
-    jump: Any, normal: Any, contact_pressure: Any, weight: Any, measure: Any
-) -> Any:
-    """∫ p v_n: minus the work of a given contact pressure (paper, (1.8), σ_n = −p)."""
-    return weight * contact_pressure * ufl.dot(jump, normal) * measure

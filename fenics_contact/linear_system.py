@@ -1,4 +1,4 @@
-"""The bulk's matrix in PETSc, of displacements alone or with a mean stress beside them."""
+"""The matrices in PETSc: the bulk's, and what contacts and scalar unknowns add to it."""
 
 from __future__ import annotations
 
@@ -9,64 +9,214 @@ from dolfinx.fem import petsc as fem_petsc
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact.contact import ContactSurface
 from fenics_contact.problem import Problem
+
+Array = NDArray[np.float64]
 
 
 class LinearSystem:
-    """K, assembled once; each rank's rows are its displacements, then its mean stresses.
+    """K, assembled once, in the layout of all unknowns.
+
+    Each rank's rows are its displacements, then its mean stresses; rank 0 has the scalars
+    last. A contact's energy depends on the jump w = u − d m, so its tangent K_c in the jump
+    gives those in u and d: K_c, −K_c m and mᵀ K_c m.
 
     Attributes:
-        stiffness: K, or [[K, Bᵀ], [B, −C]] with a mean stress.
+        stiffness: K, or [[K, Bᵀ], [B, −C]] with a mean stress; zeros for the scalars.
+        scalars: Number of scalar unknowns.
     """
 
     def __init__(self, problem: Problem) -> None:
+        self._problem = problem
         self._mixed = problem.elastic.mixed
+        self._unknowns = problem.unknowns
+        self.scalars = len(self._unknowns)
         spaces = problem.spaces
         self._owned = spaces.owned_nodes * spaces.components
         displacement = _assembled(problem.elastic.stiffness)
-        if self._mixed is None:
+        self._nested = self._mixed is not None or self.scalars > 0
+        if not self._nested:
             self.stiffness = displacement
             return
-        gradient, divergence = _assembled(self._mixed.gradient), _assembled(self._mixed.divergence)
-        compressibility = _assembled(self._mixed.compressibility)
-        compressibility.scale(-1.0)
-        blocks = [[displacement, gradient], [divergence, compressibility]]
+        self._far_forces = [self._force_of_far_field(displacement, u) for u in self._unknowns]
+        blocks = [[displacement]]
+        if self._mixed is not None:
+            blocks = self._with_mean_stress(displacement)
+        if self.scalars:
+            blocks = self._with_scalars(blocks, displacement)
         nested = PETSc.Mat().createNest(blocks, comm=problem.comm)
         self.stiffness = nested.convert("aij", PETSc.Mat())
         self._column_of = self._displacement_columns(displacement)
-        for matrix in (nested, displacement, gradient, divergence, compressibility):
+        for matrix in [nested, *(m for row in blocks for m in row if m is not None)]:
             matrix.destroy()
 
     def destroy(self) -> None:
         """Free the matrix."""
         self.stiffness.destroy()
 
-    def add(self, tangent: Any, form: Any) -> None:
-        """Add a bilinear form of displacements to a matrix of the size of K."""
-        if self._mixed is None:
-            fem_petsc.assemble_matrix(tangent, form)
-            return
-        matrix = _assembled(form)
-        first, columns, values = matrix.getValuesCSR()
-        # The rank's rows of mean stresses, below those of displacements, get nothing.
-        rows = tangent.getLocalSize()[0]
-        first = np.append(first, np.full(rows + 1 - len(first), first[-1]))
-        tangent.setValuesCSR(
-            first.astype(PETSc.IntType),
-            self._column_of(columns).astype(PETSc.IntType),
-            values,
-            addv=PETSc.InsertMode.ADD_VALUES,
-        )
-        matrix.destroy()
+    def _with_mean_stress(self, displacement: Any) -> list[list[Any]]:
+        mixed = self._mixed
+        assert mixed is not None
+        compressibility = _assembled(mixed.compressibility)
+        compressibility.scale(-1.0)
+        gradient, divergence = _assembled(mixed.gradient), _assembled(mixed.divergence)
+        return [[displacement, gradient], [divergence, compressibility]]
+
+    def _with_scalars(self, blocks: list[list[Any]], displacement: Any) -> list[list[Any]]:
+        """Empty rows and columns with room for all that a tangent may put there."""
+        comm = self._problem.comm
+        own = self.scalars if comm.rank == 0 else 0
+        sizes = (own, self.scalars)
+        columns = displacement.getSizes()[1]
+        first = displacement.getOwnershipRange()[0]
+        local = [self._border_dofs(k) for k in range(self.scalars)]
+        gathered = [np.concatenate(comm.allgather(first + dofs)) for dofs in local]
+        widest = max((len(dofs) for dofs in gathered), default=0)
+        column = PETSc.Mat().createAIJ((displacement.getSizes()[0], sizes), comm=comm)
+        column.setPreallocationNNZ((self.scalars, self.scalars))
+        row = PETSc.Mat().createAIJ((sizes, columns), comm=comm)
+        row.setPreallocationNNZ((widest, widest))
+        corner = PETSc.Mat().createAIJ((sizes, sizes), comm=comm)
+        corner.setPreallocationNNZ((self.scalars, self.scalars))
+        index = np.arange(self.scalars, dtype=PETSc.IntType)
+        for k, dofs in enumerate(local):
+            rows = (first + dofs).astype(PETSc.IntType)
+            column.setValues(rows, index[k : k + 1], np.zeros(len(rows)))
+            if own:
+                every = gathered[k].astype(PETSc.IntType)
+                row.setValues(index[k : k + 1], every, np.zeros(len(every)))
+        if own:
+            corner.setValues(index, index, np.zeros((self.scalars, self.scalars)))
+        for matrix in (column, row, corner):
+            matrix.assemble()
+        middle = [None] * (len(blocks) - 1)
+        extended = [[*line, column if i == 0 else None] for i, line in enumerate(blocks)]
+        return [*extended, [row, *middle, corner]]
+
+    def _border_dofs(self, number: int) -> NDArray[np.int64]:
+        """Owned displacement dofs that a scalar unknown may be coupled with."""
+        unknown = self._unknowns[number]
+        components = self._problem.spaces.components
+        nodes = unknown.contact.trace.all_nodes.astype(np.int64)
+        dofs = (nodes[:, None] * components + np.arange(components)).ravel()
+        coupled = dofs[dofs < self._owned]
+        return np.union1d(coupled, np.flatnonzero(self._far_forces[number]))
+
+    def _force_of_far_field(self, displacement: Any, unknown: Any) -> Array:
+        """K u and −u of the outer boundary's displacement over a resultant, owned dofs."""
+        result = np.zeros(self._owned)
+        if unknown.column is None:
+            return result
+        far_field = self._problem.far_field
+        assert far_field is not None
+        moved, forces = displacement.createVecs()
+        mine = far_field.dofs < self._owned
+        with moved as array:
+            array[far_field.dofs[mine]] = unknown.column[mine]
+        displacement.mult(moved, forces)
+        result[:] = forces.array_r
+        result[self._problem.constrained[self._problem.constrained < self._owned]] = 0.0
+        result[far_field.dofs[mine]] = -unknown.column[mine]
+        moved.destroy()
+        forces.destroy()
+        return result
+
+    def add_contact(self, tangent: Any, contact: ContactSurface) -> None:
+        """Add the tangent of a contact's terms to a matrix of the size of K; collective."""
+        for term in contact.terms:
+            if not self._nested:
+                fem_petsc.assemble_matrix(tangent, term.tangent)
+                continue
+            matrix = _assembled(term.tangent)
+            first, columns, values = matrix.getValuesCSR()
+            # The rank's rows below those of displacements get nothing.
+            rows = tangent.getLocalSize()[0]
+            first = np.append(first, np.full(rows + 1 - len(first), first[-1]))
+            tangent.setValuesCSR(
+                first.astype(PETSc.IntType),
+                self._column_of(columns).astype(PETSc.IntType),
+                values,
+                addv=PETSc.InsertMode.ADD_VALUES,
+            )
+            for number, unknown in enumerate(self._unknowns):
+                if unknown.contact is contact:
+                    self._add_border(tangent, number, matrix)
+            matrix.destroy()
+
+    def _add_border(self, tangent: Any, number: int, matrix: Any) -> None:
+        """Rows and columns of one scalar from a contact's tangent K_c."""
+        unknown = self._unknowns[number]
+        components = self._problem.spaces.components
+        motion, image = matrix.createVecs()
+        with motion as array:
+            array.reshape(-1, components)[:] = unknown.contact.direction
+        dofs = self._border_dofs(number)
+        rows = self._rows(tangent, dofs)
+        scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
+        add = PETSc.InsertMode.ADD_VALUES
+        matrix.multTranspose(motion, image)
+        across = np.asarray(image.array_r)[dofs]
+        if unknown.kind == "indentation":
+            tangent.setValues(scalar, rows, -across, addv=add)
+            corner = np.asarray(image.array_r) @ np.asarray(motion.array_r)
+            tangent.setValues(scalar, scalar, [corner], addv=add)
+            matrix.mult(motion, image)
+            tangent.setValues(rows, scalar, -np.asarray(image.array_r)[dofs], addv=add)
+        else:  # the row of R + m · r_c(u) = 0
+            tangent.setValues(scalar, rows, across, addv=add)
+        motion.destroy()
+        image.destroy()
+
+    def add_far_field(self, tangent: Any) -> None:
+        """Add what resultants do to the body through its outer boundary; collective.
+
+        Before the constrained rows are cleared, the forces on free dofs; the rows of the
+        outer boundary itself are set by ``tie_far_field``.
+        """
+        for number, unknown in enumerate(self._unknowns):
+            if unknown.column is None:
+                continue
+            dofs = np.flatnonzero(self._far_forces[number])
+            scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
+            tangent.setValues(
+                self._rows(tangent, dofs),
+                scalar,
+                self._far_forces[number][dofs],
+                addv=PETSc.InsertMode.ADD_VALUES,
+            )
+            if self._problem.comm.rank == 0:
+                tangent.setValues(scalar, scalar, [1.0], addv=PETSc.InsertMode.ADD_VALUES)
+
+    def tie_far_field(self, tangent: Any) -> None:
+        """Set the rows u − U R = 0 of the outer boundary, after all were cleared; collective."""
+        far_field = self._problem.far_field
+        for number, unknown in enumerate(self._unknowns):
+            if unknown.column is None:
+                continue
+            assert far_field is not None
+            mine = far_field.dofs < self._owned
+            scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
+            rows = self._rows(tangent, far_field.dofs[mine])
+            tangent.setValues(rows, scalar, -unknown.column[mine])
+        tangent.assemble()
 
     def take_mean_stress(self, state: Any) -> None:
         """The mean stress of a state into its function, where there is one."""
         if self._mixed is None:
             return
         function = self._mixed.mean_stress
-        found = state.array_r[self._owned :]
-        function.x.array[: len(found)] = found
+        owned = function.function_space.dofmap.index_map.size_local
+        owned *= function.function_space.dofmap.index_map_bs
+        function.x.array[:owned] = state.array_r[self._owned : self._owned + owned]
         function.x.scatter_forward()
+
+    def _rows(self, tangent: Any, dofs: NDArray[np.int64]) -> Any:
+        return (tangent.getOwnershipRange()[0] + dofs).astype(PETSc.IntType)
+
+    def _scalar_row(self, tangent: Any, number: int) -> int:
+        """Global row of a scalar: the last ones of rank 0."""
+        return int(tangent.getOwnershipRanges()[1]) - self.scalars + number
 
     def _displacement_columns(self, displacement: Any) -> Any:
         """Map from columns of a matrix of displacements to those of K."""

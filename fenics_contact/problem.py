@@ -1,13 +1,14 @@
 """The discrete problem: one energy term for each thing the scene names, and no more.
 
-I_ε(v) = ½ a(v, v) − f(v) + Σ j_ε(v) (paper, (2.1), (2.7)): every form comes from
+I_ε(v) = ½ a(v, v) − f(v) + Σ j_ε(v) (paper, (2.1), (2.7)), with penalties where the contact
+is not prescribed (4.1): every form comes from
 its energy by UFL's derivative, and is compiled once.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import ufl
@@ -18,10 +19,11 @@ from fenics_contact import compat
 from fenics_contact.bulk import ElasticBody
 from fenics_contact.contact import ContactSurface
 from fenics_contact.errors import InputError
+from fenics_contact.half_space import FarField
 from fenics_contact.mesh import Body, Group
-from fenics_contact.parallel import largest, raise_together
-from fenics_contact.scene import AXES, Load, Scene, Value
+from fenics_contact.scene import Load, Scene, Value
 from fenics_contact.spaces import Spaces
+from fenics_contact.supports import AppliedSupport, Supports
 from fenics_contact.timings import Timings
 
 
@@ -39,18 +41,19 @@ class Term:
 
 
 @dataclass(frozen=True, eq=False)
-class AppliedSupport:
-    """A support as degrees of freedom.
+class ScalarUnknown:
+    """A number that is found together with the displacements.
 
     Attributes:
-        on: Name of the group.
-        dofs: Local indices (owned and ghost) into the flat displacement array.
-        values: Prescribed displacement of each (length).
+        contact: The contact that it belongs to.
+        kind: ``indentation`` of an obstacle that a force drives, or ``resultant``: the
+            contact's force, which the far field of a half-space follows.
+        column: Of a resultant: displacement of ``Problem.far_field.dofs`` over it.
     """
 
-    on: str
-    dofs: NDArray[np.int64]
-    values: NDArray[np.float64]
+    contact: ContactSurface
+    kind: Literal["indentation", "resultant"]
+    column: NDArray[np.float64] | None = None
 
 
 class Problem:
@@ -58,8 +61,13 @@ class Problem:
 
     Attributes:
         displacement: The unknown, a dolfinx function.
-        supports: In scene order.
+        supports: Supports and planes of symmetry.
+        applied_supports: Those and the outer boundary of a half-space, for reactions.
+        constrained: Dofs that these hold, sorted (local indices, owned and ghost).
+        prescribed: Their displacements, but for the part of unknown resultants (length).
         contacts: In scene order.
+        unknowns: Scalars that are found together with the displacements.
+        far_field: The outer boundary of a half-space, or None.
         terms: The energy terms modelled.
         elastic: ½ a(·, ·): law, compiled forms, stress.
         load: Nodal loads with the prescribed contact pressures, (nodes, components).
@@ -73,10 +81,9 @@ class Problem:
         with timings.phase("compile"):
             self.spaces = Spaces(scene, body)
             self.displacement = fem.Function(self.spaces.displacement_space, name="displacement")
-            self.supports = [
-                self._support(number, support.on) for number, support in enumerate(scene.support)
-            ]
-            self.constrained, self.prescribed = self._constraints()
+            self.supports = Supports(scene, self.spaces)
+            self.applied_supports = list(self.supports.applied)
+            self.constrained, self.prescribed = self.supports.dofs, self.supports.values
             self._refuse_overlaps()
             self.elastic = ElasticBody(scene, self.spaces, self.displacement)
             self.contacts = [
@@ -84,11 +91,15 @@ class Problem:
                     contact,
                     f"contact[{number}]",
                     self.spaces,
-                    self.displacement,
                     self.elastic.reference_modulus,
+                    self.elastic.plane_strain_modulus,
                 )
                 for number, contact in enumerate(scene.contact)
             ]
+            self.unknowns = [
+                ScalarUnknown(contact, "indentation") for contact in self.contacts if contact.floats
+            ]
+            self.far_field = self._place_far_field()
             self._refuse_held_contacts()
             self.terms = self._terms()
         with timings.phase("assemble"):
@@ -104,41 +115,36 @@ class Problem:
         loaded = [self.body.find(load.on) for load in self.scene.load if load.body_force is None]
         return any(other and set(group.tags) & set(other.tags) for other in loaded)
 
-    def _support(self, number: int, on: str) -> AppliedSupport:
-        key = f"support[{number}]"
-        nodes = self.spaces.nodes(self.body.group(on, f"{key}.on"))
-        dofs, values = [], []
-        for axis, value in self.scene.support[number].displacement.items():
-            dofs.append(nodes.astype(np.int64) * self.spaces.components + AXES.index(axis))
-            values.append(self.spaces.evaluate(value, nodes, f"{key}.displacement.{axis}"))
-        return AppliedSupport(on, np.concatenate(dofs), np.concatenate(values))
-
-    def _constraints(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """All constrained dofs, each once, with their values."""
-        owner: dict[int, tuple[float, str]] = {}
-        error = None
-        every = [np.zeros(0), *(support.values for support in self.supports)]
-        size = largest(self.comm, np.abs(np.concatenate(every)))
-        for support in self.supports:
-            for dof, value in zip(support.dofs.tolist(), support.values.tolist(), strict=True):
-                first, on = owner.setdefault(dof, (value, support.on))
-                if abs(first - value) > 1e-12 * size:
-                    axis = AXES[dof % self.spaces.components]
-                    error = InputError(
-                        f"support on '{support.on}': displacement.{axis} = {value:g}, but the "
-                        f"support on '{on}' prescribes {first:g} at a point of both"
-                    )
-        raise_together(self.comm, error)
-        dofs = np.array(sorted(owner), dtype=np.int64)
-        return dofs, np.array([owner[dof][0] for dof in dofs.tolist()])
+    def _place_far_field(self) -> FarField | None:
+        """Hold the outer boundary of a half-space, by forces known or unknown."""
+        if self.scene.half_space is None:
+            return None
+        far_field = FarField(self.scene, self.spaces, self.supports, self.contacts)
+        values = np.zeros(len(far_field.dofs))
+        for number, contact in enumerate(self.contacts):
+            column = far_field.columns[number]
+            if contact.force is None:
+                self.unknowns.append(ScalarUnknown(contact, "resultant", column))
+            else:
+                values += contact.force * column
+                contact.no_datum = self.spaces.kinematics == "plane strain"
+        self.applied_supports.append(AppliedSupport(far_field.on, far_field.dofs, values))
+        order = np.argsort(np.concatenate([self.constrained, far_field.dofs]))
+        self.constrained = np.concatenate([self.constrained, far_field.dofs])[order]
+        self.prescribed = np.concatenate([self.prescribed, values])[order]
+        return far_field
 
     def _refuse_overlaps(self) -> None:
         """Contacts may not share facets with supports or other contacts (Γ_C ∩ Γ_D = ∅)."""
         taken: dict[int, str] = {}
-        for number, support in enumerate(self.scene.support):
-            group = self.body.group(support.on, f"support[{number}].on")
+        held = [(f"support[{i}].on", support.on) for i, support in enumerate(self.scene.support)]
+        if self.scene.half_space is not None:
+            held += [(f"half_space.on[{i}]", on) for i, on in enumerate(self.scene.half_space.on)]
+        held += [(f"symmetry[{i}]", on) for i, on in enumerate(self.scene.symmetry)]
+        for key, on in held:
+            group = self.body.group(on, key)
             if group.dimension == self.body.dimension - 1:
-                taken |= dict.fromkeys(group.tags, f"the support on '{support.on}'")
+                taken |= dict.fromkeys(group.tags, f"the support on '{on}'")
         for number, contact in enumerate(self.scene.contact):
             group = self.body.boundary(contact.on, f"contact[{number}].on")
             for tag in group.tags:
@@ -167,10 +173,10 @@ class Problem:
         for contact in self.contacts:
             if contact.pressure_load is not None:
                 terms.append(Term(f"contact pressure on {contact.label}", (contact.pressure_load,)))
-        for contact in self.frictional:
-            assert contact.friction is not None
-            forms = (contact.friction.residual, contact.friction.tangent)
-            terms.append(Term(f"regularised friction on {contact.label}", forms))
+        for contact in self.contacts:
+            terms += [Term(t.name, (t.residual, t.tangent)) for t in contact.terms]
+            if contact.floats:
+                terms.append(Term(f"force on the obstacle at {contact.label}", ()))
         return terms
 
     def _load_term(self, number: int, load: Load) -> list[Term]:

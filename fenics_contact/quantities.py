@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.contact import OPEN, SLIP, STICK, ContactSurface
+from fenics_contact.contact_area import contact_area
 from fenics_contact.parallel import gather_rows, largest, total
 from fenics_contact.problem import Problem
 from fenics_contact.result import ContactPoints
@@ -17,60 +18,64 @@ from fenics_contact.spaces import Spaces
 Array = NDArray[np.float64]
 
 
-def status(contact: ContactSurface, displacement: Array) -> NDArray[np.str_]:
-    """STICK where |u_T| ≤ ε and friction acts, SLIP beyond, OPEN without pressure."""
-    slip = np.linalg.norm(contact.slip(displacement), axis=1)
-    sticks = (contact.friction_bound > 0) & (slip <= contact.regularisation_parameter)
-    found = np.where(sticks, STICK, SLIP)
-    return np.where(contact.contact_pressure > 0, found, OPEN)
-
-
 def contact_quantities(
-    contact: ContactSurface, displacement: Array, friction_force: Array
+    contact: ContactSurface, solution: Solution, number: int
 ) -> dict[str, Any]:
     """The interface's quantities of one contact.
 
     Args:
         contact: The contact.
-        displacement: Nodal displacements of this rank, (nodes, components) (length).
-        friction_force: Friction forces on the body at the contact's nodes (force).
+        solution: The solution.
+        number: Of the contact, in scene order.
     """
     comm, integral = contact.spaces.comm, contact.trace.integral
-    state = status(contact, displacement)
-    area = {kind: float(integral((state == kind) * 1.0)) for kind in (STICK, SLIP)}
+    state = solution.states[number]
+    force = solution.friction_force[number]
     owned = contact.owned_nodes
-    dissipated = -total(comm, np.sum((friction_force * displacement[contact.nodes])[owned]))
+    closed = contact_area(contact, state)
+    sticking = min(float(integral((state.status == STICK) * 1.0)), closed)
+    along = -contact.trace.normals @ contact.direction
+    if not contact.direction.any():  # without an obstacle's axis, along the normal
+        along = np.ones(len(state.contact_pressure))
+    dissipated = -total(comm, np.sum((force * solution.displacement[contact.nodes])[owned]))
+    friction = integral(state.friction_traction)
+    if contact.spaces.kinematics == "axisymmetric":
+        friction[0] = 0.0
+    if contact.friction is not None:
+        friction = _resultant(contact.spaces, force[owned])
+    depth = np.where(np.isfinite(state.gap), -state.gap, 0.0)
     return {
-        "normal_force": float(integral(contact.contact_pressure)),
-        "friction_force": _resultant(contact.spaces, friction_force[owned]).tolist(),
-        "max_contact_pressure": largest(comm, contact.contact_pressure),
-        "contact_area": area[STICK] + area[SLIP],
-        "stick_area": area[STICK],
-        "slip_area": area[SLIP],
-        "max_penetration": 0.0,
-        "max_slip": largest(comm, np.linalg.norm(contact.slip(displacement), axis=1)),
+        "normal_force": float(integral(state.contact_pressure * along)),
+        "friction_force": friction.tolist(),
+        "max_contact_pressure": largest(comm, state.contact_pressure),
+        "contact_area": closed,
+        "stick_area": sticking,
+        "slip_area": closed - sticking,
+        "max_penetration": max(largest(comm, depth), 0.0) if contact.is_one_sided else 0.0,
+        "max_slip": largest(comm, np.linalg.norm(state.slip, axis=1)),
         "friction_work": dissipated,
-        "penalty_energy": 0.0,
+        "penalty_energy": float(integral(state.penalty_energy)),
+        "indentation": contact.reported_indentation,
     }
 
 
 def support_reactions(problem: Problem, solution: Solution) -> tuple[Array, list[dict[str, Any]]]:
     """Nodal reactions, and the resultant of each support.
 
-    A reaction is what the bulk needs beyond loads and friction; a dof that two
+    A reaction is what the bulk needs beyond loads and contact forces; a dof that two
     supports hold counts to the first.
 
     Returns:
         Reactions of shape (nodes, components), zero at free dofs; and a row a support.
     """
-    friction = np.zeros_like(problem.load)
-    for contact, force in zip(problem.contacts, solution.friction_force, strict=True):
-        friction[contact.nodes] += force
-    needed = (solution.internal_force - problem.load - friction).reshape(-1)
+    contacts = np.zeros_like(problem.load)
+    for contact, force in zip(problem.contacts, solution.contact_force, strict=True):
+        contacts[contact.nodes] += force
+    needed = (solution.internal_force - problem.load - contacts).reshape(-1)
     reactions = np.zeros_like(needed)
     counted = np.zeros(len(needed), dtype=bool)
     rows = []
-    for support in problem.supports:
+    for support in problem.applied_supports:
         mine = np.zeros_like(needed)
         dofs = support.dofs[~counted[support.dofs]]
         mine[dofs] = needed[dofs]
@@ -103,11 +108,15 @@ def global_quantities(
     u = solution.displacement[owned]
     elastic = 0.5 * total(problem.comm, np.sum(u * solution.internal_force[owned]))
     work = total(problem.comm, np.sum(u * (problem.load + reactions)[owned]))
+    for contact, force in zip(problem.contacts, solution.contact_force, strict=True):
+        pushed = total(problem.comm, force[contact.owned_nodes].sum(axis=0)) @ contact.direction
+        work += pushed * contact.indentation
     summed = ("contact_area", "stick_area", "slip_area", "friction_work", "penalty_energy")
     greatest = ("max_contact_pressure", "max_penetration", "max_slip")
     friction = np.zeros(problem.spaces.components)
     for contact in contacts:
         friction += contact["friction_force"]
+    driven = [c["indentation"] for c in contacts if c["indentation"] is not None]
     return {
         "normal_force": float(sum(c["normal_force"] for c in contacts)),
         "friction_force": friction.tolist(),
@@ -116,6 +125,7 @@ def global_quantities(
         **{key: float(sum(c[key] for c in contacts)) for key in summed},
         "strain_energy": elastic,
         "external_work": work,
+        "indentation": driven[0] if len(driven) == 1 else None,
     }
 
 
@@ -143,18 +153,18 @@ def contact_points(problem: Problem, solution: Solution) -> ContactPoints:
 
 def _rows(number: int, problem: Problem, solution: Solution) -> Array:
     """Owned points of one contact as numbers, in the order of ``contact_points``."""
-    contact = problem.contacts[number]
-    trace = contact.trace
-    state = status(contact, solution.displacement)
+    trace = problem.contacts[number].trace
+    state = solution.states[number]
+    status = np.select([state.status == OPEN, state.status == STICK], [0.0, 1.0], 2.0)
     columns = [
-        np.full((len(state), 1), float(number)),
-        np.select([state == OPEN, state == STICK], [0.0, 1.0], 2.0)[:, None],
+        np.full((len(status), 1), float(number)),
+        status[:, None],
         trace.coordinates,
         _three(trace.normals),
-        np.zeros((len(state), 1)),
-        contact.contact_pressure[:, None],
-        _three(contact.friction_traction(solution.displacement)),
-        _three(contact.slip(solution.displacement)),
+        state.gap[:, None],
+        state.contact_pressure[:, None],
+        _three(state.friction_traction),
+        _three(state.slip),
         trace.weights[:, None],
     ]
     return np.hstack(columns)[trace.owned]

@@ -29,7 +29,6 @@ from fenics_contact.timings import Timings
 
 logger = logging.getLogger(__name__)
 
-STRATEGY = "prescribed pressure: one Newton solve, no outer loop"
 
 
 class Run:
@@ -81,11 +80,12 @@ class Run:
             "contact_points": int(points),
             "ranks": problem.comm.size,
             "solver": "full",
-            "strategy": STRATEGY if problem.frictional else "linear: one Newton step",
+            "strategy": _strategy(problem),
+            "scalar_unknowns": [f"{u.kind} at {u.contact.label}" for u in problem.unknowns],
             "terms": [term.name for term in problem.terms],
             "free_rigid_motions": self.free_motion.modes,
             "used_share_of_limit_load": self.free_motion.used_share,
-            "symmetry": "none",
+            "symmetry": problem.supports.symmetry,
         }
 
     def solve(self) -> Result:
@@ -102,8 +102,8 @@ class Run:
         return [
             {
                 "name": contact.label,
-                "contact": contact.contact.contact,
-                "law": contact.contact.law if contact.friction is not None else "none",
+                "contact": contact.contact.kind,
+                "law": contact.law,
                 "parameters": _parameters(contact),
                 "quantities": found,
             }
@@ -116,8 +116,8 @@ class Run:
         with self.timings.phase("output"):
             reactions, supports = support_reactions(problem, solution)
             by_contact = [
-                contact_quantities(contact, solution.displacement, force)
-                for contact, force in zip(problem.contacts, solution.friction_force, strict=True)
+                contact_quantities(contact, solution, number)
+                for number, contact in enumerate(problem.contacts)
             ]
             quantities = global_quantities(problem, solution, reactions, by_contact)
             checks = run_checks(problem, solution, reactions)
@@ -167,16 +167,29 @@ class Run:
         )
 
 
+def _strategy(problem: Problem) -> str:
+    if any(contact.is_one_sided for contact in problem.contacts):
+        return "frictionless contact: one Newton solve with a line search on the energy"
+    if problem.frictional:
+        return "prescribed pressure: one Newton solve, no outer loop"
+    return "linear: one Newton step"
+
+
 def _parameters(contact: ContactSurface) -> dict[str, Any]:
     """A contact's parameters as used; what varies in space is said so."""
+    scene = contact.contact
     given = {
-        "pressure": contact.contact.pressure,
-        "friction_coefficient": contact.contact.friction_coefficient,
+        "pressure": scene.pressure,
+        "foundation_stiffness": scene.foundation_stiffness,
+        "friction_coefficient": scene.friction_coefficient,
     }
-    return {
+    used = {
         "regularisation_parameter": contact.regularisation_parameter,
+        "penalty_parameter": contact.penalty_parameter or None,
+        "force": contact.force,
         **{name: "varies" if callable(value) else value for name, value in given.items()},
     }
+    return {name: value for name, value in used.items() if value is not None}
 
 
 def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None) -> Result:

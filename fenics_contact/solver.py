@@ -1,7 +1,7 @@
 """The room for PETSc: Newton's method (SNES) on the full space (paper, Section 4).
 
 The bulk is linear, so its stiffness is assembled once; a Newton step adds only
-the tangents of the friction terms to a copy of it.
+the tangents of the contacts' terms to a copy of it.
 """
 
 from __future__ import annotations
@@ -15,10 +15,12 @@ from dolfinx import fem
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact.contact import ContactState
 from fenics_contact.errors import NotConvergedError
 from fenics_contact.linear_system import LinearSystem
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
+from fenics_contact.start import starting_point
 from fenics_contact.timings import Timings
 
 logger = logging.getLogger(__name__)
@@ -26,12 +28,17 @@ logger = logging.getLogger(__name__)
 OPTIONS_PREFIX = "fenics_contact_"
 # What the user sets (PETSC_OPTIONS, or petsc4py's Options) wins over these.
 DEFAULT_OPTIONS = {
-    "snes_linesearch_type": "basic",
     "ksp_type": "preonly",
     "pc_type": "lu",
     "pc_factor_mat_solver_type": "mumps",
     "mat_mumps_icntl_14": 50,
 }
+
+# Full steps are best from the adhesive start with the primal-dual tangent, where searches only
+# cost steps or stall in round-off. One-sided contact needs a search on the energy: for a point
+# along the step where its derivative vanishes, which takes no difference of nearly equal energies.
+FULL_STEPS = {"snes_linesearch_type": "basic"}
+ENERGY_SEARCH = {"snes_linesearch_type": "cp", "snes_linesearch_max_it": 3}
 
 # Share of the applied forces above which a round-off floor is not believed: the
 # floor grows with |u|, and a body that runs away must not pass for an answer.
@@ -54,17 +61,27 @@ class Solution:
     Attributes:
         displacement: u (length).
         internal_force: K u, from the bulk alone (force).
-        friction_force: Force of the friction law on the body at each contact point,
-            one array a contact (force).
+        normal_force: Force on the body across each contact, from penalty or foundation, at
+            its nodes; one array a contact, without prescribed pressures, which are loads
+            (force). Where bonded it is the whole force.
+        friction_force: Force of the friction law on the body, likewise (force).
+        states: What happens at the points of each contact.
         residual_history: Force imbalance before every Newton step and at the end (force).
         imbalance_limit: The imbalance that was accepted as converged (force).
     """
 
     displacement: NDArray[np.float64]
     internal_force: NDArray[np.float64]
+    normal_force: list[NDArray[np.float64]]
     friction_force: list[NDArray[np.float64]]
+    states: list[ContactState]
     residual_history: tuple[float, ...]
     imbalance_limit: float
+
+    @property
+    def contact_force(self) -> list[NDArray[np.float64]]:
+        """Both forces of each contact together (force)."""
+        return [a + b for a, b in zip(self.normal_force, self.friction_force, strict=True)]
 
     @property
     def newton_iterations(self) -> int:
@@ -73,7 +90,7 @@ class Solution:
 
 
 def solve(problem: Problem, timings: Timings | None = None) -> Solution:
-    """Minimise I_ε from the adhesive start u_T = 0 on Γ_C; collective.
+    """Minimise I_ε from the adhesive start u_T = 0 on Γ_C, just in contact; collective.
 
     Raises:
         NotConvergedError: In words, with the history of the force imbalance.
@@ -86,11 +103,7 @@ def solve(problem: Problem, timings: Timings | None = None) -> Solution:
 
 
 class _Newton:
-    """SNES with full steps.
-
-    From the adhesive start, with the primal-dual tangent, line searches on the residual
-    or the energy only cost steps, or stall in round-off.
-    """
+    """SNES on the displacements, mean stresses and scalar unknowns of a problem."""
 
     def __init__(self, problem: Problem, timings: Timings) -> None:
         self.problem = problem
@@ -108,7 +121,7 @@ class _Newton:
         self.tangent = self.system.stiffness.duplicate(copy=True)
         self.state, self.residual = self.tangent.createVecs()
         self.work = self.state.duplicate()
-        self.reaction_norm = 0.0
+        self.held_norm = 0.0
         self.limit = 0.0
 
     def destroy(self) -> None:
@@ -138,7 +151,9 @@ class _Newton:
         snes.setFunction(self._set_residual, self.residual)
         snes.setJacobian(self._set_tangent, self.tangent)
         options = PETSc.Options()
-        for name, value in DEFAULT_OPTIONS.items():
+        one_sided = any(contact.is_one_sided for contact in self.problem.contacts)
+        defaults = DEFAULT_OPTIONS | (ENERGY_SEARCH if one_sided else FULL_STEPS)
+        for name, value in defaults.items():
             if not options.hasName(OPTIONS_PREFIX + name):
                 options.setValue(OPTIONS_PREFIX + name, value)
         snes.setTolerances(rtol=0.0, atol=0.0, stol=0.0, max_it=settings.max_iterations)
@@ -147,57 +162,104 @@ class _Newton:
         return snes
 
     def _set_start(self) -> None:
-        """The adhesive start: nothing has slipped; supports stand at their values."""
-        self.state.set(0.0)
+        """Nothing has slipped, supports stand at their values, loose parts touch."""
+        displacement, indentations = starting_point(self.problem)
         owned = self.problem.constrained < self.owned_size
-        for contact in self.problem.frictional:
-            contact.stick_all()
+        for contact, indentation in zip(self.problem.contacts, indentations, strict=True):
+            contact.move(displacement, indentation)
+            if contact.friction is not None:
+                contact.friction.stick_all()
+        self.state.set(0.0)
         with self.state as array:
+            array[: self.owned_size] = displacement.reshape(-1)[: self.owned_size]
             array[self.owned_constrained] = self.problem.prescribed[owned]
+            for number, unknown in enumerate(self.problem.unknowns):
+                if self.comm.rank == 0 and unknown.kind == "indentation":
+                    array[self._scalar(number)] = unknown.contact.indentation
+
+    def _scalar(self, number: int) -> int:
+        """Position of a scalar in the arrays of rank 0."""
+        return number - self.system.scalars
 
     def _take(self, state: Any) -> None:
-        """A global vector into the displacement function, ghosts included."""
+        """A global vector into the displacement function and the contacts' jumps."""
         self.problem.displacement.x.array[: self.owned_size] = state.array_r[: self.owned_size]
         self.problem.displacement.x.scatter_forward()
+        displacement = self._nodal_displacement()
+        scalars = self._scalars(state)
+        for contact in self.problem.contacts:
+            contact.move(displacement)
+        for unknown, value in zip(self.problem.unknowns, scalars, strict=True):
+            if unknown.kind == "indentation":
+                unknown.contact.move(displacement, value)
+
+    def _scalars(self, state: Any) -> list[float]:
+        """Values of the scalar unknowns, on every rank."""
+        if not self.system.scalars:
+            return []
+        last = state.array_r[-self.system.scalars :].tolist() if self.comm.rank == 0 else None
+        return list(self.comm.bcast(last))
 
     def _nodal_displacement(self) -> NDArray[np.float64]:
         """The present displacement, shape (nodes, components), ghosts included."""
         array = self.problem.displacement.x.array
         return array.reshape(-1, self.problem.spaces.components)
 
-    def _friction_residual(self) -> NDArray[np.float64]:
-        """Derivative of Σ j_ε at the present displacement, flat, owned dofs."""
-        forces = np.zeros(self.owned_size)
-        for contact in self.problem.frictional:
-            assert contact.friction is not None
-            nodal = self.problem.spaces.assemble(contact.friction.residual)
-            forces += nodal.reshape(-1)[: self.owned_size]
+    def _contact_forces(self, terms: str) -> list[NDArray[np.float64]]:
+        """Forces on the body at all nodes by a kind of term, one array a contact."""
+        spaces = self.problem.spaces
+        forces = []
+        for contact in self.problem.contacts:
+            term = getattr(contact, terms)
+            none = np.zeros((len(spaces.coordinates), spaces.components))
+            forces.append(none if term is None else -spaces.assemble(term.residual))
         return forces
 
     def _set_residual(self, snes: Any, state: Any, residual: Any) -> None:
         with self.timings.phase("assemble"):
             self._take(state)
             self.system.stiffness.mult(state, residual)
+            normal, friction = self._contact_forces("normal"), self._contact_forces("friction")
+            by_contact = [a + b for a, b in zip(normal, friction, strict=True)]
+            owned = slice(0, self.problem.spaces.owned_nodes)
             with residual as array:
-                forces = self._friction_residual() - self.load[: self.owned_size]
-                array[: self.owned_size] += forces
-                reactions = np.abs(array[self.owned_constrained]).sum()
+                for force in by_contact:
+                    array[: self.owned_size] -= force[owned].reshape(-1)
+                array[: self.owned_size] -= self.load[: self.owned_size]
+                held = np.abs(array[self.owned_constrained]).sum()
                 array[self.owned_constrained] = 0.0  # they hold their values exactly
-            self.reaction_norm = total(self.comm, reactions)
+                self._set_scalar_residuals(state, array, by_contact)
+            held += sum(np.abs(force[owned]).sum() for force in by_contact)
+            self.held_norm = total(self.comm, held)
+
+    def _set_scalar_residuals(
+        self, state: Any, array: Any, by_contact: list[NDArray[np.float64]]
+    ) -> None:
+        """N − F for an obstacle that a force F drives, R − N for a resultant R."""
+        values = self._scalars(state)
+        owned = slice(0, self.problem.spaces.owned_nodes)
+        for number, unknown in enumerate(self.problem.unknowns):
+            contact = unknown.contact
+            force = by_contact[self.problem.contacts.index(contact)][owned]
+            pushed = total(self.comm, force.sum(axis=0)) @ contact.direction
+            if self.comm.rank == 0:
+                driven = unknown.kind == "indentation"
+                imbalance = pushed - (contact.force or 0.0) if driven else values[number] - pushed
+                array[self._scalar(number)] = imbalance
 
     def _set_tangent(self, snes: Any, state: Any, tangent: Any, preconditioner: Any) -> None:
         with self.timings.phase("assemble"):
             self._take(state)
             self.system.stiffness.copy(tangent, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-            displacement = self._nodal_displacement()
-            for contact in self.problem.frictional:
-                assert contact.friction is not None
-                contact.follow(displacement)
-                self.system.add(tangent, contact.friction.tangent)
+            for contact in self.problem.contacts:
+                contact.follow()
+                self.system.add_contact(tangent, contact)
+            self.system.add_far_field(tangent)
             tangent.assemble()
             first, _ = tangent.getOwnershipRange()
             rows = (first + self.owned_constrained).astype(PETSc.IntType)
             tangent.zeroRowsColumns(rows, diag=1.0)
+            self.system.tie_far_field(tangent)
 
     def _converged(self, snes: Any, iteration: int, norms: tuple[float, float, float]) -> Any:
         """Stop when the force imbalance is small against the forces, or is round-off.
@@ -205,10 +267,12 @@ class _Newton:
         The 1-norm bounds the error of any resultant. PETSc's relative tolerance is
         not used: its reference, the first residual, is no physical force.
         """
-        forces_left = np.abs(self.residual.array_r[: self.owned_size])
-        imbalance = total(self.comm, forces_left.sum())
+        forces_left = np.abs(self.residual.array_r[: self.owned_size]).sum()
+        if self.system.scalars and self.comm.rank == 0:
+            forces_left += np.abs(self.residual.array_r[-self.system.scalars :]).sum()
+        imbalance = total(self.comm, forces_left)
         self.history.append(imbalance)
-        forces = self.load_norm + self.reaction_norm
+        forces = self.load_norm + self.held_norm
         logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
         if not np.isfinite(imbalance):
             return _NOT_A_NUMBER
@@ -243,7 +307,7 @@ class _Newton:
     def _failure(self, reason: int) -> str:
         words = _REASONS.get(reason, f"PETSc's reason {reason}")
         left = f"{self.history[-1]:.2e}" if self.history else "unknown"
-        forces = self.load_norm + self.reaction_norm
+        forces = self.load_norm + self.held_norm
         advice = "Try a larger solver.max_iterations, or a larger regularisation_parameter"
         if self.history and self.history[-1] <= 10 * _LARGEST_FLOOR * forces:
             advice = "So small a rest may be round-off: is the contrast of stiffnesses extreme?"
@@ -259,16 +323,17 @@ class _Newton:
         internal = fem.Function(spaces.displacement_space)
         internal.x.array[: self.owned_size] = self.work.array_r[: self.owned_size]
         internal.x.scatter_forward()
-        friction = [
-            -spaces.assemble(contact.friction.residual)[contact.nodes]
-            if contact.friction is not None
-            else np.zeros((len(contact.nodes), spaces.components))
-            for contact in self.problem.contacts
-        ]
+        for contact in self.problem.contacts:
+            if contact.force == 0:
+                contact.touch()
+        nodes = [contact.nodes for contact in self.problem.contacts]
+        normal, friction = self._contact_forces("normal"), self._contact_forces("friction")
         return Solution(
             displacement=self._nodal_displacement().copy(),
             internal_force=internal.x.array.reshape(-1, spaces.components).copy(),
-            friction_force=friction,
+            normal_force=[force[n] for force, n in zip(normal, nodes, strict=True)],
+            friction_force=[force[n] for force, n in zip(friction, nodes, strict=True)],
+            states=[contact.state() for contact in self.problem.contacts],
             residual_history=tuple(self.history),
             imbalance_limit=self.limit,
         )

@@ -44,7 +44,9 @@ class Trace:
 
     Attributes:
         measure: Measure whose quadrature points these are.
+        weight: UFL factor of integrals by it (2πr where axisymmetric).
         nodes: Nodes among the points (local, owned and ghost): the first of them.
+        all_nodes: Nodes of the surface, also on the axis of revolution.
         coordinates: Of the points, shape (points, 3) (length).
         weights: Area that each stands for, > 0, shape (points,).
         normals: Outward unit normals, single-valued at shared nodes, (points, components).
@@ -54,12 +56,15 @@ class Trace:
     def __init__(self, spaces: Spaces, group: Group) -> None:
         self.spaces = spaces
         self.group = group
+        self._pieces: SurfacePieces | None = None
         self._centres = _Centres(spaces, group) if _needs_centres(spaces) else None
         nodes = spaces.nodes(group)
+        self.weight = self._point_weight(nodes)
         weights, normals = self._at_nodes(nodes)
         heaviest = largest(spaces.comm, weights)
         # A point on the axis of revolution stands for no area.
         counted = weights > 1e-12 * heaviest
+        self.all_nodes = nodes
         self.nodes = nodes[counted]
         self.weights, self.normals = weights[counted], normals[counted]
         self.coordinates = spaces.coordinates[self.nodes]
@@ -93,13 +98,30 @@ class Trace:
         degree = 1 if self.spaces.degree == 1 else 3
         return {"quadrature_rule": "vertex" if triangles else "GLL", "quadrature_degree": degree}
 
+    def _point_weight(self, nodes: NDArray[np.int32]) -> Any:
+        """The integrals' factor at the points.
+
+        On linear facets of an axisymmetric model it is that which gives every vertex its
+        part of the area, ∫ 2πr N_i: the vertex rule with 2πr itself would leave none to the
+        axis, and its first neighbour would carry the axis' load too (+8 % pressure there).
+        """
+        spaces = self.spaces
+        if spaces.kinematics != "axisymmetric" or spaces.degree != 1:
+            return spaces.weight
+        test = ufl.TestFunction(spaces.displacement_space)
+        along = ufl.as_vector([1.0] * spaces.components)
+        measure = spaces.boundary(self.group)
+        area = spaces.assemble(fem.form(spaces.weight * ufl.dot(along, test) * measure))[:, 0]
+        length = spaces.assemble(fem.form(ufl.dot(along, test) * measure))[:, 0]
+        return spaces.nodal_function("weight", area[nodes] / length[nodes], nodes)
+
     def _at_nodes(self, nodes: NDArray[np.int32]) -> tuple[Array, Array]:
         """Areas and averaged normals of nodes, from integrals of their shape functions."""
         spaces = self.spaces
         test = ufl.TestFunction(spaces.displacement_space)
         measure = spaces.boundary(self.group, self._nodal_rule())
         ones = ufl.as_vector([1.0] * spaces.components)
-        area = spaces.assemble(fem.form(spaces.weight * ufl.dot(ones, test) * measure))[:, 0]
+        area = spaces.assemble(fem.form(self.weight * ufl.dot(ones, test) * measure))[:, 0]
         facet_normal = ufl.FacetNormal(spaces.body.mesh)
         averaged = spaces.assemble(fem.form(ufl.dot(facet_normal, test) * measure))
         lengths = np.linalg.norm(averaged, axis=1)
@@ -173,6 +195,70 @@ class Trace:
         links = topology.connectivity(topology.dim, 1)
         edges = [np.zeros(0, dtype=np.int32), *(links.links(cell) for cell in cells)]
         return smallest(self.spaces.comm, mesh.h(1, np.unique(np.concatenate(edges))))
+
+
+    @property
+    def pieces(self) -> SurfacePieces:
+        """This rank's facets in segments or triangles between neighbouring nodes."""
+        if self._pieces is None:
+            self._pieces = SurfacePieces(self)
+        return self._pieces
+
+
+class SurfacePieces:
+    """Facets cut into flat segments (2D) or triangles (3D) between nodes.
+
+    Attributes:
+        points: Contact points at the corners, (pieces, corners); a node on the axis of
+            revolution, which is none, is given its neighbour.
+        corners: Coordinates, (pieces, corners, 3) (length).
+        areas: Length or area of each, (pieces,).
+        weights: Factor of the integral at the corners (2πr where axisymmetric), (pieces, corners).
+    """
+
+    def __init__(self, trace: Trace) -> None:
+        spaces = trace.spaces
+        facets = _facets(spaces, trace.group)
+        nodes = _facet_pieces(spaces, facets)
+        point_of = np.full(len(spaces.coordinates), -1)
+        point_of[trace.nodes] = np.arange(len(trace.nodes))
+        points = point_of[nodes]
+        self.points = np.where(points < 0, points.max(axis=1, initial=0)[:, None], points)
+        self.corners = spaces.coordinates[nodes]
+        edges = self.corners[:, 1:] - self.corners[:, :1]
+        if edges.shape[1] == 1:
+            self.areas = np.linalg.norm(edges[:, 0], axis=1)
+        else:
+            self.areas = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+        radii = self.corners[:, :, 0]
+        axisymmetric = spaces.kinematics == "axisymmetric"
+        self.weights = 2 * np.pi * radii if axisymmetric else np.ones_like(radii)
+
+
+def _facet_pieces(spaces: Spaces, facets: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Nodes of the segments or triangles of facets, (pieces, corners)."""
+    from scipy.spatial import Delaunay
+
+    layout = spaces.displacement_space.dofmap.dof_layout
+    reference = compat.interpolation_points(
+        fem.functionspace(spaces.body.mesh, ("Lagrange", spaces.degree)).element
+    )
+    dimension = spaces.body.dimension
+    found = [np.zeros((0, dimension), dtype=np.int32)]
+    for facet in np.unique(facets[:, 1]):
+        dofs = np.array(layout.entity_closure_dofs(dimension - 1, int(facet)))
+        points = reference[dofs] - reference[dofs].mean(axis=0)
+        # Coordinates within the facet: its principal directions.
+        inside = points @ np.linalg.svd(points)[2][: dimension - 1].T
+        if dimension == 2:
+            order = np.argsort(inside[:, 0])
+            pieces = np.stack([order[:-1], order[1:]], axis=1)
+        else:
+            pieces = Delaunay(inside).simplices
+        cells = facets[facets[:, 1] == facet, 0]
+        nodes = spaces.displacement_space.dofmap.list[cells][:, dofs]
+        found.append(nodes[:, pieces].reshape(-1, dimension))
+    return np.concatenate(found)
 
 
 class TraceFunction:

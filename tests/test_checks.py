@@ -44,7 +44,7 @@ def with_slipping_points_carrying(factor, problem, solution):
     """The bulk's forces changed so that slipping points need this much of their friction."""
     contact = problem.contacts[0]
     internal = solution.internal_force.copy()
-    slipping = np.linalg.norm(contact.slip(solution.displacement), axis=1) > 1e-3
+    slipping = np.linalg.norm(solution.states[0].slip, axis=1) > 1e-3
     nodes = contact.nodes[slipping]
     internal[nodes] = problem.load[nodes] + factor * (internal - problem.load)[nodes]
     return dataclasses.replace(solution, internal_force=internal)

@@ -9,7 +9,7 @@ from dolfinx.mesh import CellType
 from mpi4py import MPI
 
 from fenics_contact import Contact, Discretisation, Load, Material, Run, Scene, Support, run
-from fenics_contact.checks import recovered_friction
+from fenics_contact.friction_checks import recovered_friction
 from fenics_contact.parallel import total
 from tests.scenes import box_body
 
@@ -81,7 +81,7 @@ def test_gross_sliding_is_opposed(element):
     contact = prepared.problem.contacts[0]
     forces = recovered_friction(prepared.problem, prepared.solution, 0)[contact.owned_nodes]
     friction = total(COMM, forces.sum(axis=0))[:2]
-    slip = contact.trace.integral(contact.slip(prepared.solution.displacement))[:2]
+    slip = contact.trace.integral(prepared.solution.states[0].slip)[:2]
     across = slip[0] * friction[1] - slip[1] * friction[0]
     assert abs(across) < 1e-3 * np.linalg.norm(slip) * np.linalg.norm(friction)
     assert slip @ friction < 0
@@ -144,7 +144,7 @@ def test_nodal_forces_are_those_of_the_points(element):
     result = prepared.solve()
     assert result.passed
     found = prepared.problem.contacts[0]
-    traction = found.friction_traction(prepared.solution.displacement)
+    traction = prepared.solution.states[0].friction_traction
     forces = prepared.solution.friction_force[0][found.owned_nodes]
     assert total(COMM, forces.sum(axis=0)) == pytest.approx(
         found.trace.integral(traction), rel=1e-9, abs=1e-9
@@ -157,7 +157,7 @@ def test_nodal_forces_are_those_of_the_points(element):
             ]
         ),
     )
-    slip = found.slip(prepared.solution.displacement)
+    slip = prepared.solution.states[0].slip
     assert power == pytest.approx(
         found.trace.integral(np.einsum("ij,ij->i", traction, slip)), rel=1e-9
     )

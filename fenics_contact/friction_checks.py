@@ -1,0 +1,120 @@
+"""Checks of friction: nodal forces that the bulk needs against the friction law."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.check_tools import TRACE, nearer_to_failing
+from fenics_contact.parallel import largest, smallest, total
+from fenics_contact.problem import Problem
+from fenics_contact.reaction_pressure import bulk_forces
+from fenics_contact.result import Check
+from fenics_contact.solver import Solution
+
+Array = NDArray[np.float64]
+
+
+def recovered_friction(problem: Problem, solution: Solution, number: int) -> Array:
+    """Friction forces that the bulk needs at the nodes of a contact.
+
+    Returns:
+        K u − f, tangential, shape (nodes, components) (force), less what other contacts
+        give to a shared node.
+    """
+    contact = problem.contacts[number]
+    return contact.tangential(bulk_forces(problem, solution, number))
+
+
+@dataclass(frozen=True, eq=False)
+class _Compared:
+    """What a friction check compares at the nodes where nothing but friction acts.
+
+    Attributes:
+        bulk: Recovered friction, over the largest bound and the node's area: a traction's share.
+        law: The friction law's, likewise.
+        bound: The most that the points around a node can give it, likewise.
+        slip: Displacement along the surface (length).
+        nodal: Whether each node is a point of its own, whose law can be asked.
+        comm: Communicator.
+    """
+
+    bulk: Array
+    law: Array
+    bound: Array
+    slip: Array
+    nodal: bool
+    comm: Any
+
+
+def _worst(
+    problem: Problem, solution: Solution, compare: Callable[[_Compared], float]
+) -> Check | None:
+    """The check of the frictional contact that comes nearest to its limit.
+
+    Args:
+        problem: The model.
+        solution: Its solution.
+        compare: The global value of the check for one contact, good at or below 0.
+    """
+    worst: Check | None = None
+    for number, contact in enumerate(problem.contacts):
+        free, movable = contact.free_along_surface(problem.constrained)
+        counted = contact.owned_nodes & movable
+        if contact.friction is None or problem.comm.allreduce(int(counted.sum())) == 0:
+            continue
+        trace = contact.trace
+        area = trace.to_nodes(trace.weights)
+        unit = area * largest(problem.comm, contact.friction_bound)
+        bound = trace.to_nodes(trace.weights * contact.friction_bound) / unit
+        bulk = free * recovered_friction(problem, solution, number) / unit[:, None]
+        law = free * solution.friction_force[number] / unit[:, None]
+        slip = free * contact.tangential(solution.displacement[contact.nodes])
+        compared = _Compared(
+            bulk[counted], law[counted], bound[counted], slip[counted], trace.nodal, problem.comm
+        )
+        found = compare(compared)
+        lightest = smallest(problem.comm, unit[contact.owned_nodes])
+        limit = TRACE + 2 * solution.imbalance_limit / lightest
+        check = Check(found if np.isnan(found) else max(found, 0.0), limit)
+        worst = nearer_to_failing(worst, check)
+    return worst
+
+
+def friction_cone(problem: Problem, solution: Solution) -> Check | None:
+    """|σ_T| − g, over the largest g (paper, (1.6)): traction within its bound."""
+
+    def excess(compared: _Compared) -> float:
+        return largest(compared.comm, np.linalg.norm(compared.bulk, axis=1) - compared.bound)
+
+    return _worst(problem, solution, excess)
+
+
+def friction_law(problem: Problem, solution: Solution) -> Check | None:
+    """|σ_T + g φ_ε′(u_T)| over the largest g (paper, (2.8)): bulk against friction law."""
+
+    def difference(compared: _Compared) -> float:
+        return largest(compared.comm, np.linalg.norm(compared.bulk - compared.law, axis=1))
+
+    return _worst(problem, solution, difference)
+
+
+def dissipation(problem: Problem, solution: Solution) -> Check | None:
+    """σ_T · u_T ≤ 0 at every point: friction takes energy, nowhere gives it (paper, (1.6)).
+
+    Where points lie between nodes, a node's force is not that of one slip, and only the
+    sum must be so.
+    """
+
+    def given(compared: _Compared) -> float:
+        power = np.einsum("ij,ij->i", compared.bulk, compared.slip)
+        longest = largest(compared.comm, np.linalg.norm(compared.slip, axis=1)) or 1.0
+        if compared.nodal:
+            return largest(compared.comm, power) / longest
+        return total(compared.comm, power.sum()) / longest
+
+    return _worst(problem, solution, given)

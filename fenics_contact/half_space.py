@@ -1,0 +1,173 @@
+"""The far field: a body's outer boundary moves as that of a half-space would.
+
+The displacement there is that of point forces on the surface (J. Boussinesq; K. L. Johnson,
+Contact Mechanics, Cambridge 1985, (3.18)), of line forces in plane strain (A. Flamant; Johnson
+(2.19)): the resultants of the contacts, with their mirror images in planes of symmetry. Where
+a resultant is not known beforehand it is an unknown of the problem, in which this is linear.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact import ContactSurface
+from fenics_contact.errors import InputError
+from fenics_contact.parallel import gather_rows, largest
+from fenics_contact.scene import HalfSpace, Scene
+from fenics_contact.spaces import Spaces
+from fenics_contact.supports import Supports
+
+Array = NDArray[np.float64]
+
+_FLAT = 1e-6
+
+
+def boussinesq(points: Array, inward: Array, youngs_modulus: float, poissons_ratio: float) -> Array:
+    """Displacement of a half-space under a unit point force on its surface.
+
+    Args:
+        points: Relative to the force, shape (points, 3) (length).
+        inward: Unit normal into the half-space, along which the force acts, (3,).
+        youngs_modulus: E (stress).
+        poissons_ratio: ν.
+
+    Returns:
+        Displacement over force, shape (points, 3) (Johnson, (3.18)).
+    """
+    nu = poissons_ratio
+    z = points @ inward
+    aside = points - np.outer(z, inward)
+    rho = np.linalg.norm(points, axis=1)
+    shear_modulus = youngs_modulus / (2 * (1 + nu))
+    deep = z**2 / rho**3 + 2 * (1 - nu) / rho
+    wide = z / rho**3 - (1 - 2 * nu) / (rho * (rho + z))
+    return (np.outer(deep, inward) + wide[:, None] * aside) / (4 * np.pi * shear_modulus)
+
+
+def flamant(
+    points: Array, inward: Array, youngs_modulus: float, poissons_ratio: float, datum: float
+) -> Array:
+    """Displacement of a half-plane in plane strain under a unit line force on its edge.
+
+    A logarithm needs a datum: it is zero straight below the force, at the given distance.
+    The other arguments and shapes are those of ``boussinesq``.
+
+    Returns:
+        Displacement over force per thickness, shape (points, 3) (Johnson, (2.19)).
+    """
+    nu = poissons_ratio
+    z = points @ inward
+    aside = points - np.outer(z, inward)
+    distance = np.linalg.norm(aside, axis=1)
+    sideways = aside / np.where(distance > 0, distance, 1.0)[:, None]
+    rho = np.hypot(z, distance)
+    angle = np.arctan2(distance, z)
+    logarithm = np.log(rho / datum)
+    sine, cosine = np.sin(angle), np.cos(angle)
+    first, second = 2 * (1 - nu**2), (1 - 2 * nu) * (1 + nu)
+    radial = -first * cosine * logarithm - second * angle * sine
+    around = first * sine * logarithm + 2 * nu * (1 + nu) * sine
+    around += second * (sine - angle * cosine)
+    deep = radial * cosine - around * sine
+    wide = radial * sine + around * cosine
+    return (np.outer(deep, inward) + wide[:, None] * sideways) / (np.pi * youngs_modulus)
+
+
+class FarField:
+    """The outer boundary of a piece of a half-space.
+
+    Attributes:
+        on: The groups' names, for results.
+        dofs: Those that follow the far field (local indices, owned and ghost).
+        columns: Number of a contact → displacement of the dofs over its force.
+    """
+
+    def __init__(
+        self, scene: Scene, spaces: Spaces, supports: Supports, contacts: list[ContactSurface]
+    ) -> None:
+        described = scene.half_space
+        assert described is not None
+        self.on = ", ".join(described.on)
+        self._spaces = spaces
+        self._supports = supports
+        self._modulus, self._ratio = _homogeneous(scene)
+        self.dofs = self._free_dofs(described)
+        self.columns = {
+            number: self._column(contact, f"contact[{number}]")
+            for number, contact in enumerate(contacts)
+        }
+        if not contacts:
+            raise InputError("half_space: without a contact there is no force to follow")
+
+    def _free_dofs(self, described: HalfSpace) -> NDArray[np.int64]:
+        spaces = self._spaces
+        found = [
+            spaces.nodes(spaces.body.boundary(on, f"half_space.on[{number}]"))
+            for number, on in enumerate(described.on)
+        ]
+        nodes = np.unique(np.concatenate(found)).astype(np.int64)
+        dofs = (nodes[:, None] * spaces.components + np.arange(spaces.components)).ravel()
+        return np.setdiff1d(dofs, self._supports.dofs)
+
+    def _column(self, contact: ContactSurface, key: str) -> Array:
+        """Displacement of the dofs over the contact's force, with its mirror images."""
+        spaces = self._spaces
+        inward = np.zeros(3)
+        inward[: spaces.components] = contact.direction
+        foot = self._foot(contact, inward, key)
+        components = spaces.components
+        points = spaces.coordinates[self.dofs // components]
+        reach = largest(spaces.comm, np.linalg.norm(points - foot, axis=1))
+        column = np.zeros_like(points)
+        planes = self._supports.planes
+        for mirrored in product((False, True), repeat=len(planes)):
+            image = foot.copy()
+            for plane, is_mirrored in zip(planes, mirrored, strict=True):
+                if is_mirrored:
+                    image[plane.axis] = 2 * plane.at - image[plane.axis]
+            if spaces.kinematics == "plane strain":
+                column += flamant(points - image, inward, self._modulus, self._ratio, reach)
+            else:
+                column += boussinesq(points - image, inward, self._modulus, self._ratio)
+        return column[np.arange(len(self.dofs)), self.dofs % components]
+
+    def _foot(self, contact: ContactSurface, inward: Array, key: str) -> Array:
+        """Where the resultant acts: the obstacle's apex, on the surface."""
+        trace, comm = contact.trace, self._spaces.comm
+        rows = np.hstack([trace.coordinates, trace.normals])[trace.owned]
+        rows = gather_rows(comm, rows)
+        normals = np.zeros((len(rows), 3))
+        normals[:, : self._spaces.components] = rows[:, 3:]
+        flat = largest(comm, np.abs(normals + inward).ravel()) <= _FLAT
+        if contact.contact.kind == "prescribed" or not flat:
+            raise InputError(
+                f"{key}: a half_space needs a flat contact surface and an obstacle that is driven "
+                "straight into it"
+            )
+        if self._spaces.kinematics == "plane strain" and contact.force is None:
+            raise InputError(
+                f"{key}.obstacle: in plane strain the indentation of a half-space has no datum (it "
+                "grows with the logarithm of the distance), so give its force"
+            )
+        obstacle = contact.contact.obstacle
+        apex = np.zeros(3)
+        position = obstacle.position if obstacle and obstacle.position else ()
+        apex[: len(position)] = position
+        height = (rows[0, :3] - apex) @ inward
+        return apex + height * inward
+
+
+def _homogeneous(scene: Scene) -> tuple[float, float]:
+    """Young's modulus and Poisson's ratio of a half-space, which must be uniform."""
+    material = scene.material[0]
+    young, poisson = material.youngs_modulus, material.poissons_ratio
+    numbers = isinstance(young, float | int) and isinstance(poisson, float | int)
+    if len(scene.material) == 1 and numbers:
+        return float(young), float(poisson)  # type: ignore[arg-type]
+    raise InputError(
+        "half_space: the material must be one, isotropic and uniform (numbers for youngs_modulus "
+        "and poissons_ratio)"
+    )

@@ -1,0 +1,144 @@
+"""Checks of one-sided contact: pressures that the bulk needs against penalty and gap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.check_tools import TRACE, nearer_to_failing
+from fenics_contact.contact import ContactState, ContactSurface
+from fenics_contact.parallel import largest, smallest, total
+from fenics_contact.problem import Problem
+from fenics_contact.reaction_pressure import bulk_forces, reaction_pressure
+from fenics_contact.result import Check
+from fenics_contact.solver import Solution
+
+Array = NDArray[np.float64]
+
+# Penetration over what the body itself gives way under the same pressure, p √A / E*.
+_LARGEST_PENETRATION = 1e-2
+# Penalty against consistent pressure, in L1, over the number of facets across the contact:
+# they differ by the quadrature, at the contact's edge most.
+_RECOVERY_OVER_SIZE = 2.0
+_LARGEST_RECOVERY = 0.8
+
+
+@dataclass(frozen=True, eq=False)
+class _Nodes:
+    """What the bulk needs at the nodes of a contact, where no support acts across it.
+
+    Attributes:
+        bulk: Normal force on the body over area: a pressure (stress).
+        law: The same from penalty or foundation (stress).
+        gap: At the nodes (length).
+        limit: What round-off and the accepted imbalance may leave (stress).
+        peak: Largest pressure of the contact, all ranks (stress).
+    """
+
+    bulk: Array
+    law: Array
+    gap: Array
+    limit: float
+    peak: float
+
+
+def _compared(
+    problem: Problem, solution: Solution
+) -> list[tuple[ContactSurface, ContactState, _Nodes]]:
+    """All contacts that push, with what is compared on them; collective."""
+    found = []
+    comm = problem.comm
+    for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
+        if contact.normal is None or contact.contact.kind == "bonded":
+            continue
+        free = contact.owned_nodes & contact.free_across_surface(problem.constrained)
+        peak = largest(comm, state.contact_pressure)
+        if total(comm, free.sum()) == 0 or peak <= 0:
+            continue
+        trace = contact.trace
+        area = trace.to_nodes(trace.weights)
+        force = bulk_forces(problem, solution, number)
+        normals = trace.normals[: len(contact.nodes)]
+        bulk = -np.einsum("ij,ij->i", force, normals) / area
+        law = -np.einsum("ij,ij->i", solution.normal_force[number], normals) / area
+        lightest = smallest(comm, area[free])
+        nodes = _Nodes(
+            bulk=bulk[free],
+            law=law[free],
+            gap=state.gap[: len(contact.nodes)][free],
+            limit=TRACE + 2 * solution.imbalance_limit / (lightest * peak),
+            peak=peak,
+        )
+        found.append((contact, state, nodes))
+    return found
+
+
+def contact_law(problem: Problem, solution: Solution) -> Check | None:
+    """Nodal pressure of the bulk against that of the penalty (paper, (4.4)), over the peak."""
+    worst: Check | None = None
+    for _, _, nodes in _compared(problem, solution):
+        difference = largest(problem.comm, np.abs(nodes.bulk - nodes.law)) / nodes.peak
+        worst = nearer_to_failing(worst, Check(difference, nodes.limit))
+    return worst
+
+
+def complementarity(problem: Problem, solution: Solution) -> Check | None:
+    """Pressure of the bulk where the gap is open, over the peak: p = 0 or no gap (paper, (1.5))."""
+    worst: Check | None = None
+    for contact, _, nodes in _compared(problem, solution):
+        if not contact.trace.nodal:
+            continue  # a node's force is also that of the points around it
+        held = np.where(nodes.gap > 0, np.abs(nodes.bulk), 0.0)
+        worst = nearer_to_failing(
+            worst, Check(largest(problem.comm, held) / nodes.peak, nodes.limit)
+        )
+    return worst
+
+
+def tension(problem: Problem, solution: Solution) -> Check | None:
+    """Tension that the bulk needs at a node, over the peak pressure: contact cannot pull."""
+    worst: Check | None = None
+    for contact, _, nodes in _compared(problem, solution):
+        if not contact.trace.nodal:
+            continue
+        pull = max(-smallest(problem.comm, nodes.bulk), 0.0)
+        worst = nearer_to_failing(worst, Check(pull / nodes.peak, nodes.limit))
+    return worst
+
+
+def penetration(problem: Problem, solution: Solution) -> Check | None:
+    """Largest penetration over the body's own give p √A/E*: the penalty must be the stiffer."""
+    worst: Check | None = None
+    for contact, state, nodes in _compared(problem, solution):
+        if contact.contact.kind == "winkler":
+            continue  # there the depth is what is asked for
+        depth = largest(problem.comm, np.where(np.isfinite(state.gap), -state.gap, 0.0))
+        area = float(contact.trace.integral((state.contact_pressure > 0) * 1.0))
+        plane = problem.spaces.components == 2 and problem.spaces.kinematics != "axisymmetric"
+        give = nodes.peak * (area if plane else np.sqrt(area)) / contact.plane_strain_modulus
+        worst = nearer_to_failing(worst, Check(max(depth, 0.0) / give, _LARGEST_PENETRATION))
+    return worst
+
+
+def pressure_recovery(problem: Problem, solution: Solution) -> Check | None:
+    """Penalty pressure against consistent pressure, ∫|difference| over ∫ p.
+
+    The consistent one is the function whose nodal forces are those that the bulk needs;
+    they differ at first order in the facet size over the contact's.
+    """
+    worst: Check | None = None
+    for contact, state, _ in _compared(problem, solution):
+        number = problem.contacts.index(contact)
+        consistent = contact.trace.at_points(reaction_pressure(problem, solution, number))
+        difference = np.abs(consistent - state.contact_pressure)
+        carried = float(contact.trace.integral(state.contact_pressure))
+        area = float(contact.trace.integral((state.contact_pressure > 0) * 1.0))
+        whole = float(contact.trace.integral(np.ones(len(difference))))
+        flat = problem.spaces.components == 2 and problem.spaces.kinematics != "axisymmetric"
+        share = area / whole if flat else np.sqrt(area / whole)
+        limit = _RECOVERY_OVER_SIZE * contact.trace.relative_facet_size() / share
+        found = float(contact.trace.integral(difference)) / carried
+        worst = nearer_to_failing(worst, Check(found, min(limit, _LARGEST_RECOVERY)))
+    return worst

@@ -1,0 +1,153 @@
+"""Rigid motions: those of the body that the supports leave free, and those of obstacles."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.parallel import gather_rows, largest, total
+from fenics_contact.problem import Problem
+from fenics_contact.scene import AXES
+
+Array = NDArray[np.float64]
+
+
+class RigidMotions:
+    """What can move without straining the body, as columns of a common basis.
+
+    The first columns are combinations of translations and rotations (scaled to the body's
+    size) that vanish where supports or bonded contacts hold the body; the others the
+    obstacles that a force drives, each along its direction.
+
+    Attributes:
+        count: Number of columns.
+        force: Work of the loads on each (force × length).
+        force_size: The same with all contributions positive, for round-off.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        spaces = problem.spaces
+        self.floating = [contact for contact in problem.contacts if contact.floats]
+        self._fields = self._rigid_fields()
+        self._free = self._free_combinations()
+        self.count = self._free.shape[1] + len(self.floating)
+        owned = spaces.owned_nodes
+        work = problem.load[:owned, :, None] * self._fields[:owned]
+        force = total(problem.comm, work.sum(axis=(0, 1))) @ self._free
+        size = total(problem.comm, np.abs(work).sum(axis=(0, 1)))
+        driven = np.array([contact.force or 0.0 for contact in self.floating])
+        self.force = np.concatenate([force, driven])
+        self.force_size = float(max(size.max(initial=0.0), driven.max(initial=0.0)))
+        self.force[np.abs(self.force) <= 1e-12 * self.force_size] = 0.0
+
+    def _rigid_fields(self) -> Array:
+        """Translations, then rotations, at the nodes of this rank: (nodes, components, modes)."""
+        problem, spaces = self._problem, self._problem.spaces
+        owned, points = spaces.owned_nodes, spaces.coordinates
+        count = total(problem.comm, owned)
+        centre = total(problem.comm, points[:owned].sum(axis=0)) / count
+        offset = points - centre
+        offset = offset / largest(problem.comm, np.abs(offset[:owned]).ravel(), empty=1.0)
+        self._names: list[tuple[str, int]] = []
+        fields: list[Array] = []
+        axes = range(spaces.components) if spaces.kinematics != "axisymmetric" else (1,)
+        for axis in axes:
+            field = np.zeros((len(points), 3))
+            field[:, axis] = 1.0
+            fields.append(field)
+            self._names.append(("translation", axis))
+        spins = {"3D": (0, 1, 2), "axisymmetric": ()}.get(spaces.kinematics, (2,))
+        for axis in spins:
+            fields.append(np.cross(np.eye(3)[axis], offset))
+            self._names.append(("rotation", axis))
+        return np.stack(fields, axis=-1)[:, : spaces.components]
+
+    def _free_combinations(self) -> Array:
+        """Combinations (modes, free) that vanish on every constrained and bonded dof."""
+        problem = self._problem
+        components, owned = problem.spaces.components, problem.spaces.owned_nodes
+        held = np.zeros(owned * components, dtype=bool)
+        held[problem.constrained[problem.constrained < owned * components]] = True
+        for contact in problem.contacts:
+            if contact.contact.kind == "bonded" and contact.normal is not None:
+                nodes = contact.nodes[contact.owned_nodes & contact.reached_nodes]
+                held.reshape(-1, components)[nodes] = True
+        rows = self._fields[:owned].reshape(-1, self._fields.shape[-1])[held]
+        return null_space(total(problem.comm, rows.T @ rows))
+
+    def slips(self) -> tuple[Array, Array]:
+        """Weights w g and slips (points, components, count) at this rank's friction points."""
+        problem = self._problem
+        components = problem.spaces.components
+        weights, slips = [np.zeros(0)], [np.zeros((0, components, self.count))]
+        for contact in problem.frictional:
+            moved = contact.trace.at_points(self._fields) @ self._free
+            moved = np.concatenate([moved, self._of_obstacles(contact, len(moved))], axis=-1)
+            tangential = np.stack(
+                [contact.tangential(moved[..., i]) for i in range(self.count)], axis=-1
+            )
+            weights.append((contact.trace.weights * contact.friction_bound)[contact.trace.owned])
+            slips.append(tangential[contact.trace.owned])
+        return np.concatenate(weights), np.concatenate(slips)
+
+    def closings(self) -> tuple[Array, Array, Array]:
+        """Where one-sided contacts can act, on all ranks; collective.
+
+        Returns:
+            Weights w (points,), normal jumps of the motions (points, count), > 0 closing,
+            and gaps before any motion (points,).
+        """
+        rows = [np.zeros((0, self.count + 2))]
+        for contact in self._problem.contacts:
+            if contact.normal is None or not contact.is_one_sided:
+                continue
+            trace = contact.trace
+            moved = trace.at_points(self._fields) @ self._free
+            moved = np.concatenate([moved, self._of_obstacles(contact, len(moved))], axis=-1)
+            closing = np.einsum("ijk,ij->ik", moved, trace.normals)
+            gap = contact.gap + contact.indentation * (trace.normals @ contact.direction)
+            acts = trace.owned & (contact.normal.stiffness > 0)
+            rows.append(np.column_stack([trace.weights, closing, gap])[acts])
+        table = gather_rows(self._problem.comm, np.concatenate(rows))
+        return table[:, 0], table[:, 1:-1], table[:, -1]
+
+    def _of_obstacles(self, contact: object, points: int) -> Array:
+        """Jumps at a contact's points that the obstacles' motions make."""
+        moved = np.zeros((points, self._problem.spaces.components, len(self.floating)))
+        for number, other in enumerate(self.floating):
+            if other is contact:
+                moved[:, :, number] = -other.direction
+        return moved
+
+    def displacement(self, motion: Array) -> Array:
+        """Nodal displacements of the body in a motion, (nodes, components)."""
+        return self._fields @ (self._free @ motion[: self._free.shape[1]])
+
+    def indentations(self, motion: Array) -> Array:
+        """Motions of the floating obstacles in a motion, in their order."""
+        return motion[self._free.shape[1] :]
+
+    def describe(self, motion: Array) -> str:
+        """A motion in words."""
+        combination = self._free @ motion[: self._free.shape[1]]
+        translation, rotation = np.zeros(3), np.zeros(3)
+        for (kind, axis), share in zip(self._names, combination, strict=True):
+            (translation if kind == "translation" else rotation)[axis] += share
+        scale = np.abs(motion).max(initial=0.0) or 1.0
+        words = []
+        for kind, vector in (("translation along", translation), ("rotation about", rotation)):
+            axes = [AXES[i] for i in range(3) if abs(vector[i]) > 1e-6 * scale]
+            if axes:
+                words.append(f"{kind} {' and '.join(axes)}")
+        for contact, share in zip(self.floating, self.indentations(motion), strict=True):
+            if abs(share) > 1e-6 * scale:
+                words.append(f"the obstacle at '{contact.label}'")
+        return ", ".join(words)
+
+
+def null_space(gram: Array) -> Array:
+    """Null space of a symmetric positive semi-definite matrix, as columns."""
+    values, vectors = np.linalg.eigh(gram)
+    null = values <= 1e-13 * max(values.max(initial=0.0), np.finfo(float).tiny)
+    return vectors[:, null]

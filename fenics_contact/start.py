@@ -1,0 +1,103 @@
+"""Where Newton's method starts: bodies and obstacles that only contact holds, just in contact.
+
+Out of contact the first tangent would be singular. So the free motions are found first, with
+the body rigid and the obstacles on soft springs: a convex problem in a handful of unknowns.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.parallel import largest, smallest
+from fenics_contact.problem import Problem
+from fenics_contact.rigid import RigidMotions, null_space
+
+Array = NDArray[np.float64]
+
+# The springs are first as soft as the body over the whole surface, then over the patch found.
+_ROUNDS = 3
+
+
+def starting_point(problem: Problem) -> tuple[Array, list[float]]:
+    """Displacements and obstacle positions from which the contacts act; collective.
+
+    Returns:
+        Nodal displacements of this rank, (nodes, components) (length), and the indentation
+        of every contact's obstacle (length).
+    """
+    displacement = np.zeros_like(problem.load)
+    indentations = [contact.indentation for contact in problem.contacts]
+    rigid = RigidMotions(problem)
+    if rigid.count == 0:
+        return displacement, indentations
+    weights, closing, gap = rigid.closings()
+    loose = _unresisted(problem, rigid)
+    if len(weights) == 0 or loose.shape[1] == 0:
+        return displacement, indentations
+    size = _extent(problem)
+    motion = np.zeros(loose.shape[1])
+    rows, force = closing @ loose, rigid.force @ loose
+    length = size
+    for _ in range(_ROUNDS):
+        stiffness = weights * problem.elastic.reference_modulus / length
+        motion = _on_springs(stiffness, rows, gap, force, motion, size)
+        patch = float(weights[rows @ motion > gap].sum())
+        plane = problem.spaces.kinematics in ("plane strain", "plane stress")
+        length = min(max(patch if plane else np.sqrt(patch), 1e-6 * size), size)
+    motion = problem.comm.bcast(motion)
+    found = rigid.indentations(loose @ motion)
+    for contact, indentation in zip(rigid.floating, found, strict=True):
+        indentations[problem.contacts.index(contact)] = float(indentation)
+    return rigid.displacement(loose @ motion), indentations
+
+
+def _unresisted(problem: Problem, rigid: RigidMotions) -> Array:
+    """Combinations of the motions that friction does not resist, as columns."""
+    weights, slips = rigid.slips()
+    gram = np.einsum("q,qci,qcj->ij", weights, slips, slips)
+    return null_space(np.sum(problem.comm.allgather(gram), axis=0))
+
+
+def _extent(problem: Problem) -> float:
+    """Size of the largest contact surface (length)."""
+    comm = problem.comm
+    sizes = []
+    for contact in problem.contacts:
+        points = contact.trace.coordinates[contact.trace.owned].T
+        sizes.append(
+            np.linalg.norm([largest(comm, axis) - smallest(comm, axis) for axis in points])
+        )
+    return float(max(sizes))
+
+
+def _on_springs(
+    stiffness: Array, rows: Array, gap: Array, force: Array, start: Array, size: float
+) -> Array:
+    """Minimise ½ Σ k ((N a − s)₊)² − f · a."""
+    from scipy.optimize import minimize
+
+    unit = np.abs(force).max() * size
+
+    def depth(motion: Array) -> Array:
+        return np.asarray(np.maximum(rows @ (size * motion) - gap, 0.0))
+
+    def energy(motion: Array) -> float:
+        return float(0.5 * stiffness @ depth(motion) ** 2 - force @ motion * size) / unit
+
+    def slope(motion: Array) -> Array:
+        return np.asarray(((stiffness * depth(motion)) @ rows - force) * size / unit)
+
+    def curvature(motion: Array) -> Array:
+        active = stiffness * (depth(motion) > 0)
+        return np.asarray(np.einsum("q,qi,qj->ij", active, rows, rows) * size**2 / unit)
+
+    found = minimize(
+        energy,
+        start / size,
+        method="trust-exact",
+        jac=slope,
+        hess=curvature,
+        options={"gtol": 1e-6, "initial_trust_radius": 1e-2, "max_trust_radius": 1e3},
+    )
+    return np.asarray(found.x * size)
