@@ -44,6 +44,7 @@ def contact_quantities(
     if contact.friction is not None:
         friction = _resultant(contact.spaces, force[owned])
     depth = np.where(np.isfinite(state.gap), -state.gap, 0.0)
+    indentation = contact.reported_indentation
     return {
         "normal_force": float(integral(state.contact_pressure * along)),
         "friction_force": friction.tolist(),
@@ -55,7 +56,7 @@ def contact_quantities(
         "max_slip": largest(comm, np.linalg.norm(state.slip, axis=1)),
         "friction_work": dissipated,
         "penalty_energy": float(integral(state.penalty_energy)),
-        "indentation": contact.reported_indentation,
+        **({} if indentation is None else {"indentation": indentation}),
     }
 
 
@@ -116,7 +117,7 @@ def global_quantities(
     friction = np.zeros(problem.spaces.components)
     for contact in contacts:
         friction += contact["friction_force"]
-    driven = [c["indentation"] for c in contacts if c["indentation"] is not None]
+    driven = [{"indentation": c["indentation"]} for c in contacts if "indentation" in c]
     return {
         "normal_force": float(sum(c["normal_force"] for c in contacts)),
         "friction_force": friction.tolist(),
@@ -124,8 +125,8 @@ def global_quantities(
         **{key: max((c[key] for c in contacts), default=0.0) for key in greatest},
         **{key: float(sum(c[key] for c in contacts)) for key in summed},
         "strain_energy": elastic,
-        "external_work": work,
-        "indentation": driven[0] if len(driven) == 1 else None,
+        "external_work": float(work),
+        **(driven[0] if len(driven) == 1 else {}),
     }
 
 

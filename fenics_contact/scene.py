@@ -350,7 +350,7 @@ class Contact:
         if not prescribed and self.law != "none" and self.friction_coefficient != 0:
             raise ValueError(
                 f"friction_coefficient: {self.kind} contact is without friction so far; "
-                "friction needs contact = \"prescribed\""
+                "friction needs a prescribed pressure"
             )
         for key in ("pressure", "friction_coefficient", "foundation_stiffness"):
             value = getattr(self, key)

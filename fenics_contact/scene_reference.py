@@ -136,6 +136,10 @@ def render() -> str:
         if key.table is not None:
             header = f"[[{key.name}]]" if key.is_list else f"[{key.name}]"
             text += _section(f"`{header}`", "a list" if key.is_list else "a table", key.table)
+            for inner in keys_of(key.table):
+                if inner.table is not None:
+                    title = f"`[{key.name}.{inner.name}]`"
+                    text += _section(title, f"a table of the last {header}", inner.table)
     text += _section("A profile", "in place of a number", Profile)
     text += ["", "```toml", 'pressure = { along = "x", at = [0, 8], values = [100, 300] }', "```"]
     return "\n".join(text) + "\n"

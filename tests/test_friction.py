@@ -56,7 +56,7 @@ def set_state(problem, x):
     state = np.zeros((len(points), problem.spaces.components))
     state[:, 0] = np.where(points[:, 0] < 0.4, 0.02, 0.6) + 0.01 * points[:, 1]
     state[:, 1] = np.where(points[:, 0] < 0.4, 0.03, -0.5)
-    problem.displacement.x.array[:] = state.ravel() + x
+    problem.contacts[0].move(state + np.reshape(x, (-1, state.shape[1]) if np.ndim(x) else ()))
     return state
 
 
@@ -80,9 +80,10 @@ def test_taylor_residual_and_tangent(dimension):
     value, slope = evaluate(0.0)
     # Where q is the direction of the slip, the primal-dual tangent is Newton's own.
     state = set_state(problem, 0.0)
-    contact.stick_all()
-    contact.follow(state)
-    contact.follow(state)
+    contact.friction.stick_all()
+    contact.move(state)
+    contact.follow()
+    contact.follow()
     matrix = fem.assemble_matrix(contact.friction.tangent)
     matrix.scatter_reverse()
     local = matrix.to_scipy()  # owned rows, owned and ghost columns
@@ -107,8 +108,9 @@ def test_tangent_is_symmetric_and_semidefinite():
     problem = pad(3)
     state = set_state(problem, 0.0)
     contact = problem.contacts[0]
-    contact.follow(state)
-    contact.follow(state)
+    contact.move(state)
+    contact.follow()
+    contact.follow()
     matrix = fem.assemble_matrix(contact.friction.tangent)
     dense = matrix.to_dense()
     assert np.abs(dense - dense.T).max() < 1e-12 * np.abs(dense).max()
@@ -120,8 +122,9 @@ def test_tangent_on_the_way_is_positive():
     """With |q| < 1 the tangent resists every tangential motion, slipping or not."""
     problem = pad(3)
     contact = problem.contacts[0]
-    contact.stick_all()
-    contact.follow(0.4 * set_state(problem, 0.0))
+    contact.friction.stick_all()
+    contact.move(0.4 * set_state(problem, 0.0))
+    contact.follow()
     dense = fem.assemble_matrix(contact.friction.tangent).to_dense()
     tangential = contact.nodes[:, None] * 3 + np.arange(2)
     rows = np.sort(tangential.ravel())
@@ -135,11 +138,11 @@ def test_friction_resists_slip_and_ignores_normal_motion():
     residual = problem.contacts[0].friction.residual
     normal_only = np.zeros((len(problem.spaces.coordinates), components))
     normal_only[:, 2] = 0.7
-    problem.displacement.x.array[:] = normal_only.ravel()
+    problem.contacts[0].move(normal_only)
     assert np.abs(problem.spaces.assemble(residual)).max() == 0
     sliding = np.zeros_like(normal_only)
     sliding[:, 0] = 0.7
-    problem.displacement.x.array[:] = sliding.ravel()
+    problem.contacts[0].move(sliding)
     force = -problem.spaces.assemble(residual)[: problem.spaces.owned_nodes]
     total = COMM.allreduce(force.sum(axis=0))
     # ∫ μ (2 + x) over the unit square of the bottom
