@@ -176,6 +176,7 @@ class ContactSurface:
             return
         described = contact.obstacle or Obstacle()
         obstacle = RigidObstacle(described, self.spaces.kinematics, normals, key)
+        self._obstacle = obstacle
         self.direction = obstacle.direction
         error: FenicsContactError | None = None
         try:
@@ -338,6 +339,22 @@ class ContactSurface:
         displacement = self.jump.x.array.reshape(-1, self.spaces.components)
         displacement = displacement + self.indentation * self.direction
         self.move(displacement, self.indentation + nearest)
+
+    def end_of_obstacle(self, reached: int, beyond: Array) -> float:
+        """How far the obstacle goes, from a point that it reaches to one beyond it (0 … 1).
+
+        Args:
+            reached: Number of the point.
+            beyond: Coordinates of the other, (3,) (length).
+        """
+        start, normal = self.trace.coordinates[reached], self.trace.normals[reached]
+        low, high = 0.0, 1.0
+        for _ in range(40):
+            middle = 0.5 * (low + high)
+            point = start + middle * (beyond - start)
+            gap = self._obstacle.gap(point[None], normal[None], self.spaces.position)
+            low, high = (middle, high) if np.isfinite(gap[0]) else (low, middle)
+        return low
 
     def tangential(self, vectors: Array) -> Array:
         """Tangential part of vectors given at the contact points, or at their nodes."""

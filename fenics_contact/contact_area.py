@@ -54,7 +54,10 @@ def _closed_part(
             continue
         length = float(np.linalg.norm(corners[other] - corners[corner]))
         inner, outer = (corner, other) if alone else (other, corner)
-        reach = _edge_position(contact, state, points[inner], points[outer], length)
+        if np.isfinite(state.gap[points[outer]]):
+            reach = _edge_position(contact, state, points[inner], points[outer], length)
+        else:
+            reach = contact.end_of_obstacle(points[inner], corners[outer])
         reach = reach if alone else 1.0 - reach
         share *= reach
         density += (weights[other] - weights[corner]) * reach / len(points)
@@ -68,8 +71,6 @@ def _edge_position(
     """Where the edge lies between a closed and an open point, 0 … 1 of the way out."""
     assert contact.normal is not None
     pressure, gap = state.contact_pressure[inner], state.gap[outer]
-    if not np.isfinite(gap):
-        return 0.5  # the obstacle itself ends here
     stiffness = contact.normal.stiffness[inner]
     modulus = contact.plane_strain_modulus
     if stiffness * length < 10 * modulus:

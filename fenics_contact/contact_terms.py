@@ -78,9 +78,7 @@ class FrictionTerm:
         spaces = trace.spaces
         g = trace.coefficient(bound)
         epsilon = fem.Constant(spaces.body.mesh, regularisation_parameter)
-        self.energy = friction_energy(
-            jump, trace.normal, g, epsilon, trace.weight, trace.measure
-        )
+        self.energy = friction_energy(jump, trace.normal, g, epsilon, trace.weight, trace.measure)
         self._slip = np.zeros((len(trace.weights), spaces.components))
         self._dual = np.zeros_like(self._slip)
         self._direction = trace.function(self._dual)

@@ -19,9 +19,9 @@ Array = NDArray[np.float64]
 
 # Penetration over what the body itself gives way under the same pressure, p √A / E*.
 _LARGEST_PENETRATION = 1e-2
-# Penalty against consistent pressure, in L1, over the number of facets across the contact:
-# they differ by the quadrature, at the contact's edge most.
-_RECOVERY_OVER_SIZE = 2.0
+# Penalty against consistent pressure, in L1, over √(facet size / contact size): they differ by
+# the quadrature, most at a punch's edge, where the pressure is singular like 1/√distance.
+_RECOVERY_OVER_ROOT = 1.2
 _LARGEST_RECOVERY = 0.8
 
 
@@ -118,7 +118,7 @@ def penetration(problem: Problem, solution: Solution) -> Check | None:
         area = float(contact.trace.integral((state.contact_pressure > 0) * 1.0))
         plane = problem.spaces.components == 2 and problem.spaces.kinematics != "axisymmetric"
         give = nodes.peak * (area if plane else np.sqrt(area)) / contact.plane_strain_modulus
-        worst = nearer_to_failing(worst, Check(max(depth, 0.0) / give, _LARGEST_PENETRATION))
+        worst = nearer_to_failing(worst, Check(float(max(depth, 0.0) / give), _LARGEST_PENETRATION))
     return worst
 
 
@@ -126,7 +126,8 @@ def pressure_recovery(problem: Problem, solution: Solution) -> Check | None:
     """Penalty pressure against consistent pressure, ∫|difference| over ∫ p.
 
     The consistent one is the function whose nodal forces are those that the bulk needs;
-    they differ at first order in the facet size over the contact's.
+    they differ at first order in the facet size over the contact's, where the pressure is
+    singular with its root.
     """
     worst: Check | None = None
     for contact, state, _ in _compared(problem, solution):
@@ -138,7 +139,7 @@ def pressure_recovery(problem: Problem, solution: Solution) -> Check | None:
         whole = float(contact.trace.integral(np.ones(len(difference))))
         flat = problem.spaces.components == 2 and problem.spaces.kinematics != "axisymmetric"
         share = area / whole if flat else np.sqrt(area / whole)
-        limit = _RECOVERY_OVER_SIZE * contact.trace.relative_facet_size() / share
+        limit = _RECOVERY_OVER_ROOT * float(np.sqrt(contact.trace.relative_facet_size() / share))
         found = float(contact.trace.integral(difference)) / carried
         worst = nearer_to_failing(worst, Check(found, min(limit, _LARGEST_RECOVERY)))
     return worst

@@ -18,9 +18,7 @@ from fenics_contact.spaces import Spaces
 Array = NDArray[np.float64]
 
 
-def contact_quantities(
-    contact: ContactSurface, solution: Solution, number: int
-) -> dict[str, Any]:
+def contact_quantities(contact: ContactSurface, solution: Solution, number: int) -> dict[str, Any]:
     """The interface's quantities of one contact.
 
     Args:

@@ -227,9 +227,9 @@ class Obstacle:
             "paraboloid, or outer radius (half width in plane models) of a punch (length)"
         ),
     ] = None
-    inner_radius: Annotated[
-        Positive | None, Field(description="of an annular punch (length)")
-    ] = None
+    inner_radius: Annotated[Positive | None, Field(description="of an annular punch (length)")] = (
+        None
+    )
     gap: Annotated[
         Value | None,
         Field(

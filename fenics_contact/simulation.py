@@ -30,7 +30,6 @@ from fenics_contact.timings import Timings
 logger = logging.getLogger(__name__)
 
 
-
 class Run:
     """A scene made ready, then solved; kept for those who want the fields.
 

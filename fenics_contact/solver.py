@@ -309,8 +309,11 @@ class _Newton:
         left = f"{self.history[-1]:.2e}" if self.history else "unknown"
         forces = self.load_norm + self.held_norm
         advice = "Try a larger solver.max_iterations, or a larger regularisation_parameter"
-        if self.history and self.history[-1] <= 10 * _LARGEST_FLOOR * forces:
-            advice = "So small a rest may be round-off: is the contrast of stiffnesses extreme?"
+        if self.history and self.history[-1] <= 1e3 * _LARGEST_FLOOR * forces:
+            advice = (
+                "So small a rest may be round-off: is a penalty_parameter too small, or the "
+                "contrast of stiffnesses extreme?"
+            )
         return (
             f"not converged after {max(len(self.history) - 1, 0)} Newton steps: {words}; the "
             f"force imbalance is {left} of {forces:.3g}. {advice}"

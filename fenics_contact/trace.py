@@ -196,7 +196,6 @@ class Trace:
         edges = [np.zeros(0, dtype=np.int32), *(links.links(cell) for cell in cells)]
         return smallest(self.spaces.comm, mesh.h(1, np.unique(np.concatenate(edges))))
 
-
     @property
     def pieces(self) -> SurfacePieces:
         """This rank's facets in segments or triangles between neighbouring nodes."""
