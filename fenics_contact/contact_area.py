@@ -33,7 +33,7 @@ def contact_area(contact: ContactSurface, state: ContactState) -> float:
     areas = pieces.areas * pieces.weights.mean(axis=1)
     counted = np.where(is_closed.all(axis=1), areas, 0.0)
     edge = np.flatnonzero(is_closed.any(axis=1) & ~is_closed.all(axis=1))
-    for piece in edge:
+    for piece in edge.tolist():
         counted[piece] = _closed_part(contact, state, pieces, piece, is_closed[piece])
     # Relative to what the pieces have in all: these are flat, and the surface may not be.
     found, every = total(trace.spaces.comm, np.array([counted.sum(), areas.sum()]))

@@ -79,15 +79,15 @@ class LinearSystem:
         row.setPreallocationNNZ((widest, widest))
         corner = PETSc.Mat().createAIJ((sizes, sizes), comm=comm)
         corner.setPreallocationNNZ((self.scalars, self.scalars))
-        index = np.arange(self.scalars, dtype=PETSc.IntType)
+        index: Any = np.arange(self.scalars, dtype=PETSc.IntType)
         for k, dofs in enumerate(local):
-            rows = (first + dofs).astype(PETSc.IntType)
-            column.setValues(rows, index[k : k + 1], np.zeros(len(rows)))
+            rows: Any = (first + dofs).astype(PETSc.IntType)
+            column.setValues(rows, index[k : k + 1], [0.0] * len(rows))
             if own:
-                every = gathered[k].astype(PETSc.IntType)
-                row.setValues(index[k : k + 1], every, np.zeros(len(every)))
+                every: Any = gathered[k].astype(PETSc.IntType)
+                row.setValues(index[k : k + 1], every, [0.0] * len(every))
         if own:
-            corner.setValues(index, index, np.zeros((self.scalars, self.scalars)))
+            corner.setValues(index, index, [0.0] * self.scalars**2)
         for matrix in (column, row, corner):
             matrix.assemble()
         middle = [None] * (len(blocks) - 1)

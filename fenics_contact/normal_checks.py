@@ -115,7 +115,7 @@ def penetration(problem: Problem, solution: Solution) -> Check | None:
         if contact.contact.kind == "winkler":
             continue  # there the depth is what is asked for
         depth = largest(problem.comm, np.where(np.isfinite(state.gap), -state.gap, 0.0))
-        area = float(contact.trace.integral((state.contact_pressure > 0) * 1.0))
+        area = float(contact.trace.integral(np.where(state.contact_pressure > 0, 1.0, 0.0)))
         plane = problem.spaces.components == 2 and problem.spaces.kinematics != "axisymmetric"
         give = nodes.peak * (area if plane else np.sqrt(area)) / contact.plane_strain_modulus
         worst = nearer_to_failing(worst, Check(float(max(depth, 0.0) / give), _LARGEST_PENETRATION))
@@ -135,11 +135,13 @@ def pressure_recovery(problem: Problem, solution: Solution) -> Check | None:
         consistent = contact.trace.at_points(reaction_pressure(problem, solution, number))
         difference = np.abs(consistent - state.contact_pressure)
         carried = float(contact.trace.integral(state.contact_pressure))
-        area = float(contact.trace.integral((state.contact_pressure > 0) * 1.0))
+        area = float(contact.trace.integral(np.where(state.contact_pressure > 0, 1.0, 0.0)))
         whole = float(contact.trace.integral(np.ones(len(difference))))
         flat = problem.spaces.components == 2 and problem.spaces.kinematics != "axisymmetric"
         share = area / whole if flat else np.sqrt(area / whole)
         limit = _RECOVERY_OVER_ROOT * float(np.sqrt(contact.trace.relative_facet_size() / share))
+        if limit > _LARGEST_RECOVERY:
+            continue  # a contact of one facet or two resolves no pressure
         found = float(contact.trace.integral(difference)) / carried
-        worst = nearer_to_failing(worst, Check(found, min(limit, _LARGEST_RECOVERY)))
+        worst = nearer_to_failing(worst, Check(found, limit))
     return worst

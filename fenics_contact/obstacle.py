@@ -52,9 +52,8 @@ class RigidObstacle:
         self._kinematics = kinematics
         self._key = key
         self._require_shape()
-        self._normal = self._unit(obstacle.normal)
-        if self._normal is None:
-            self._normal = self._facing(surface_normals)
+        given = self._unit(obstacle.normal)
+        self._normal: Array = self._facing(surface_normals) if given is None else given
         self._along = self._unit(obstacle.along)
         self._apex = _three(obstacle.position or (0.0,))
         direction = self._unit(obstacle.direction)
@@ -173,7 +172,6 @@ class RigidObstacle:
             return
         if self._apex[0] != 0:
             raise InputError(f"{self._key}.position: must lie on the axis, x = 0")
-        assert self._normal is not None
         if abs(self._normal[0]) > _FLAT or abs(self.direction[0]) > _FLAT:
             raise InputError(
                 f"{self._key}: an axisymmetric obstacle can be neither tilted nor driven aside"

@@ -107,9 +107,9 @@ def global_quantities(
     u = solution.displacement[owned]
     elastic = 0.5 * total(problem.comm, np.sum(u * solution.internal_force[owned]))
     work = total(problem.comm, np.sum(u * (problem.load + reactions)[owned]))
-    for contact, force in zip(problem.contacts, solution.contact_force, strict=True):
-        pushed = total(problem.comm, force[contact.owned_nodes].sum(axis=0)) @ contact.direction
-        work += pushed * contact.indentation
+    for surface, force in zip(problem.contacts, solution.contact_force, strict=True):
+        pushed = total(problem.comm, force[surface.owned_nodes].sum(axis=0)) @ surface.direction
+        work += pushed * surface.indentation
     summed = ("contact_area", "stick_area", "slip_area", "friction_work", "penalty_energy")
     greatest = ("max_contact_pressure", "max_penetration", "max_slip")
     friction = np.zeros(problem.spaces.components)

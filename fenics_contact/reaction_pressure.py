@@ -43,7 +43,8 @@ def reaction_pressure(problem: Problem, solution: Solution, number: int) -> Arra
     forces = np.zeros(len(spaces.coordinates))
     needed = bulk_forces(problem, solution, number)
     forces[contact.nodes] = -np.einsum("ij,ij->i", needed, normals)
-    function = spaces.nodal_function("reaction_pressure", forces, np.arange(len(forces)))
+    every = np.arange(len(forces), dtype=np.int32)
+    function = spaces.nodal_function("reaction_pressure", forces, every)
     index_map = function.function_space.dofmap.index_map
     rows, columns, values = _mass(contact, function)
     owned = np.unique(rows)

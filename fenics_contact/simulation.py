@@ -14,7 +14,7 @@ from fenics_contact.equilibrium import FreeMotion, require_equilibrium
 from fenics_contact.errors import InputError, NotConvergedError
 from fenics_contact.gmsh_files import load_body
 from fenics_contact.mesh import Body
-from fenics_contact.parallel import total
+from fenics_contact.parallel import largest, total
 from fenics_contact.problem import Problem
 from fenics_contact.quantities import (
     contact_points,
@@ -131,7 +131,7 @@ class Run:
         return Result(
             title=self.scene.title,
             converged=True,
-            verdict=_verdict(checks),
+            verdict=_verdict(checks) + _untouched(problem, solution),
             model=self.model,
             contacts=self.contacts(by_contact),
             supports=supports,
@@ -206,6 +206,17 @@ def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None)
         InputError: The scene or its mesh cannot be used, or has no equilibrium.
     """
     return Run(scene, comm, body).solve()
+
+
+def _untouched(problem: Problem, solution: Solution) -> str:
+    """A sentence on obstacles that the body does not touch, or nothing; collective."""
+    touched = [largest(problem.comm, state.contact_pressure) != 0 for state in solution.states]
+    free = [
+        f"'{contact.label}'"
+        for contact, touches in zip(problem.contacts, touched, strict=True)
+        if not touches and contact.contact.kind != "prescribed"
+    ]
+    return f" The body does not touch the obstacle at {' and '.join(free)}." if free else ""
 
 
 def _verdict(checks: dict[str, Check]) -> str:

@@ -1,0 +1,156 @@
+"""Boussinesq's and Flamant's fields: equations of elasticity, checked by differences."""
+
+import numpy as np
+import pytest
+
+from fenics_contact import (
+    Contact,
+    HalfSpace,
+    Load,
+    Material,
+    MeshSource,
+    Obstacle,
+    Scene,
+    run,
+)
+from fenics_contact.errors import InputError
+from fenics_contact.half_space import boussinesq, flamant
+from tests.scenes import ROOT
+
+E, NU = 1000.0, 0.3
+INWARD = np.array([0.0, 0.0, -1.0])
+
+
+def gradient(field, point, step=1e-4):
+    """∂u_i/∂x_j by central differences."""
+    columns = []
+    for axis in range(3):
+        move = step * np.eye(3)[axis]
+        columns.append((field(point + move) - field(point - move)) / (2 * step))
+    return np.stack(columns, axis=1)
+
+
+def stress(field, point, step=1e-4):
+    e = gradient(field, point, step)
+    e = 0.5 * (e + e.T)
+    shear, lame = E / (2 * (1 + NU)), E * NU / ((1 + NU) * (1 - 2 * NU))
+    return 2 * shear * e + lame * np.trace(e) * np.eye(3)
+
+
+def point_force(point):
+    return boussinesq(point[None], INWARD, E, NU)[0]
+
+
+def line_force(point):
+    return flamant(point[None] * [1, 0, 1], INWARD, E, NU, 5.0)[0]
+
+
+def sphere_points(number=48):
+    """Points and weights of a half sphere of radius 2 below the surface."""
+    heights, weights = np.polynomial.legendre.leggauss(number)
+    heights, weights = -(heights + 1) / 2, weights / 2
+    angles = np.arange(number) * 2 * np.pi / number
+    z, phi = np.meshgrid(heights, angles, indexing="ij")
+    r = np.sqrt(1 - z**2)
+    points = 2 * np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=-1).reshape(-1, 3)
+    return points, np.repeat(weights, number) * 4 * 2 * np.pi / number
+
+
+def test_point_force_is_balanced_by_the_stress_around_it():
+    points, weights = sphere_points()
+    tractions = np.array([stress(point_force, p) @ (p / 2) for p in points])
+    # What the half sphere's surface carries must balance the force along `inward`.
+    assert weights @ tractions == pytest.approx(-INWARD, abs=1e-5)
+
+
+def test_line_force_is_balanced_by_the_stress_around_it():
+    angles = -np.pi * (np.arange(400) + 0.5) / 400
+    points = 2 * np.stack([np.cos(angles), 0 * angles, np.sin(angles)], axis=1)
+    tractions = np.array([stress(line_force, p) @ (p / 2) for p in points])
+    assert tractions.sum(axis=0) * 2 * np.pi / 400 == pytest.approx(-INWARD, abs=1e-4)
+
+
+@pytest.mark.parametrize("field", [point_force, line_force])
+def test_inside_is_in_equilibrium_and_the_surface_is_free(field):
+    point, step = np.array([0.8, 0.0, -1.1]), 1e-3
+    divergence = np.zeros(3)
+    for axis in range(3):
+        move = step * np.eye(3)[axis]
+        after, before = stress(field, point + move), stress(field, point - move)
+        divergence += (after - before)[:, axis] / (2 * step)
+    size = np.abs(stress(field, point)).max()
+    assert np.abs(divergence).max() < 1e-4 * size
+    near_surface = stress(field, np.array([0.9, 0.0, -2e-4]), step=1e-5)
+    assert np.abs(near_surface[:, 2]).max() < 2e-3 * np.abs(near_surface).max()
+
+
+def test_flamant_is_zero_at_its_datum():
+    assert line_force(np.array([0.0, 0, -5])) == pytest.approx([0, 0, 0], abs=1e-12)
+
+
+def scene(kinematics="axisymmetric", obstacle=None, **changes):
+    keys = {
+        "kinematics": kinematics,
+        "mesh": MeshSource(
+            str(ROOT / "meshes" / "half_space.geo"),
+            cell="quadrilateral",
+            parameters={"fine": 4, "size": 0.5, "extent": 40, "cells_outside": 12},
+        ),
+        "material": Material(E, NU),
+        "symmetry": ("axis",),
+        "half_space": HalfSpace(("outer",)),
+        "contact": (
+            Contact("contact", obstacle=obstacle or Obstacle("paraboloid", radius=8, force=1000)),
+        ),
+    }
+    return Scene(**keys | changes)
+
+
+def test_unknown_and_given_resultant_are_the_same_problem():
+    """Driven by force the far field is known; driven by indentation it is an unknown."""
+    by_force = run(scene())
+    depth = by_force.quantities["indentation"]
+    by_depth = run(scene(obstacle=Obstacle("paraboloid", radius=8, indentation=depth)))
+    assert by_depth.model["scalar_unknowns"] == ["resultant at contact"]
+    assert by_depth.quantities["normal_force"] == pytest.approx(1000, rel=1e-8)
+    assert by_depth.quantities["strain_energy"] == pytest.approx(
+        by_force.quantities["strain_energy"], rel=1e-8
+    )
+
+
+def test_line_contact_half_and_whole_agree_and_name_no_indentation():
+    """Mirror images: half a model with half the force, on either side of x = 0."""
+    radius, force = 8.0, 400.0
+    half = run(scene("plane strain", Obstacle("parabola", radius=radius, force=force / 2)))
+    assert "indentation" not in half.quantities
+    modulus = E / (1 - NU**2)
+    width = np.sqrt(4 * force * radius / (np.pi * modulus))
+    assert half.quantities["contact_area"] == pytest.approx(width, rel=0.02)
+    assert half.model["symmetry"] == "half (x = 0)"
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {
+                "kinematics": "plane strain",
+                "contact": (Contact("contact", obstacle=Obstacle("parabola", radius=8)),),
+            },
+            "in plane strain the indentation of a half-space has no datum",
+        ),
+        ({"contact": (Contact("contact", pressure=1),)}, "needs a flat contact surface"),
+        ({"material": Material(lambda x: 1000 + x[0], 0.3)}, "must be one, isotropic and uniform"),
+        ({"contact": ()}, "without a contact there is no force"),
+    ],
+)
+def test_what_a_half_space_cannot_be_is_said(changes, message):
+    with pytest.raises(InputError, match=message):
+        run(scene(**changes))
+
+
+def test_half_space_takes_no_loads_and_no_plane_stress():
+    with pytest.raises(ValueError, match="leave out load"):
+        scene(load=(Load("contact", traction=(0, 1)),))
+    with pytest.raises(ValueError, match="plane strain, axisymmetric and 3D"):
+        scene("plane stress", Obstacle("parabola", radius=8, force=1))
