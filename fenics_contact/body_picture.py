@@ -158,8 +158,9 @@ def _add_body(plotter: Any, view: _View, height: int) -> None:
     smooth = _cut(_surface(view.body, subdivision=3), view)
     plotter.add_mesh(_edges(_cut(_surface(view.body), view)), color="grey", line_width=2)
     smooth = smooth.warp_by_vector("displacement", factor=view.factor)
+    low, high, beyond = _colour_range(view.body["von Mises stress"])
     bar = {
-        "title": "von Mises stress\n",  # the line break keeps it off the numbers
+        "title": f"von Mises stress{beyond}\n",  # the line break keeps it off the numbers
         "color": "black",
         "width": 0.5,
         "height": 80 / height,
@@ -170,11 +171,29 @@ def _add_body(plotter: Any, view: _View, height: int) -> None:
         "n_labels": 5,
         "fmt": "%.3g",
     }
-    plotter.add_mesh(smooth, scalars="von Mises stress", cmap=COLOUR_MAP, scalar_bar_args=bar)
+    plotter.add_mesh(
+        smooth,
+        scalars="von Mises stress",
+        clim=(low, high),
+        cmap=COLOUR_MAP,
+        scalar_bar_args=bar,
+        lighting=not view.flat,
+        ambient=0.35,
+        diffuse=0.75,
+    )
     cells = _cut(_edges(_surface(view.body.separate_cells(), subdivision=3)), view)
     cells = cells.warp_by_vector("displacement", factor=view.factor)
     cells.points[:] += 1e-4 * view.size * view.towards  # in front of the faces
     plotter.add_mesh(cells, color="white", line_width=2)
+
+
+def _colour_range(stress: Array) -> tuple[float, float, str]:
+    """Ends of the colours; the stress at a few points alone is beyond, which is said then."""
+    low, most, high = np.percentile(stress, [0, 95, 100])
+    low = 0.0 if low < 0.05 * high else float(low)
+    if high > 3 * most:
+        return low, float(most), f" (at single points up to {high:.3g})"
+    return low, float(high), ""
 
 
 def _surface(grid: Any, subdivision: int = 1) -> Any:
@@ -212,12 +231,13 @@ def _add_points(plotter: Any, view: _View, height: int) -> None:
     points, status = view.body.points, view.body["status"]
     inside = ((points >= view.low - 1e-9) & (points <= view.high + 1e-9)).all(axis=1)
     moved = points + view.factor * view.body["displacement"]
-    size = 16 if (inside & (status >= 0)).sum() < 60 else 9
+    size = 16 if (inside & (status >= 0)).sum() < 60 else 11
     entries = []
     for mark in view.marks:
         mine = np.isin(status, [_FIELD_STATUS.index(kind) for kind in mark.status]) & inside
         if mine.any():
-            cloud = pyvista.PolyData(moved[mine] + 2e-4 * view.size * view.towards)
+            in_front = moved[mine] + 0.01 * view.size * view.towards  # so that none is hidden
+            cloud = pyvista.PolyData(in_front)
             plotter.add_mesh(
                 cloud,
                 color=mark.colour,

@@ -181,7 +181,7 @@ def _cut_peaks(panel: Any, values: Array) -> None:
     limits = panel.get_ylim()
     panel.set_ylim(max(limits[0], -2 * most), min(limits[1], 2 * most))
     beyond = [f"{value:.3g}" for value in (values.min(), values.max()) if abs(value) > 2 * most]
-    text = f"peaks cut off, to {' and '.join(beyond)}"
+    text = f"peaks cut off ({', '.join(beyond)})"
     panel.text(0.5, 0.97, text, transform=panel.transAxes, ha="center", va="top", fontsize=9)
 
 

@@ -46,10 +46,9 @@ def reaction_pressure(problem: Problem, solution: Solution, number: int) -> Arra
     every = np.arange(len(forces), dtype=np.int32)
     function = spaces.nodal_function("reaction_pressure", forces, every)
     index_map = function.function_space.dofmap.index_map
-    rows, columns, values = _mass(contact, function)
-    owned = np.unique(rows)
+    owned, rows, columns, values = _mass(contact, function)
     entries = function.x.array[owned]
-    here = [index_map.local_to_global(part.astype(np.int32)) for part in (rows, columns, owned)]
+    here = [rows, columns, index_map.local_to_global(owned)]
     # Only contact unknowns are gathered; the one small system is solved on every rank.
     rows, columns, numbers = (np.concatenate(comm.allgather(part)) for part in here)
     values, entries = (np.concatenate(comm.allgather(part)) for part in (values, entries))
@@ -63,8 +62,8 @@ def reaction_pressure(problem: Problem, solution: Solution, number: int) -> Arra
     return np.array(spaces.nodal_values(function))
 
 
-def _mass(contact: ContactSurface, function: Any) -> tuple[NDArray[Any], NDArray[Any], Array]:
-    """∫ N_i N_j over the surface: rows and columns (local dofs) and values of owned rows."""
+def _mass(contact: ContactSurface, function: Any) -> tuple[Any, Any, Any, Array]:
+    """∫ N_i N_j over the surface: owned dofs; global rows and columns, and values."""
     space = function.function_space
     measure = contact.spaces.boundary(contact.group)
     trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)
@@ -72,4 +71,7 @@ def _mass(contact: ContactSurface, function: Any) -> tuple[NDArray[Any], NDArray
     matrix.scatter_reverse()
     entries = matrix.to_scipy().tocoo()
     kept = (entries.data != 0) & (entries.row < space.dofmap.index_map.size_local)
-    return entries.row[kept], entries.col[kept], entries.data[kept]
+    row, column = entries.row[kept].astype(np.int32), entries.col[kept].astype(np.int32)
+    # The matrix may have columns of nodes that the space's own map does not know here.
+    numbers = matrix.index_map(0).local_to_global(row), matrix.index_map(1).local_to_global(column)
+    return np.unique(row), *numbers, entries.data[kept]

@@ -67,7 +67,14 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> None:
         panel.set_aspect("equal")
         panel.set_xlabel(f"${'xyz'[surface.axes[0]]}$")
         panel.set_ylabel(f"${'xyz'[surface.axes[1]]}$")
-        panel.legend(frameon=False, fontsize=9, loc="upper left", bbox_to_anchor=(0, -0.1), ncols=3)
+        panel.legend(
+            frameon=False,
+            fontsize=9,
+            markerscale=0.7,
+            loc="upper left",
+            bbox_to_anchor=(0, -0.1),
+            ncols=3,
+        )
     save(figure, path)
 
 
