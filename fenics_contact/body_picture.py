@@ -231,7 +231,7 @@ def _add_points(plotter: Any, view: _View, height: int) -> None:
     points, status = view.body.points, view.body["status"]
     inside = ((points >= view.low - 1e-9) & (points <= view.high + 1e-9)).all(axis=1)
     moved = points + view.factor * view.body["displacement"]
-    size = 16 if (inside & (status >= 0)).sum() < 60 else 11
+    size = 24 if (inside & (status >= 0)).sum() < 60 else 16
     entries = []
     for mark in view.marks:
         mine = np.isin(status, [_FIELD_STATUS.index(kind) for kind in mark.status]) & inside

@@ -178,8 +178,8 @@ def _cut_peaks(panel: Any, values: Array) -> None:
     most = float(np.percentile(np.abs(values), 90)) if len(values) else 0.0
     if np.abs(values).max(initial=0.0) <= 4 * most:
         return
-    limits = panel.get_ylim()
-    panel.set_ylim(max(limits[0], -2 * most), min(limits[1], 2 * most))
+    low, high = np.clip([values.min(), values.max()], -2 * most, 2 * most)
+    panel.set_ylim(min(low, 0) - 0.1 * most, max(high, 0) + 0.1 * most)
     beyond = [f"{value:.3g}" for value in (values.min(), values.max()) if abs(value) > 2 * most]
     text = f"peaks cut off ({', '.join(beyond)})"
     panel.text(0.5, 0.97, text, transform=panel.transAxes, ha="center", va="top", fontsize=9)

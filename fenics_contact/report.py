@@ -27,6 +27,8 @@ img {{ max-width: 100%; }}
 {checks}
 <h2>Quantities</h2>
 {quantities}
+<h2>Contacts</h2>
+{contacts}
 <h2>Pictures</h2>
 {pictures}
 <h2>Model</h2>
@@ -83,10 +85,18 @@ def _page(result: dict[str, Any], pictures: list[Path]) -> str:
         verdict_class="passed" if passed else "failed",
         checks=_table(checks),
         quantities=_table(_rows(result["quantities"])),
+        contacts="\n".join(_contact(contact) for contact in result["contacts"]),
         pictures="\n".join(f'<p><img src="{p.name}" alt="{_words(p.stem)}"></p>' for p in pictures),
         model=_table(_rows(result["model"])),
         timings=_table(_rows(result["timings"])),
     )
+
+
+def _contact(contact: dict[str, Any]) -> str:
+    """A contact's own parameters and numbers."""
+    kind = {"contact": contact["contact"], "friction law": contact["law"]}
+    rows = _rows({**kind, **contact["parameters"], **contact["quantities"]})
+    return f"<h3>{escape(contact['name'])}</h3>\n{_table(rows)}"
 
 
 def _rows(values: dict[str, Any]) -> list[list[str]]:
@@ -101,7 +111,7 @@ def _written(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, list):
-        return ", ".join(_written(entry) for entry in value)
+        return ", ".join(_written(entry) for entry in value) or "none"
     return str(value)
 
 

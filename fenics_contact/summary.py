@@ -14,17 +14,18 @@ from rich.table import Table
 from fenics_contact.result import Result
 from fenics_contact.scene import Scene
 
-_SHOWN = (
-    "normal_force",
-    "friction_force",
-    "reaction",
-    "max_contact_pressure",
-    "contact_area",
-    "stick_area",
-    "slip_area",
-    "max_slip",
-    "strain_energy",
-    "friction_work",
+# Quantities worth a line: always, of contact that is found, and of friction.
+_ALWAYS = ("normal_force", "reaction", "max_contact_pressure", "contact_area")
+_FOUND = ("indentation", "max_penetration")
+_FRICTION = ("friction_force", "stick_area", "slip_area", "max_slip", "friction_work")
+# Parameters of a contact, in the order of its line; those that do not apply are zero or missing.
+_PARAMETERS = (
+    "pressure",
+    "foundation_stiffness",
+    "penalty_parameter",
+    "friction_coefficient",
+    "regularisation_parameter",
+    "force",
 )
 
 
@@ -33,21 +34,15 @@ def print_model(scene: Scene, model: Mapping[str, Any], contacts: list[dict[str,
     console = Console()
     table = _table("", "")
     for key, value in model.items():
-        if key != "terms":
+        if key != "terms" and value != []:
             table.add_row(key.replace("_", " "), _written(value))
     console.print(f"\n[bold]{escape(scene.title or 'Scene')}[/bold]")
     console.print(table)
     console.print("Energy terms modelled:")
     for term in model["terms"]:
         console.print(f"  {term}", markup=False)
-    for contact in contacts:
-        console.print(
-            f"Contact {contact['name']}: {contact['contact']}, friction law {contact['law']}, "
-            f"regularisation parameter {contact['parameters']['regularisation_parameter']:.3g}",
-            markup=False,
-            highlight=False,
-        )
-    console.print("The scene can be run: supports and friction can hold the loads.")
+    _print_contacts(console, contacts)
+    console.print("The scene can be run: supports and contacts can hold the loads.")
 
 
 def print_result(result: Result, folder: Path) -> None:
@@ -56,9 +51,10 @@ def print_result(result: Result, folder: Path) -> None:
     console.print(f"\n[bold]{escape(result.title or 'Result')}[/bold]", highlight=False)
     if result.converged:
         quantities = _table("quantity", "value")
-        for key in _SHOWN:
+        for key in _shown(result):
             quantities.add_row(key.replace("_", " "), _written(result.quantities[key]))
         console.print(quantities)
+        _print_contacts(console, result.contacts)
         checks = _table("check", "value", "limit", "")
         for name, check in result.checks.items():
             verdict = "passed" if check.passed else "[bold red]FAILED[/bold red]"
@@ -73,6 +69,30 @@ def print_result(result: Result, folder: Path) -> None:
         markup=False,
         highlight=False,
     )
+
+
+def _shown(result: Result) -> list[str]:
+    """The quantities that say something about the contacts of a result."""
+    found = any(contact["contact"] != "prescribed" for contact in result.contacts)
+    friction = any(contact["law"] != "none" for contact in result.contacts)
+    keys = [*_ALWAYS, *(_FOUND if found else ()), *(_FRICTION if friction else ()), "strain_energy"]
+    return [key for key in keys if key in result.quantities]
+
+
+def _print_contacts(console: Console, contacts: list[dict[str, Any]]) -> None:
+    """A line a contact: its kind, its law, and the parameters that apply."""
+    for contact in contacts:
+        words = [contact["contact"]]
+        words.append(
+            "no friction" if contact["law"] == "none" else f"friction law {contact['law']}"
+        )
+        for name in _PARAMETERS:
+            value = contact["parameters"].get(name)
+            if value:
+                written = f"{value:.3g}" if isinstance(value, float) else str(value)
+                words.append(f"{name.replace('_', ' ')} {written}")
+        line = f"Contact {contact['name']}: {', '.join(words)}"
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
 
 
 def _table(*headers: str) -> Table:
