@@ -4,10 +4,22 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Contact, Load, Material, Run, Scene, Support, files, run
+from fenics_contact import (
+    Contact,
+    HalfSpace,
+    Load,
+    Material,
+    MeshSource,
+    Obstacle,
+    Run,
+    Scene,
+    Support,
+    files,
+    run,
+)
 from fenics_contact.errors import InputError
 from fenics_contact.parallel import gather_rows, largest, on_root, raise_together, smallest, total
-from tests.scenes import PULLED_BLOCK, box_body, slab
+from tests.scenes import PULLED_BLOCK, ROOT, box_body, slab
 
 COMM = MPI.COMM_WORLD
 
@@ -18,6 +30,8 @@ def assert_same(alone, together):
     for name in ("coordinates", "normals", "friction_traction", "slip", "weights"):
         first, second = getattr(alone.points, name), getattr(together.points, name)
         assert np.abs(first - second).max() <= 1e-9 * max(1.0, np.abs(first).max()), name
+    first, second = alone.points.contact_pressure, together.points.contact_pressure
+    assert np.abs(first - second).max() <= 1e-9 * max(1.0, first.max())
     assert (alone.points.status == together.points.status).all()
     assert set(alone.checks) == set(together.checks)
     assert together.passed
@@ -66,6 +80,70 @@ def test_contact_that_misses_a_rank():
     together = prepared.solve()
     assert_same(run(scene, MPI.COMM_SELF, body(MPI.COMM_SELF)), together)
     assert together.quantities["slip_area"] > 0
+
+
+def balls():
+    """Two obstacles on one face, the first at its right end only; one driven by a force."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(
+            Contact(
+                "right",
+                obstacle=Obstacle("parabola", radius=0.5, position=(7.6, 0.5), force=5),
+            ),
+            Contact(
+                "middle",
+                obstacle=Obstacle("cylinder", radius=2, position=(4, 0.5), indentation=0.01),
+            ),
+        ),
+    )
+    patches = {
+        "right": ("y1", lambda x: x[0] > 7.3),
+        "middle": ("y1", lambda x: (x[0] > 3.5) & (x[0] < 4.5)),
+    }
+    return scene, lambda comm: box_body((128, 8), (8, 0.5), comm=comm, patches=patches)
+
+
+def test_obstacle_that_misses_a_rank():
+    """The force's unknown lives on a rank that has nothing of its contact, or its neighbour."""
+    scene, body = balls()
+    prepared = Run(scene, COMM, body(COMM))
+    contact = prepared.problem.contacts[0]
+    fewest = COMM.allreduce(len(contact.nodes), op=MPI.MIN)
+    assert COMM.size == 1 or fewest == 0, "the partition no longer leaves a rank without contact"
+    together = prepared.solve()
+    assert_same(run(scene, MPI.COMM_SELF, body(MPI.COMM_SELF)), together)
+    assert together.contacts[0]["quantities"]["normal_force"] == pytest.approx(5, rel=1e-9)
+    assert "indentation" not in together.quantities  # two obstacles have two
+
+
+@pytest.mark.parametrize(
+    "obstacle",
+    [
+        Obstacle("paraboloid", radius=8, indentation=1),
+        Obstacle("sphere", radius=8, position=(0, 3), force=2000),
+        Obstacle("flat punch", radius=2, indentation=0.1),
+    ],
+    ids=["indentation", "force", "edge"],
+)
+@pytest.mark.parametrize("poissons_ratio", [0.3, 0.499])
+def test_half_space_alone_and_together(obstacle, poissons_ratio):
+    """Scalar unknowns beside displacements and mean stresses, on any number of ranks."""
+    scene = Scene(
+        kinematics="axisymmetric",
+        mesh=MeshSource(
+            str(ROOT / "meshes" / "half_space.geo"),
+            cell="quadrilateral",
+            parameters={"fine": 4, "size": 0.5, "extent": 40, "cells_outside": 10},
+        ),
+        material=Material(1000, poissons_ratio),
+        symmetry=("axis",),
+        half_space=HalfSpace(("outer",)),
+        contact=(Contact("contact", obstacle=obstacle),),
+    )
+    assert_same(run(scene, MPI.COMM_SELF), run(scene, COMM))
 
 
 def test_block_alone_and_together():
