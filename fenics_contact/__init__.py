@@ -14,20 +14,11 @@ from fenics_contact.errors import (
 )
 from fenics_contact.mesh import Body, Group
 from fenics_contact.result import Check, ContactPoints, Result
-from fenics_contact.scene import (
-    Contact,
-    Discretisation,
-    HalfSpace,
-    Load,
-    Material,
-    MeshSource,
-    Obstacle,
-    Profile,
-    Scene,
-    SolverSettings,
-    Support,
-)
+from fenics_contact.scene import Discretisation, Load, MeshSource, Scene, SolverSettings, Support
+from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_file import load_scene
+from fenics_contact.scene_material import Material
+from fenics_contact.scene_values import Profile
 from fenics_contact.simulation import Run, run
 
 __all__ = [

@@ -25,7 +25,7 @@ from fenics_contact.normal_checks import (
 from fenics_contact.parallel import largest, total
 from fenics_contact.problem import Problem
 from fenics_contact.result import Check
-from fenics_contact.solver import Solution
+from fenics_contact.solution import Solution
 
 Array = NDArray[np.float64]
 

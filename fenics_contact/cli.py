@@ -37,6 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     run = commands.add_parser("run", help="solve a scene; also under mpirun -n N")
     check = commands.add_parser("check", help="say what would be modelled, without solving")
     report = commands.add_parser("report", help="pictures and a page from the files of a run")
+    verify = commands.add_parser("verify", help="run analytic and published benchmarks")
     for command in (run, check):
         command.add_argument("scene", metavar="SCENE.toml", type=Path)
         command.add_argument(
@@ -52,7 +53,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--out", type=Path, help="folder for the results (default: results/ and the scene's name)"
     )
     report.add_argument("folder", metavar="DIR", type=Path)
+    verify.add_argument("names", metavar="NAME", nargs="*", help="benchmarks to run (default: all)")
+    verify.add_argument("--quick", action="store_true", help="coarser and fewer: about a minute")
+    verify.add_argument("--json", metavar="FILE", type=Path, help="write a list of what was found")
     options = parser.parse_args(arguments)
+    if options.command == "verify":
+        return guarded(lambda: _verify(options))
     if options.command == "report":
         return guarded(lambda: on_root(MPI.COMM_WORLD, lambda: _report(options.folder)))
     _log_to_terminal(options)
@@ -154,6 +160,12 @@ def _report(folder: Path) -> int:
     for path in write_report(folder):
         print(f"  {path}")
     return 0
+
+
+def _verify(options: argparse.Namespace) -> int:
+    from fenics_contact.verification.command import verify
+
+    return verify(options.names, options.quick, options.json)
 
 
 def _add_verbosity(parser: argparse.ArgumentParser) -> None:

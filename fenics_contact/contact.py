@@ -1,6 +1,6 @@
-"""A contact surface: its kinematics (jump, gap, slip) and its energy terms.
+"""A contact surface: its kinematics, energy terms and what happens on it.
 
-One object per ``[[contact]]``; the only place that knows what the body touches.
+One object per ``[[contact]]``.
 """
 
 from __future__ import annotations
@@ -13,12 +13,13 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from fenics_contact.contact_kinematics import ContactKinematics
 from fenics_contact.contact_terms import FrictionTerm, NormalTerm
-from fenics_contact.errors import FenicsContactError, InputError
+from fenics_contact.errors import InputError
 from fenics_contact.normal_contact import prescribed_pressure_energy
-from fenics_contact.obstacle import RigidObstacle
-from fenics_contact.parallel import gather_rows, largest, raise_together, smallest, total
-from fenics_contact.scene import Contact, Obstacle, Value
+from fenics_contact.parallel import largest, smallest, total
+from fenics_contact.scene_contact import Contact, Obstacle
+from fenics_contact.scene_values import Value
 from fenics_contact.spaces import Spaces
 from fenics_contact.trace import Trace
 
@@ -69,12 +70,9 @@ class ContactSurface:
         trace: The contact points: coordinates, weights, normals.
         nodes: Nodes among them (local, owned and ghost), which receive its forces.
         owned_nodes: Which of these this rank owns.
-        direction: Unit vector along which the obstacle is driven, (components,).
-        gap: Undeformed gap to the obstacle before it is driven, at the points (length).
-        indentation: How far the obstacle is driven at present (length).
+        kinematics: Jump, gap and slip against the obstacle.
         plane_strain_modulus: E/(1 − ν²) of the body, about (stress).
         no_datum: Whether that number depends on an arbitrary datum, and is not reported.
-        jump: Displacement relative to the obstacle, a dolfinx function that the terms see.
         friction_bound: g = coefficient × pressure at the points (stress).
         regularisation_parameter: ε as used (length), 0 without friction.
         penalty_parameter: ε₁ as used (length/stress), 0 without a penalty.
@@ -105,8 +103,10 @@ class ContactSurface:
         self.no_datum = False
         self.plane_strain_modulus = plane_strain_modulus
         self._given_pressure = self._given(contact.pressure or 0.0, f"{key}.pressure")
-        self._set_obstacle(f"{key}.obstacle")
-        self.jump = fem.Function(spaces.displacement_space)
+        described = contact.obstacle or Obstacle()
+        self.kinematics = ContactKinematics(
+            self.trace, None if contact.kind == "prescribed" else described, f"{key}.obstacle"
+        )
         self.penalty_parameter = self._penalty(reference_modulus)
         self.normal = self._normal_term(f"{key}.foundation_stiffness")
         coefficient = self._given(contact.friction_coefficient, f"{key}.friction_coefficient")
@@ -120,7 +120,7 @@ class ContactSurface:
             self.friction = FrictionTerm(
                 f"regularised friction on {self.label}",
                 self.trace,
-                self.jump,
+                self.kinematics.jump,
                 self.friction_bound,
                 self.regularisation_parameter,
             )
@@ -147,16 +147,11 @@ class ContactSurface:
         return self.normal is not None and self.contact.kind != "bonded"
 
     @property
-    def reached_nodes(self) -> NDArray[np.bool_]:
-        """Which of the nodes have the obstacle before them."""
-        return np.isfinite(self.gap[: len(self.nodes)])
-
-    @property
     def reported_indentation(self) -> float | None:
         """How far the obstacle went in; None where there is none, or no datum for it."""
         if self.contact.obstacle is None or self.no_datum:
             return None
-        return self.indentation
+        return self.kinematics.indentation
 
     @property
     def law(self) -> str:
@@ -164,33 +159,6 @@ class ContactSurface:
         if self.contact.kind == "bonded":
             return "stick"
         return self.contact.law if self.friction is not None else "none"
-
-    def _set_obstacle(self, key: str) -> None:
-        """Direction, gap and position of the obstacle, which exists unless prescribed."""
-        contact, trace = self.contact, self.trace
-        normals = gather_rows(self.spaces.comm, trace.normals[trace.owned])
-        self.indentation = 0.0
-        self.direction = np.zeros(self.spaces.components)
-        self.gap = np.zeros(len(trace.weights))
-        if contact.kind == "prescribed":
-            return
-        described = contact.obstacle or Obstacle()
-        obstacle = RigidObstacle(described, self.spaces.kinematics, normals, key)
-        self._obstacle = obstacle
-        self.direction = obstacle.direction
-        error: FenicsContactError | None = None
-        try:
-            self.gap = obstacle.gap(trace.coordinates, trace.normals, self.spaces.position)
-        except InputError as caught:
-            error = caught
-        raise_together(self.spaces.comm, error)
-        self.indentation = described.indentation or 0.0
-        reached = np.isfinite(self.gap) & (trace.normals @ self.direction < 0)
-        if total(self.spaces.comm, reached.sum()) == 0:
-            raise InputError(
-                f"{key}: no point of '{contact.on}' lies in its way; see its position, normal and "
-                "direction"
-            )
 
     def _penalty(self, reference_modulus: float) -> float:
         """The scene's ε₁, or one whose bias in force and peak pressure is below .1 %."""
@@ -207,10 +175,10 @@ class ContactSurface:
         if kind == "winkler":
             stiffness = self._given(self.contact.foundation_stiffness or 0.0, key)
         else:
-            stiffness = np.full(len(self.gap), 1 / self.penalty_parameter)
-        stiffness = np.where(np.isfinite(self.gap), stiffness, 0.0)
+            stiffness = np.full(len(self.trace.weights), 1 / self.penalty_parameter)
+        stiffness = np.where(self.kinematics.reached, stiffness, 0.0)
         name = f"{_NAMES[kind]} on {self.label}"
-        return NormalTerm(name, self.trace, self.jump, self.gap, stiffness)
+        return NormalTerm(name, self.trace, self.kinematics.jump, self.kinematics.gap, stiffness)
 
     def _given(self, value: Value, key: str) -> Array:
         values = self.spaces.evaluate_at(value, self.trace.coordinates.T, key)
@@ -277,86 +245,36 @@ class ContactSurface:
         held = total(self.spaces.comm, self._held(constrained)[self.owned_nodes].sum(axis=0))
         return held > 0.1 * total(self.spaces.comm, self.owned_nodes.sum())
 
-    def move(self, displacement: Array, indentation: float | None = None) -> None:
-        """Set the jump: displacement of the body minus motion of the obstacle.
-
-        Args:
-            displacement: Nodal displacements of this rank, shape (nodes, components).
-            indentation: How far the obstacle is driven; by default as before (length).
-        """
-        if indentation is not None:
-            self.indentation = indentation
-        jump = displacement - self.indentation * self.direction
-        self.jump.x.array[:] = jump.reshape(-1)
-
-    def _jump_at_points(self) -> Array:
-        jump = self.jump.x.array.reshape(-1, self.spaces.components)
-        return self.trace.at_points(jump)
-
     def follow(self) -> None:
         """Move the friction tangent to the present jump."""
         if self.friction is not None:
-            self.friction.follow(self.tangential(self._jump_at_points()))
+            self.friction.follow(self.kinematics.tangential(self.kinematics.jump_at_points()))
 
     def state(self) -> ContactState:
         """What happens at the points at the present jump."""
-        jump = self._jump_at_points()
-        slip = self.tangential(jump)
-        depth = np.einsum("ij,ij->i", jump, self.trace.normals) - self.gap
-        kind = self.contact.kind
-        pressure, gap = self._given_pressure, -depth
-        traction, energy = np.zeros_like(slip), np.zeros_like(pressure)
-        if kind == "prescribed":
-            gap = np.zeros_like(pressure)
-        if kind == "bonded":
-            depth = np.einsum("ij,ij->i", jump, self.trace.normals)
-            gap = np.where(np.isfinite(self.gap), -depth, np.inf)
+        jump = self.kinematics.jump_at_points()
+        slip = self.kinematics.tangential(jump)
+        bonded = self.contact.kind == "bonded"
+        gap = np.where(self.kinematics.reached, 0.0, np.inf) if bonded else self.kinematics.gap
+        depth = self.kinematics.normal(jump) - gap
+        if self.contact.kind == "prescribed":
+            depth = np.zeros_like(gap)
+        pressure, energy = self._given_pressure, np.zeros_like(gap)
+        traction = np.zeros_like(slip)
         if self.normal is not None:
             pressure = self.normal.pressure(depth)
             energy = self.normal.energy_density(jump, depth)
-        if kind == "bonded" and self.normal is not None:
-            traction = -self.normal.stiffness[:, None] * slip + 0.0
+            if bonded:
+                traction = -self.normal.stiffness[:, None] * slip + 0.0
         if self.friction is not None:
             traction = self.friction.traction(slip)
         status = self._status(pressure, slip)
-        return ContactState(gap, pressure, traction, slip, status, energy)
+        return ContactState(0.0 - depth, pressure, traction, slip, status, energy)
 
     def _status(self, pressure: Array, slip: Array) -> NDArray[np.str_]:
         """STICK where |u_T| ≤ ε and friction acts, SLIP beyond, OPEN without pressure."""
         if self.contact.kind == "bonded":
-            return np.where(np.isfinite(self.gap), STICK, OPEN)
+            return np.where(self.kinematics.reached, STICK, OPEN)
         small = np.linalg.norm(slip, axis=1) <= self.regularisation_parameter
         sticks = (self.friction_bound > 0) & small
         return np.where(pressure > 0, np.where(sticks, STICK, SLIP), OPEN)
-
-    def touch(self) -> None:
-        """Drive an obstacle without force until it just touches the body; collective."""
-        facing = -self.trace.normals @ self.direction
-        reached = np.isfinite(self.gap) & (facing > 0)
-        normal_jump = np.einsum("ij,ij->i", self._jump_at_points(), self.trace.normals)
-        distance = (self.gap - normal_jump)[reached] / facing[reached]
-        nearest = smallest(self.spaces.comm, distance)
-        displacement = self.jump.x.array.reshape(-1, self.spaces.components)
-        displacement = displacement + self.indentation * self.direction
-        self.move(displacement, self.indentation + nearest)
-
-    def end_of_obstacle(self, reached: int, beyond: Array) -> float:
-        """How far the obstacle goes, from a point that it reaches to one beyond it (0 … 1).
-
-        Args:
-            reached: Number of the point.
-            beyond: Coordinates of the other, (3,) (length).
-        """
-        start, normal = self.trace.coordinates[reached], self.trace.normals[reached]
-        low, high = 0.0, 1.0
-        for _ in range(40):
-            middle = 0.5 * (low + high)
-            point = start + middle * (beyond - start)
-            gap = self._obstacle.gap(point[None], normal[None], self.spaces.position)
-            low, high = (middle, high) if np.isfinite(gap[0]) else (low, middle)
-        return low
-
-    def tangential(self, vectors: Array) -> Array:
-        """Tangential part of vectors given at the contact points, or at their nodes."""
-        normals = self.trace.normals[: len(vectors)]
-        return vectors - np.einsum("ij,ij->i", vectors, normals)[:, None] * normals

@@ -57,7 +57,7 @@ def _closed_part(
         if np.isfinite(state.gap[points[outer]]):
             reach = _edge_position(contact, state, points[inner], points[outer], length)
         else:
-            reach = contact.end_of_obstacle(points[inner], corners[outer])
+            reach = contact.kinematics.end_of_obstacle(points[inner], corners[outer])
         reach = reach if alone else 1.0 - reach
         share *= reach
         density += (weights[other] - weights[corner]) * reach / len(points)

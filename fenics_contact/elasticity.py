@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 import ufl
 
-from fenics_contact.scene import VOIGT, Kinematics
+from fenics_contact.scene_values import VOIGT, Kinematics
 
 
 class Law(Protocol):

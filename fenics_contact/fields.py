@@ -11,7 +11,7 @@ from dolfinx import fem, io, la
 from fenics_contact import compat
 from fenics_contact.contact import OPEN, STICK
 from fenics_contact.problem import Problem
-from fenics_contact.solver import Solution
+from fenics_contact.solution import Solution
 
 # Values of the field `status`.
 NO_CONTACT, FIELD_OPEN, FIELD_STICK, FIELD_SLIP = -1.0, 0.0, 1.0, 2.0

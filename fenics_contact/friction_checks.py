@@ -14,7 +14,7 @@ from fenics_contact.parallel import largest, smallest, total
 from fenics_contact.problem import Problem
 from fenics_contact.reaction_pressure import bulk_forces
 from fenics_contact.result import Check
-from fenics_contact.solver import Solution
+from fenics_contact.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ def recovered_friction(problem: Problem, solution: Solution, number: int) -> Arr
         give to a shared node.
     """
     contact = problem.contacts[number]
-    return contact.tangential(bulk_forces(problem, solution, number))
+    return contact.kinematics.tangential(bulk_forces(problem, solution, number))
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ def _worst(
         bound = trace.to_nodes(trace.weights * contact.friction_bound) / unit
         bulk = free * recovered_friction(problem, solution, number) / unit[:, None]
         law = free * solution.friction_force[number] / unit[:, None]
-        slip = free * contact.tangential(solution.displacement[contact.nodes])
+        slip = free * contact.kinematics.tangential(solution.displacement[contact.nodes])
         compared = _Compared(
             bulk[counted], law[counted], bound[counted], slip[counted], trace.nodal, problem.comm
         )

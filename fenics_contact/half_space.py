@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from fenics_contact.contact import ContactSurface
 from fenics_contact.errors import InputError
 from fenics_contact.parallel import gather_rows, largest
-from fenics_contact.scene import HalfSpace, Scene
+from fenics_contact.scene import Scene
+from fenics_contact.scene_contact import HalfSpace
 from fenics_contact.spaces import Spaces
 from fenics_contact.supports import Supports
 
@@ -116,7 +117,7 @@ class FarField:
         """Displacement of the dofs over the contact's force, with its mirror images."""
         spaces = self._spaces
         inward = np.zeros(3)
-        inward[: spaces.components] = contact.direction
+        inward[: spaces.components] = contact.kinematics.direction
         foot = self._foot(contact, inward, key)
         components = spaces.components
         points = spaces.coordinates[self.dofs // components]

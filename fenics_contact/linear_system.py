@@ -150,7 +150,7 @@ class LinearSystem:
         components = self._problem.spaces.components
         motion, image = matrix.createVecs()
         with motion as array:
-            array.reshape(-1, components)[:] = unknown.contact.direction
+            array.reshape(-1, components)[:] = unknown.contact.kinematics.direction
         dofs = self._border_dofs(number)
         rows = self._rows(tangent, dofs)
         scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)

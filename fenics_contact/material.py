@@ -16,7 +16,9 @@ from fenics_contact import compat
 from fenics_contact.elasticity import Anisotropic, Isotropic, Law
 from fenics_contact.errors import InputError
 from fenics_contact.parallel import largest, raise_together, smallest
-from fenics_contact.scene import Material, Scene, Value
+from fenics_contact.scene import Scene
+from fenics_contact.scene_material import Material
+from fenics_contact.scene_values import Value
 from fenics_contact.spaces import Spaces
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from fenics_contact.parallel import largest, smallest, total
 from fenics_contact.problem import Problem
 from fenics_contact.reaction_pressure import bulk_forces, reaction_pressure
 from fenics_contact.result import Check
-from fenics_contact.solver import Solution
+from fenics_contact.solution import Solution
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,8 @@ import ufl
 from numpy.typing import NDArray
 
 from fenics_contact.errors import InputError
-from fenics_contact.scene import Kinematics, Obstacle, Profile
+from fenics_contact.scene_contact import Obstacle
+from fenics_contact.scene_values import Kinematics, Profile
 
 Array = NDArray[np.float64]
 

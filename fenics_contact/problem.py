@@ -21,7 +21,8 @@ from fenics_contact.contact import ContactSurface
 from fenics_contact.errors import InputError
 from fenics_contact.half_space import FarField
 from fenics_contact.mesh import Body, Group
-from fenics_contact.scene import Load, Scene, Value
+from fenics_contact.scene import Load, Scene
+from fenics_contact.scene_values import Value
 from fenics_contact.spaces import Spaces
 from fenics_contact.supports import AppliedSupport, Supports
 from fenics_contact.timings import Timings

@@ -12,7 +12,7 @@ from fenics_contact.contact_area import contact_area
 from fenics_contact.parallel import gather_rows, largest, total
 from fenics_contact.problem import Problem
 from fenics_contact.result import ContactPoints
-from fenics_contact.solver import Solution
+from fenics_contact.solution import Solution
 from fenics_contact.spaces import Spaces
 
 Array = NDArray[np.float64]
@@ -32,8 +32,8 @@ def contact_quantities(contact: ContactSurface, solution: Solution, number: int)
     owned = contact.owned_nodes
     closed = contact_area(contact, state)
     sticking = min(float(integral((state.status == STICK) * 1.0)), closed)
-    along = -contact.trace.normals @ contact.direction
-    if not contact.direction.any():  # without an obstacle's axis, along the normal
+    along = contact.kinematics.facing
+    if not contact.kinematics.direction.any():  # without an obstacle's axis, along the normal
         along = np.ones(len(state.contact_pressure))
     dissipated = -total(comm, np.sum((force * solution.displacement[contact.nodes])[owned]))
     friction = integral(state.friction_traction)
@@ -108,8 +108,8 @@ def global_quantities(
     elastic = 0.5 * total(problem.comm, np.sum(u * solution.internal_force[owned]))
     work = total(problem.comm, np.sum(u * (problem.load + reactions)[owned]))
     for surface, force in zip(problem.contacts, solution.contact_force, strict=True):
-        pushed = total(problem.comm, force[surface.owned_nodes].sum(axis=0)) @ surface.direction
-        work += pushed * surface.indentation
+        pushed = total(problem.comm, force[surface.owned_nodes].sum(axis=0))
+        work += pushed @ surface.kinematics.direction * surface.kinematics.indentation
     summed = ("contact_area", "stick_area", "slip_area", "friction_work", "penalty_energy")
     greatest = ("max_contact_pressure", "max_penetration", "max_slip")
     friction = np.zeros(problem.spaces.components)

@@ -17,7 +17,7 @@ from scipy.sparse.linalg import spsolve
 
 from fenics_contact.contact import ContactSurface
 from fenics_contact.problem import Problem
-from fenics_contact.solver import Solution
+from fenics_contact.solution import Solution
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.parallel import gather_rows, largest, total
 from fenics_contact.problem import Problem
-from fenics_contact.scene import AXES
+from fenics_contact.scene_values import AXES
 
 Array = NDArray[np.float64]
 
@@ -71,7 +71,9 @@ class RigidMotions:
         held[problem.constrained[problem.constrained < owned * components]] = True
         for contact in problem.contacts:
             if contact.contact.kind == "bonded" and contact.normal is not None:
-                nodes = contact.nodes[contact.owned_nodes & contact.reached_nodes]
+                nodes = contact.nodes[
+                    contact.owned_nodes & contact.kinematics.reached[: len(contact.nodes)]
+                ]
                 held.reshape(-1, components)[nodes] = True
         rows = self._fields[:owned].reshape(-1, self._fields.shape[-1])[held]
         return null_space(total(problem.comm, rows.T @ rows))
@@ -85,7 +87,7 @@ class RigidMotions:
             moved = contact.trace.at_points(self._fields) @ self._free
             moved = np.concatenate([moved, self._of_obstacles(contact, len(moved))], axis=-1)
             tangential = np.stack(
-                [contact.tangential(moved[..., i]) for i in range(self.count)], axis=-1
+                [contact.kinematics.tangential(moved[..., i]) for i in range(self.count)], axis=-1
             )
             weights.append((contact.trace.weights * contact.friction_bound)[contact.trace.owned])
             slips.append(tangential[contact.trace.owned])
@@ -106,7 +108,8 @@ class RigidMotions:
             moved = trace.at_points(self._fields) @ self._free
             moved = np.concatenate([moved, self._of_obstacles(contact, len(moved))], axis=-1)
             closing = np.einsum("ijk,ij->ik", moved, trace.normals)
-            gap = contact.gap + contact.indentation * (trace.normals @ contact.direction)
+            kinematics = contact.kinematics
+            gap = kinematics.gap - kinematics.indentation * kinematics.facing
             acts = trace.owned & (contact.normal.stiffness > 0)
             rows.append(np.column_stack([trace.weights, closing, gap])[acts])
         table = gather_rows(self._problem.comm, np.concatenate(rows))
@@ -117,7 +120,7 @@ class RigidMotions:
         moved = np.zeros((points, self._problem.spaces.components, len(self.floating)))
         for number, other in enumerate(self.floating):
             if other is contact:
-                moved[:, :, number] = -other.direction
+                moved[:, :, number] = -other.kinematics.direction
         return moved
 
     def displacement(self, motion: Array) -> Array:

@@ -12,8 +12,9 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from fenics_contact.errors import InputError
-from fenics_contact.scene import Profile, Scene
+from fenics_contact.scene import Scene
 from fenics_contact.scene_reference import keys_of
+from fenics_contact.scene_values import Profile
 
 _SMALLEST, _LARGEST = 1e-100, 1e100  # sizes of numbers that a scene may hold
 

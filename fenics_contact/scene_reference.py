@@ -15,7 +15,8 @@ from typing import Any
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic.fields import FieldInfo
 
-from fenics_contact.scene import PositionFunction, Profile, Scene
+from fenics_contact.scene import Scene
+from fenics_contact.scene_values import PositionFunction, Profile
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,8 @@ from fenics_contact.quantities import (
 )
 from fenics_contact.result import Check, Result
 from fenics_contact.scene import Scene
-from fenics_contact.solver import Solution, solve
+from fenics_contact.solution import Solution
+from fenics_contact.solver import solve
 from fenics_contact.timings import Timings
 
 logger = logging.getLogger(__name__)

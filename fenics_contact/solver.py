@@ -7,7 +7,6 @@ the tangents of the contacts' terms to a copy of it.
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,11 +14,11 @@ from dolfinx import fem
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fenics_contact.contact import ContactState
 from fenics_contact.errors import NotConvergedError
 from fenics_contact.linear_system import LinearSystem
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
+from fenics_contact.solution import Solution
 from fenics_contact.start import starting_point
 from fenics_contact.timings import Timings
 
@@ -52,41 +51,6 @@ _REASONS = {
     -6: "the line search found no step",
     -9: "the force imbalance grows",
 }
-
-
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """Nodal values of this rank, each of shape (nodes, components), ghosts included.
-
-    Attributes:
-        displacement: u (length).
-        internal_force: K u, from the bulk alone (force).
-        normal_force: Force on the body across each contact, from penalty or foundation, at
-            its nodes; one array a contact, without prescribed pressures, which are loads
-            (force). Where bonded it is the whole force.
-        friction_force: Force of the friction law on the body, likewise (force).
-        states: What happens at the points of each contact.
-        residual_history: Force imbalance before every Newton step and at the end (force).
-        imbalance_limit: The imbalance that was accepted as converged (force).
-    """
-
-    displacement: NDArray[np.float64]
-    internal_force: NDArray[np.float64]
-    normal_force: list[NDArray[np.float64]]
-    friction_force: list[NDArray[np.float64]]
-    states: list[ContactState]
-    residual_history: tuple[float, ...]
-    imbalance_limit: float
-
-    @property
-    def contact_force(self) -> list[NDArray[np.float64]]:
-        """Both forces of each contact together (force)."""
-        return [a + b for a, b in zip(self.normal_force, self.friction_force, strict=True)]
-
-    @property
-    def newton_iterations(self) -> int:
-        """Newton steps taken."""
-        return len(self.residual_history) - 1
 
 
 def solve(problem: Problem, timings: Timings | None = None) -> Solution:
@@ -166,7 +130,7 @@ class _Newton:
         displacement, indentations = starting_point(self.problem)
         owned = self.problem.constrained < self.owned_size
         for contact, indentation in zip(self.problem.contacts, indentations, strict=True):
-            contact.move(displacement, indentation)
+            contact.kinematics.move(displacement, indentation)
             if contact.friction is not None:
                 contact.friction.stick_all()
         self.state.set(0.0)
@@ -175,7 +139,7 @@ class _Newton:
             array[self.owned_constrained] = self.problem.prescribed[owned]
             for number, unknown in enumerate(self.problem.unknowns):
                 if self.comm.rank == 0 and unknown.kind == "indentation":
-                    array[self._scalar(number)] = unknown.contact.indentation
+                    array[self._scalar(number)] = unknown.contact.kinematics.indentation
 
     def _scalar(self, number: int) -> int:
         """Position of a scalar in the arrays of rank 0."""
@@ -188,10 +152,10 @@ class _Newton:
         displacement = self._nodal_displacement()
         scalars = self._scalars(state)
         for contact in self.problem.contacts:
-            contact.move(displacement)
+            contact.kinematics.move(displacement)
         for unknown, value in zip(self.problem.unknowns, scalars, strict=True):
             if unknown.kind == "indentation":
-                unknown.contact.move(displacement, value)
+                unknown.contact.kinematics.move(displacement, value)
 
     def _scalars(self, state: Any) -> list[float]:
         """Values of the scalar unknowns, on every rank."""
@@ -241,7 +205,7 @@ class _Newton:
         for number, unknown in enumerate(self.problem.unknowns):
             contact = unknown.contact
             force = by_contact[self.problem.contacts.index(contact)][owned]
-            pushed = total(self.comm, force.sum(axis=0)) @ contact.direction
+            pushed = total(self.comm, force.sum(axis=0)) @ contact.kinematics.direction
             if self.comm.rank == 0:
                 driven = unknown.kind == "indentation"
                 imbalance = pushed - (contact.force or 0.0) if driven else values[number] - pushed
@@ -328,7 +292,7 @@ class _Newton:
         internal.x.scatter_forward()
         for contact in self.problem.contacts:
             if contact.force == 0:
-                contact.touch()
+                contact.kinematics.touch()
         nodes = [contact.nodes for contact in self.problem.contacts]
         normal, friction = self._contact_forces("normal"), self._contact_forces("friction")
         return Solution(

@@ -18,7 +18,8 @@ from fenics_contact.elasticity import measure_weight
 from fenics_contact.errors import FenicsContactError, InputError
 from fenics_contact.mesh import Body, Group
 from fenics_contact.parallel import largest, raise_together, smallest
-from fenics_contact.scene import Scene, Value
+from fenics_contact.scene import Scene
+from fenics_contact.scene_values import Value
 
 
 class Spaces:
@@ -106,6 +107,11 @@ class Spaces:
             "ds", domain=self.body.mesh, subdomain_data=[(1, entities)], metadata=metadata
         )(1)
 
+    def facets(self, group: Group) -> NDArray[np.int32]:
+        """(cell, local facet) of this rank's facets of a boundary group, shape (facets, 2)."""
+        found = compat.boundary_entities(self.body.mesh.topology, self.body.entities(group))
+        return np.asarray(found).reshape(-1, 2)
+
     def nodes(self, group: Group) -> NDArray[np.int32]:
         """Local indices (owned and ghost) of the nodes on a group; collective."""
         entities = self.body.entities(group)
@@ -184,6 +190,11 @@ class Spaces:
     def nodal_values(self, function: Any) -> NDArray[np.float64]:
         """A scalar nodal function's values at all nodes of this rank."""
         return function.x.array[self._scalar_space()[1]]
+
+    @property
+    def scalar_space(self) -> Any:
+        """The space of one displacement component."""
+        return self._scalar_space()[0]
 
     def _scalar_space(self) -> tuple[Any, NDArray[np.int64]]:
         """The space of one component, and its dof at every node."""

@@ -27,7 +27,7 @@ def starting_point(problem: Problem) -> tuple[Array, list[float]]:
         of every contact's obstacle (length).
     """
     displacement = np.zeros_like(problem.load)
-    indentations = [contact.indentation for contact in problem.contacts]
+    indentations = [contact.kinematics.indentation for contact in problem.contacts]
     rigid = RigidMotions(problem)
     if rigid.count == 0:
         return displacement, indentations

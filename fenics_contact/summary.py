@@ -14,10 +14,23 @@ from rich.table import Table
 from fenics_contact.result import Result
 from fenics_contact.scene import Scene
 
-# Quantities worth a line: always, of contact that is found, and of friction.
-_ALWAYS = ("normal_force", "reaction", "max_contact_pressure", "contact_area")
-_FOUND = ("indentation", "max_penetration")
-_FRICTION = ("friction_force", "stick_area", "slip_area", "max_slip", "friction_work")
+# Quantities in the order shown; some say something only with friction, or where contact is found.
+_SHOWN = (
+    "normal_force",
+    "friction_force",
+    "reaction",
+    "indentation",
+    "max_contact_pressure",
+    "max_penetration",
+    "contact_area",
+    "stick_area",
+    "slip_area",
+    "max_slip",
+    "strain_energy",
+    "friction_work",
+)
+_OF_FRICTION = {"friction_force", "stick_area", "slip_area", "max_slip", "friction_work"}
+_OF_CONTACT_FOUND = {"indentation", "max_penetration"}
 # Parameters of a contact, in the order of its line; those that do not apply are zero or missing.
 _PARAMETERS = (
     "pressure",
@@ -73,10 +86,12 @@ def print_result(result: Result, folder: Path) -> None:
 
 def _shown(result: Result) -> list[str]:
     """The quantities that say something about the contacts of a result."""
-    found = any(contact["contact"] != "prescribed" for contact in result.contacts)
-    friction = any(contact["law"] != "none" for contact in result.contacts)
-    keys = [*_ALWAYS, *(_FOUND if found else ()), *(_FRICTION if friction else ()), "strain_energy"]
-    return [key for key in keys if key in result.quantities]
+    hidden = set()
+    if all(contact["law"] == "none" for contact in result.contacts):
+        hidden |= _OF_FRICTION
+    if all(contact["contact"] == "prescribed" for contact in result.contacts):
+        hidden |= _OF_CONTACT_FOUND
+    return [key for key in _SHOWN if key in result.quantities and key not in hidden]
 
 
 def _print_contacts(console: Console, contacts: list[dict[str, Any]]) -> None:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from fenics_contact.errors import InputError
 from fenics_contact.parallel import largest, raise_together, smallest
-from fenics_contact.scene import AXES, Scene
+from fenics_contact.scene import Scene
+from fenics_contact.scene_values import AXES
 from fenics_contact.spaces import Spaces
 
 Array = NDArray[np.float64]

@@ -70,7 +70,7 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> None:
         panel.legend(
             frameon=False,
             fontsize=9,
-            markerscale=0.7,
+            markerscale=0.8,
             loc="upper left",
             bbox_to_anchor=(0, -0.1),
             ncols=3,
@@ -101,7 +101,7 @@ def _scatter(
 ) -> None:
     """Values as colours of the closed points; open points as crosses."""
     closed = surface.rows.closed
-    width = float(np.clip(200 / np.sqrt(len(closed)), 3, 14))  # of a marker, in points
+    width = float(np.clip(120 / np.sqrt(len(closed)), 3, 12))  # of a marker, in points
     for mark in marks(contact["law"]):
         mine = np.isin(surface.rows.status, mark.status)
         if not mine.any():

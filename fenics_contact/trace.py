@@ -12,31 +12,16 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem, la
+from dolfinx import fem
 from numpy.typing import NDArray
 
-from fenics_contact import compat
+from fenics_contact.facet_centres import SEVEN_POINTS, SIX_NODES, FacetCentres
 from fenics_contact.mesh import Group
 from fenics_contact.parallel import largest, smallest, total
 from fenics_contact.spaces import Spaces
+from fenics_contact.surface_pieces import SurfacePieces
 
 Array = NDArray[np.float64]
-
-_NODES = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0.5], [0, 0.5], [0.5, 0]])
-_CENTRE = np.array([[1 / 3, 1 / 3]])
-# Weights on the reference triangle (area 1/2): vertices, midpoints, centre.
-_VERTEX, _MIDPOINT, _MIDDLE = 1 / 40, 1 / 15, 9 / 40
-# The six shape functions at the centre: vertices, midpoints.
-_AT_CENTRE = np.array([-1 / 9] * 3 + [4 / 9] * 3)
-
-
-def _custom(points: Array, weights: Array) -> dict[str, Any]:
-    return {
-        "quadrature_rule": "custom",
-        "quadrature_points": tuple(map(tuple, points.tolist())),
-        "quadrature_weights": tuple(weights.tolist()),
-        "quadrature_degree": 3,
-    }
 
 
 class Trace:
@@ -57,7 +42,7 @@ class Trace:
         self.spaces = spaces
         self.group = group
         self._pieces: SurfacePieces | None = None
-        self._centres = _Centres(spaces, group) if _needs_centres(spaces) else None
+        self._centres = FacetCentres(spaces, group) if _needs_centres(spaces) else None
         nodes = spaces.nodes(group)
         self.weight = self._point_weight(nodes)
         weights, normals = self._at_nodes(nodes)
@@ -74,7 +59,7 @@ class Trace:
         # Zero-weight nodes count in quadrature sums, times zero: their normals must exist.
         self.normal = self._function_on(nodes, normals, "normal")
 
-    def _append(self, centres: _Centres) -> None:
+    def _append(self, centres: FacetCentres) -> None:
         self.weights = np.concatenate([self.weights, centres.weights])
         self.normals = np.concatenate([self.normals, centres.normals])
         self.coordinates = np.concatenate([self.coordinates, centres.coordinates])
@@ -83,17 +68,13 @@ class Trace:
     @property
     def measure(self) -> Any:
         """Measure with the points of this trace."""
-        if self._centres is not None:
-            weights = np.array([_VERTEX] * 3 + [_MIDPOINT] * 3 + [_MIDDLE])
-            rule = _custom(np.concatenate([_NODES, _CENTRE]), weights)
-        else:
-            rule = self._nodal_rule()
+        rule = self._nodal_rule() if self._centres is None else SEVEN_POINTS
         return self.spaces.boundary(self.group, rule)
 
     def _nodal_rule(self) -> dict[str, Any]:
         """A rule with positive weights on the nodes alone."""
         if self._centres is not None:
-            return _custom(_NODES, np.full(6, 1 / 12))
+            return SIX_NODES
         triangles = self.spaces.body.mesh.topology.cell_name() == "tetrahedron"
         degree = 1 if self.spaces.degree == 1 else 3
         return {"quadrature_rule": "vertex" if triangles else "GLL", "quadrature_degree": degree}
@@ -191,7 +172,7 @@ class Trace:
         topology.create_entities(1)
         topology.create_connectivity(topology.dim, 1)
         topology.create_connectivity(1, topology.dim)  # which `h` asks for
-        cells = np.unique(_facets(self.spaces, self.group)[:, 0])
+        cells = np.unique(self.spaces.facets(self.group)[:, 0])
         links = topology.connectivity(topology.dim, 1)
         edges = [np.zeros(0, dtype=np.int32), *(links.links(cell) for cell in cells)]
         return smallest(self.spaces.comm, mesh.h(1, np.unique(np.concatenate(edges))))
@@ -200,64 +181,8 @@ class Trace:
     def pieces(self) -> SurfacePieces:
         """This rank's facets in segments or triangles between neighbouring nodes."""
         if self._pieces is None:
-            self._pieces = SurfacePieces(self)
+            self._pieces = SurfacePieces(self.spaces, self.group, self.nodes)
         return self._pieces
-
-
-class SurfacePieces:
-    """Facets cut into flat segments (2D) or triangles (3D) between nodes.
-
-    Attributes:
-        points: Contact points at the corners, (pieces, corners); a node on the axis of
-            revolution, which is none, is given its neighbour.
-        corners: Coordinates, (pieces, corners, 3) (length).
-        areas: Length or area of each, (pieces,).
-        weights: Factor of the integral at the corners (2πr where axisymmetric), (pieces, corners).
-    """
-
-    def __init__(self, trace: Trace) -> None:
-        spaces = trace.spaces
-        facets = _facets(spaces, trace.group)
-        nodes = _facet_pieces(spaces, facets)
-        point_of = np.full(len(spaces.coordinates), -1)
-        point_of[trace.nodes] = np.arange(len(trace.nodes))
-        points = point_of[nodes]
-        self.points = np.where(points < 0, points.max(axis=1, initial=0)[:, None], points)
-        self.corners = spaces.coordinates[nodes]
-        edges = self.corners[:, 1:] - self.corners[:, :1]
-        if edges.shape[1] == 1:
-            self.areas = np.linalg.norm(edges[:, 0], axis=1)
-        else:
-            self.areas = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
-        radii = self.corners[:, :, 0]
-        axisymmetric = spaces.kinematics == "axisymmetric"
-        self.weights = 2 * np.pi * radii if axisymmetric else np.ones_like(radii)
-
-
-def _facet_pieces(spaces: Spaces, facets: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Nodes of the segments or triangles of facets, (pieces, corners)."""
-    from scipy.spatial import Delaunay
-
-    layout = spaces.displacement_space.dofmap.dof_layout
-    reference = compat.interpolation_points(
-        fem.functionspace(spaces.body.mesh, ("Lagrange", spaces.degree)).element
-    )
-    dimension = spaces.body.dimension
-    found = [np.zeros((0, dimension), dtype=np.int32)]
-    for facet in np.unique(facets[:, 1]):
-        dofs = np.array(layout.entity_closure_dofs(dimension - 1, int(facet)))
-        points = reference[dofs] - reference[dofs].mean(axis=0)
-        # Coordinates within the facet: its principal directions.
-        inside = points @ np.linalg.svd(points)[2][: dimension - 1].T
-        if dimension == 2:
-            order = np.argsort(inside[:, 0])
-            pieces = np.stack([order[:-1], order[1:]], axis=1)
-        else:
-            pieces = Delaunay(inside).simplices
-        cells = facets[facets[:, 1] == facet, 0]
-        nodes = spaces.displacement_space.dofmap.list[cells][:, dofs]
-        found.append(nodes[:, pieces].reshape(-1, dimension))
-    return np.concatenate(found)
 
 
 class TraceFunction:
@@ -298,88 +223,3 @@ class TraceFunction:
 
 def _needs_centres(spaces: Spaces) -> bool:
     return spaces.degree == 2 and spaces.body.mesh.topology.cell_name() == "tetrahedron"
-
-
-def _facets(spaces: Spaces, group: Group) -> NDArray[np.int32]:
-    """(cell, local facet) of this rank's facets of a group, shape (facets, 2)."""
-    found = compat.boundary_entities(spaces.body.mesh.topology, spaces.body.entities(group))
-    return np.asarray(found).reshape(-1, 2)
-
-
-class _Centres:
-    """Centres of this rank's facets, on tetrahedra of degree 2.
-
-    A cubic function has one dof at the centre of each facet, whose shape function vanishes
-    at all nodes of degree 2: it carries the seventh value.
-    """
-
-    def __init__(self, spaces: Spaces, group: Group) -> None:
-        self._spaces = spaces
-        mesh = spaces.body.mesh
-        facets = _facets(spaces, group)
-        quadratic = spaces.displacement_space.dofmap
-        self.scalar_space = fem.functionspace(mesh, ("Lagrange", 3))
-        self.vector_space = fem.functionspace(mesh, ("Lagrange", 3, (3,)))
-        self.nodes = _facet_dofs(quadratic, facets, closure=True).reshape(-1, 6)
-        self._scalar_dofs = _facet_dofs(self.scalar_space.dofmap, facets, closure=False)
-        self._vector_dofs = _facet_dofs(self.vector_space.dofmap, facets, closure=False)
-        self.coordinates = self.scalar_space.tabulate_dof_coordinates()[self._scalar_dofs]
-        measure = spaces.boundary(group, _custom(_CENTRE, np.array([_MIDDLE])))
-        weights = self._assemble(self.scalar_space, 1.0, measure)
-        self.weights = weights[self._scalar_dofs, 0]
-        normals = self._assemble(self.vector_space, ufl.FacetNormal(mesh), measure)
-        normals = normals[self._vector_dofs]
-        self.normals = normals / np.linalg.norm(normals, axis=1)[:, None]
-        # From equal weights on the six nodes to those of the rule.
-        self.node_factor = np.full(len(spaces.coordinates), 12 * _MIDPOINT)
-        vertices = np.zeros(len(spaces.coordinates))
-        vertices[self.nodes[:, :3]] = 1.0
-        self.node_factor[self._reduced(vertices) > 0] = 12 * _VERTEX
-
-    def _assemble(self, space: Any, integrand: Any, measure: Any) -> Array:
-        test = ufl.TestFunction(space)
-        vector = fem.assemble_vector(fem.form(ufl.inner(integrand, test) * measure))
-        return vector.array.reshape(-1, space.dofmap.bs)
-
-    def interpolate(self, nodal: Array) -> Array:
-        """Values at the centres of a function given at all nodes."""
-        return np.tensordot(nodal[self.nodes], _AT_CENTRE, axes=(1, 0))
-
-    def spread(self, values: Array) -> Array:
-        """Σ |N_i| × values over the centres, at all nodes of this rank; collective."""
-        nodal = np.zeros(len(self._spaces.coordinates))
-        np.add.at(nodal, self.nodes, values[:, None] * np.abs(_AT_CENTRE))
-        return self._reduced(nodal)
-
-    def _reduced(self, nodal: Array) -> Array:
-        """Contributions of all ranks added up at shared nodes; collective."""
-        vector = la.vector(self._spaces.displacement_space.dofmap.index_map, 1)
-        vector.array[:] = nodal
-        vector.scatter_reverse(la.InsertMode.add)
-        vector.scatter_forward()
-        return vector.array.copy()
-
-    def vector_correction(self, nodal: Any, values: Array) -> Any:
-        """A cubic function that brings a quadratic one to given values at the centres."""
-        bubble = fem.Function(self.vector_space)
-        self.set_correction(nodal, bubble, values)
-        return bubble
-
-    def set_correction(self, nodal: Any, bubble: Any, values: Array) -> None:
-        """Set a cubic function so that its sum with a quadratic one has given values."""
-        if values.ndim == 2:
-            present = self.interpolate(nodal.x.array.reshape(-1, 3))
-            bubble.x.array.reshape(-1, 3)[self._vector_dofs] = values - present
-        else:
-            node_values = self._spaces.nodal_values(nodal)
-            bubble.x.array[self._scalar_dofs] = values - self.interpolate(node_values)
-
-
-def _facet_dofs(dofmap: Any, facets: NDArray[np.int32], closure: bool) -> NDArray[np.int32]:
-    """Dofs of facets: with their vertices and edges (in this order), or their own alone."""
-    layout = dofmap.dof_layout
-    of_facet = layout.entity_closure_dofs if closure else layout.entity_dofs
-    positions = np.array([of_facet(2, facet) for facet in range(4)])
-    return dofmap.list[facets[:, 0]][np.arange(len(facets))[:, None], positions[facets[:, 1]]][
-        :, slice(None) if closure else 0
-    ]

@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from math import pi
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,26 @@ from tests.scenes import ROOT
 
 pytestmark = pytest.mark.serial
 DEMOS = sorted(path.stem.removeprefix("demo_") for path in (ROOT / "demos").glob("demo_*.py"))
+# Quantity of a demo → value and relative tolerance; of the specification, Section 3.
+PLANE_STRAIN_MODULUS = 1000 / (1 - 0.3**2)
+EXPECTED = {
+    "slab": {"normal_force": (2400, 1e-9), "contact_area": (8, 1e-9), "stick_area": (6.41, 5e-3)},
+    "winkler": {
+        "normal_force": (10, 1e-6),
+        "max_penetration": (0.0718, 2e-3),
+        "contact_area": (2.36, 5e-3),
+    },
+    "sphere": {
+        "normal_force": (4144.2, 2e-3),
+        "max_contact_pressure": (247.34, 5e-3),
+        "contact_area": (pi * 2.8284**2, 1e-2),
+        "indentation": (1, 1e-12),
+    },
+    "annulus": {
+        "normal_force": (0.9819 * 2 * PLANE_STRAIN_MODULUS * 0.01, 2e-3),
+        "contact_area": (pi * (1 - 0.5**2), 1e-3),
+    },
+}
 
 
 def launcher():
@@ -49,7 +70,7 @@ def quantities(folder):
 
 
 def test_there_are_demos():
-    assert "slab" in DEMOS
+    assert sorted(EXPECTED) == DEMOS
 
 
 @pytest.mark.parametrize("name", DEMOS)
@@ -68,6 +89,8 @@ def test_script_and_scene_on_one_and_two_ranks(name, tmp_path):
         assert "Traceback" not in done.stderr
         assert "checks of the physics passed" in done.stdout
     reference = quantities(tmp_path / "script")
+    for key, (value, tolerance) in EXPECTED[name].items():
+        assert reference[key] == pytest.approx(value, rel=tolerance), key
     for label in runs:
         found = quantities(tmp_path / label)
         for key, value in reference.items():
@@ -75,8 +98,21 @@ def test_script_and_scene_on_one_and_two_ranks(name, tmp_path):
     tables = {(tmp_path / label / "contact.csv").read_text() for label in runs}
     assert len(tables) == 1
     pictures = sorted(path.name for path in (tmp_path / "script").glob("*.png"))
-    assert "deformed.png" in pictures
+    assert pictures == ["contact_0.png", "deformed.png"]
     assert (tmp_path / "script" / "report.html").exists()
+
+
+def test_annulus_in_the_adhesive_limit(tmp_path):
+    """Glued to the half-space, as the demo's comment says: 1.0276 times the force."""
+    forces = {}
+    for kind in ("unilateral", "bonded"):
+        override = f'contact.0.contact="{kind}"'
+        scene = ROOT / "demos" / "annulus.toml"
+        arguments = ["run", scene, "--set", override, "--out", tmp_path / kind]
+        done = start(["-m", "fenics_contact", *arguments], 1)
+        assert done.returncode == 0, done.stdout + done.stderr
+        forces[kind] = quantities(tmp_path / kind)["normal_force"]
+    assert forces["bonded"] / forces["unilateral"] == pytest.approx(1.0276, rel=1e-3)
 
 
 @pytest.mark.parametrize("ranks", [1, 2])

@@ -56,7 +56,9 @@ def set_state(problem, x):
     state = np.zeros((len(points), problem.spaces.components))
     state[:, 0] = np.where(points[:, 0] < 0.4, 0.02, 0.6) + 0.01 * points[:, 1]
     state[:, 1] = np.where(points[:, 0] < 0.4, 0.03, -0.5)
-    problem.contacts[0].move(state + np.reshape(x, (-1, state.shape[1]) if np.ndim(x) else ()))
+    problem.contacts[0].kinematics.move(
+        state + np.reshape(x, (-1, state.shape[1]) if np.ndim(x) else ())
+    )
     return state
 
 
@@ -81,7 +83,7 @@ def test_taylor_residual_and_tangent(dimension):
     # Where q is the direction of the slip, the primal-dual tangent is Newton's own.
     state = set_state(problem, 0.0)
     contact.friction.stick_all()
-    contact.move(state)
+    contact.kinematics.move(state)
     contact.follow()
     contact.follow()
     matrix = fem.assemble_matrix(contact.friction.tangent)
@@ -108,7 +110,7 @@ def test_tangent_is_symmetric_and_semidefinite():
     problem = pad(3)
     state = set_state(problem, 0.0)
     contact = problem.contacts[0]
-    contact.move(state)
+    contact.kinematics.move(state)
     contact.follow()
     contact.follow()
     matrix = fem.assemble_matrix(contact.friction.tangent)
@@ -123,7 +125,7 @@ def test_tangent_on_the_way_is_positive():
     problem = pad(3)
     contact = problem.contacts[0]
     contact.friction.stick_all()
-    contact.move(0.4 * set_state(problem, 0.0))
+    contact.kinematics.move(0.4 * set_state(problem, 0.0))
     contact.follow()
     dense = fem.assemble_matrix(contact.friction.tangent).to_dense()
     tangential = contact.nodes[:, None] * 3 + np.arange(2)
@@ -138,11 +140,11 @@ def test_friction_resists_slip_and_ignores_normal_motion():
     residual = problem.contacts[0].friction.residual
     normal_only = np.zeros((len(problem.spaces.coordinates), components))
     normal_only[:, 2] = 0.7
-    problem.contacts[0].move(normal_only)
+    problem.contacts[0].kinematics.move(normal_only)
     assert np.abs(problem.spaces.assemble(residual)).max() == 0
     sliding = np.zeros_like(normal_only)
     sliding[:, 0] = 0.7
-    problem.contacts[0].move(sliding)
+    problem.contacts[0].kinematics.move(sliding)
     force = -problem.spaces.assemble(residual)[: problem.spaces.owned_nodes]
     total = COMM.allreduce(force.sum(axis=0))
     # ∫ μ (2 + x) over the unit square of the bottom

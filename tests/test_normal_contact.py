@@ -31,7 +31,7 @@ def set_state(problem, x):
     state = np.zeros((len(points), problem.spaces.components))
     state[:, -1] = np.where(points[:, 0] < 0.4, -0.3, 0.2)
     state[:, 0] = 0.1 * points[:, 0]
-    problem.contacts[0].move(state + np.reshape(x, (-1, state.shape[1])))
+    problem.contacts[0].kinematics.move(state + np.reshape(x, (-1, state.shape[1])))
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -46,11 +46,11 @@ def test_residual_and_tangent_are_derivatives_of_the_energy(dimension, degree, k
     trace = contact.trace
     stiffness = trace.coefficient(contact.normal.stiffness)
     if kind == "bonded":
-        energy = bonded_energy(contact.jump, stiffness, trace.weight, trace.measure)
+        energy = bonded_energy(contact.kinematics.jump, stiffness, trace.weight, trace.measure)
     else:
-        gap = trace.coefficient(contact.gap)
+        gap = trace.coefficient(contact.kinematics.gap)
         energy = penetration_energy(
-            contact.jump, trace.normal, gap, stiffness, trace.weight, trace.measure
+            contact.kinematics.jump, trace.normal, gap, stiffness, trace.weight, trace.measure
         )
     energy = fem.form(energy)
     points = spaces.coordinates
@@ -193,6 +193,7 @@ def test_kind_follows_from_the_keys():
 def test_forms_know_neither_the_facets_normal_nor_the_volume():
     contact = pad(3).contacts[0]
     trace = contact.trace
-    energy = penetration_energy(contact.jump, trace.normal, 0.0, 1.0, trace.weight, trace.measure)
+    jump = contact.kinematics.jump
+    energy = penetration_energy(jump, trace.normal, 0.0, 1.0, trace.weight, trace.measure)
     assert not ufl.algorithms.analysis.extract_type(energy, ufl.classes.FacetNormal)
     assert [integral.integral_type() for integral in energy.integrals()] == ["exterior_facet"]

@@ -6,8 +6,21 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Load, Material, Run, Scene, Support, files, pictures, report
-from tests.scenes import PULLED_BLOCK, box_body, slab
+from fenics_contact import (
+    Contact,
+    HalfSpace,
+    Load,
+    Material,
+    MeshSource,
+    Obstacle,
+    Run,
+    Scene,
+    Support,
+    files,
+    report,
+)
+from fenics_contact.picture_style import COLOURS, neighbourhood
+from tests.scenes import PULLED_BLOCK, ROOT, box_body, slab
 
 pytestmark = pytest.mark.serial
 
@@ -28,14 +41,57 @@ def has_colour(picture, colour, tolerance=0.06):
     return bool((np.abs(picture - wanted).max(axis=-1) < tolerance).any())
 
 
+def is_picture(path):
+    """Neither empty nor of one colour."""
+    picture = pixels(path)
+    shades = np.unique(np.round(picture.reshape(-1, 3) * 255).astype(int), axis=0)
+    return np.ptp(picture) > 0.5 and len(shades) > 100
+
+
+def drawn(scene, folder, body=None):
+    """A run and its report; the names of the PNG files, all of them pictures of something."""
+    write_run(scene, folder, body)
+    paths = [path for path in report.write_report(folder) if path.suffix == ".png"]
+    assert all(is_picture(path) for path in paths)
+    return {path.name for path in paths}
+
+
+def pressed(obstacle, kinematics="plane strain", **contact):
+    """A box on its side y0 (3D: z0), with an obstacle before the opposite one."""
+    bottom, top, axis = ("z0", "z1", "z") if kinematics == "3D" else ("y0", "y1", "y")
+    held = {"x": 0, "y": 0, "z": 0} if axis == "z" else {"x": 0, "y": 0}
+    return Scene(
+        kinematics=kinematics,
+        material=Material(1000, 0.3),
+        support=(Support(bottom, held),),
+        symmetry=("x0",) if kinematics == "axisymmetric" else (),
+        contact=(Contact(top, obstacle=obstacle, **contact),),
+    )
+
+
+def small_sphere(**contact):
+    """A sphere on a half-space, on a mesh as coarse as can be."""
+    cells = {"fine": 5, "size": 0.5, "extent": 60, "cells_outside": 8}
+    return Scene(
+        kinematics="axisymmetric",
+        mesh=MeshSource(
+            str(ROOT / "meshes" / "half_space.geo"), cell="quadrilateral", parameters=cells
+        ),
+        material=Material(1000, 0.3),
+        symmetry=("axis",),
+        half_space=HalfSpace(("outer",)),
+        contact=(Contact("contact", obstacle=Obstacle("paraboloid", 8, indentation=1), **contact),),
+    )
+
+
 def test_report_draws_the_paper_figures(tmp_path):
     write_run(slab(300), tmp_path)
-    drawn = {path.name for path in report.write_report(tmp_path)}
-    assert drawn == {"contact_0.png", "deformed.png", "report.html"}
+    names = {path.name for path in report.write_report(tmp_path)}
+    assert names == {"contact_0.png", "deformed.png", "report.html"}
     for name in ("contact_0.png", "deformed.png"):
         picture = pixels(tmp_path / name)
-        assert has_colour(picture, pictures.COLOURS["STICK"]), name
-        assert has_colour(picture, pictures.COLOURS["SLIP"]), name
+        assert has_colour(picture, COLOURS["STICK"]), name
+        assert has_colour(picture, COLOURS["SLIP"]), name
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     verdict = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["verdict"]
     assert verdict in page
@@ -46,7 +102,7 @@ def test_where_nothing_slips_nothing_is_drawn_slipping(tmp_path):
     write_run(slab(100), tmp_path)
     report.write_report(tmp_path)
     for name in ("contact_0.png", "deformed.png"):
-        assert not has_colour(pixels(tmp_path / name), pictures.COLOURS["SLIP"]), name
+        assert not has_colour(pixels(tmp_path / name), COLOURS["SLIP"]), name
 
 
 def test_three_dimensions(tmp_path):
@@ -54,6 +110,72 @@ def test_three_dimensions(tmp_path):
     report.write_report(tmp_path)
     assert (tmp_path / "contact_0.png").stat().st_size > 10_000
     assert np.ptp(pixels(tmp_path / "deformed.png")) > 0.5
+
+
+def test_small_contact_zone_is_seen_from_near_by(tmp_path):
+    import pyvista
+
+    from fenics_contact.body_view import choose_view
+    from fenics_contact.contact_table import ContactTable
+
+    assert drawn(small_sphere(), tmp_path) == {"contact_0.png", "deformed.png"}
+    for name in ("contact_0.png", "deformed.png"):
+        picture = pixels(tmp_path / name)
+        assert has_colour(picture, COLOURS["STICK"]), name
+        assert has_colour(picture, COLOURS["OPEN"]), name
+        assert not has_colour(picture, COLOURS["SLIP"]), name  # no friction: nothing to mark
+    result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    table = ContactTable.read(tmp_path / "contact.csv")
+    body = pyvista.get_reader(str(tmp_path / "fields.pvd")).read().combine()
+    view = choose_view(body, result, table)
+    assert view.is_near and view.factor == 1
+    # the zone, of radius 2.83, in the middle of a square of 2.5 times that, inside the body
+    assert view.low == pytest.approx([0, -3.6, 0], abs=0.5)
+    assert view.high == pytest.approx([5, 0, 0], abs=0.5)
+    assert 10 < view.body.n_cells < body.n_cells / 2
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "penalty parameter" in page and "resultant at contact" in page
+
+
+def test_neighbourhood_of_a_contact_zone():
+    points = np.array([[0.0, 0], [1, 0], [2, 0], [50, 0]])
+    low, high = neighbourhood(points, np.array([True, True, True, False]))
+    assert (low, high) == (pytest.approx([-1.5, -2.5]), pytest.approx([3.5, 2.5]))
+    for nothing in (np.zeros(4, dtype=bool), np.array([True, False, False, False])):
+        low, high = neighbourhood(points, nothing)
+        assert low[0] < 0 and high[0] > 50
+
+
+def test_pressure_in_three_dimensions(tmp_path):
+    obstacle = Obstacle("paraboloid", 1, position=(0.5, 0.5, 0.5), indentation=0.03)
+    body = box_body((4, 4, 2), comm=MPI.COMM_SELF)
+    assert drawn(pressed(obstacle, "3D"), tmp_path, body) == {"contact_0.png", "deformed.png"}
+    assert has_colour(pixels(tmp_path / "contact_0.png"), COLOURS["OPEN"])
+
+
+def test_where_no_obstacle_stands_the_gap_is_infinite(tmp_path):
+    obstacle = Obstacle("flat punch", 0.5, position=(0, 1), indentation=0.01)
+    body = box_body((8, 4), (2, 1), comm=MPI.COMM_SELF)
+    drawn(pressed(obstacle, "axisymmetric"), tmp_path, body)
+    assert ",inf," in (tmp_path / "contact.csv").read_text()
+
+
+@pytest.mark.parametrize("kinematics", ["plane strain", "3D"])
+def test_run_without_any_contact(kinematics, tmp_path):
+    flat = kinematics != "3D"
+    body = box_body((4, 2) if flat else (2, 2, 2), (1, 1, 1), comm=MPI.COMM_SELF)
+    drawn(pressed(Obstacle(gap=0.1), kinematics), tmp_path, body)
+    assert not has_colour(pixels(tmp_path / "contact_0.png"), COLOURS["STICK"])
+    assert has_colour(pixels(tmp_path / "contact_0.png"), COLOURS["OPEN"])
+
+
+@pytest.mark.parametrize("kinematics", ["plane strain", "3D"])
+def test_pressure_and_traction_where_bonded(kinematics, tmp_path):
+    flat = kinematics != "3D"
+    body = box_body((4, 2) if flat else (2, 2, 2), (1, 1, 1), comm=MPI.COMM_SELF)
+    drawn(pressed(Obstacle(indentation=0.01), kinematics, contact="bonded"), tmp_path, body)
+    height, width = pixels(tmp_path / "contact_0.png").shape[:2]
+    assert (height > width / 1.3) if flat else (width > 2 * height)  # two panels
 
 
 def test_fields_hold_what_the_result_says(tmp_path):

@@ -163,7 +163,7 @@ def test_a_block_tips_when_its_load_lies_outside_its_base():
 
 def test_an_obstacle_that_misses_the_body_is_said_before():
     punch = Obstacle("flat punch", radius=0.5, position=(3, 2), indentation=0.1)
-    with pytest.raises(InputError, match=r"contact\[0\].obstacle: no point of 'y1' lies in"):
+    with pytest.raises(InputError, match=r"contact\[0\].obstacle: no point of the surface lies in"):
         block(Contact("y1", obstacle=punch))
 
 

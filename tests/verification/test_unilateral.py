@@ -88,7 +88,8 @@ def exact(prepared):
     upper.set(PETSc.INFINITY)
     axis = components - 1
     with upper as bound:
-        bound[contact.nodes * components + axis] = contact.gap - contact.indentation
+        kinematics = contact.kinematics
+        bound[contact.nodes * components + axis] = kinematics.gap - kinematics.indentation
     state = upper.duplicate()
     state.set(0.0)
     snes = PETSc.SNES().create(MPI.COMM_SELF)

@@ -1,0 +1,130 @@
+"""Contact kinematics: the jump against an obstacle, its gap and slip.
+
+The only module that knows what the body touches.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from fenics_contact.errors import FenicsContactError, InputError
+from fenics_contact.obstacle import RigidObstacle
+from fenics_contact.parallel import gather_rows, raise_together, smallest, total
+from fenics_contact.scene_contact import Obstacle
+from fenics_contact.trace import Trace
+
+Array = NDArray[np.float64]
+
+
+class ContactKinematics:
+    """The jump w = u − d m of a surface against a rigid obstacle, or w = u against nothing.
+
+    Attributes:
+        trace: The contact points.
+        jump: Displacement relative to the obstacle, a dolfinx function that energies see.
+        direction: Unit vector m along which the obstacle is driven, (components,); 0 without.
+        gap: Undeformed gap to the obstacle before it is driven, at the points; infinite where
+            none stands (length).
+        indentation: How far d the obstacle is driven at present (length).
+
+    Args:
+        trace: The contact points.
+        obstacle: The scene's obstacle; None where there is none.
+        key: Where the scene describes it, for messages.
+
+    Raises:
+        InputError: The obstacle does not fit the model, or misses the surface.
+    """
+
+    def __init__(self, trace: Trace, obstacle: Obstacle | None, key: str) -> None:
+        self.trace = trace
+        self._spaces = trace.spaces
+        self.jump = fem.Function(self._spaces.displacement_space)
+        self.indentation = 0.0
+        self.direction = np.zeros(self._spaces.components)
+        self.gap = np.zeros(len(trace.weights))
+        if obstacle is not None:
+            self._place(obstacle, key)
+
+    def _place(self, obstacle: Obstacle, key: str) -> None:
+        trace, comm = self.trace, self._spaces.comm
+        normals = gather_rows(comm, trace.normals[trace.owned])
+        self._obstacle = RigidObstacle(obstacle, self._spaces.kinematics, normals, key)
+        self.direction = self._obstacle.direction
+        self.indentation = obstacle.indentation or 0.0
+        error: FenicsContactError | None = None
+        try:
+            self.gap = self._gap(trace.coordinates, trace.normals)
+        except InputError as caught:
+            error = caught
+        raise_together(comm, error)
+        if total(comm, (self.reached & (self.facing > 0)).sum()) == 0:
+            raise InputError(
+                f"{key}: no point of the surface lies in its way; see its position, normal and "
+                "direction"
+            )
+
+    def _gap(self, points: Array, normals: Array) -> Array:
+        return self._obstacle.gap(points, normals, self._spaces.position)
+
+    @property
+    def reached(self) -> NDArray[np.bool_]:
+        """Which of the points have the obstacle before them."""
+        return np.isfinite(self.gap)
+
+    @property
+    def facing(self) -> Array:
+        """How squarely the obstacle is driven onto each point, −m·n."""
+        return np.asarray(-self.trace.normals @ self.direction)
+
+    def move(self, displacement: Array, indentation: float | None = None) -> None:
+        """Set the jump.
+
+        Args:
+            displacement: Nodal displacements of this rank, shape (nodes, components).
+            indentation: How far the obstacle is driven; by default as before (length).
+        """
+        if indentation is not None:
+            self.indentation = indentation
+        jump = displacement - self.indentation * self.direction
+        self.jump.x.array[:] = jump.reshape(-1)
+
+    def touch(self) -> None:
+        """Drive the obstacle until it just touches the body; collective."""
+        ahead = self.reached & (self.facing > 0)
+        normal = self.normal(self.jump_at_points())
+        distance = (self.gap - normal)[ahead] / self.facing[ahead]
+        nearest = smallest(self._spaces.comm, distance)
+        jump = self.jump.x.array.reshape(-1, self._spaces.components)
+        self.move(jump + self.indentation * self.direction, self.indentation + nearest)
+
+    def jump_at_points(self) -> Array:
+        """The present jump, shape (points, components) (length)."""
+        return self.trace.at_points(self.jump.x.array.reshape(-1, self._spaces.components))
+
+    def normal(self, vectors: Array) -> Array:
+        """Normal part of vectors given at the contact points, or at their nodes."""
+        return np.einsum("ij,ij->i", vectors, self.trace.normals[: len(vectors)])
+
+    def tangential(self, vectors: Array) -> Array:
+        """Tangential part of vectors given at the contact points, or at their nodes."""
+        normals = self.trace.normals[: len(vectors)]
+        return vectors - self.normal(vectors)[:, None] * normals
+
+    def end_of_obstacle(self, reached: int, beyond: Array) -> float:
+        """How far the obstacle goes, from a point that it reaches to one beyond it (0 … 1).
+
+        Args:
+            reached: Number of the point.
+            beyond: Coordinates of the other, (3,) (length).
+        """
+        start, normal = self.trace.coordinates[reached], self.trace.normals[reached]
+        low, high = 0.0, 1.0
+        for _ in range(40):
+            middle = 0.5 * (low + high)
+            point = start + middle * (beyond - start)
+            inside = np.isfinite(self._gap(point[None], normal[None])[0])
+            low, high = (middle, high) if inside else (low, middle)
+        return low

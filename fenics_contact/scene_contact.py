@@ -1,0 +1,196 @@
+"""The part of a scene that says what the body touches."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from fenics_contact.scene_values import CLOSED, Number, Positive, Text, Value
+
+Direction = Annotated[tuple[Number, ...], Field(min_length=2, max_length=3)]
+Kind = Literal["prescribed", "unilateral", "winkler", "bonded"]
+Shape = Literal[
+    "plane", "parabola", "paraboloid", "cylinder", "sphere", "flat punch", "annular punch"
+]
+
+
+@dataclass(frozen=True, config=CLOSED)
+class Obstacle:
+    """A rigid obstacle: its shape, where it stands, and what drives it.
+
+    Without a shape and a gap it touches the contact surface everywhere.
+    """
+
+    shape: Annotated[
+        Shape | None,
+        Field(
+            description="`paraboloid` and `sphere` in axisymmetric and 3D models, `parabola` and "
+            "`cylinder` in plane and 3D ones; a `flat punch` ends at its radius"
+        ),
+    ] = None
+    radius: Annotated[
+        Positive | None,
+        Field(
+            description="of a sphere or cylinder, of curvature at the apex of a parabola or "
+            "paraboloid, or outer radius (half width in plane models) of a punch (length)"
+        ),
+    ] = None
+    inner_radius: Annotated[Positive | None, Field(description="of an annular punch (length)")] = (
+        None
+    )
+    gap: Annotated[
+        Value | None,
+        Field(
+            description="instead of a shape: gap along the surface's normal, negative where they "
+            "overlap (length); in Python a function of x that returns UFL"
+        ),
+    ] = None
+    position: Annotated[
+        Direction | None,
+        Field(description="apex, or a point of a plane (length); by default the origin"),
+    ] = None
+    normal: Annotated[
+        Direction | None,
+        Field(
+            description="outward normal at the apex, of any length; slanting for a tilted "
+            "obstacle; by default against that of a flat contact surface"
+        ),
+    ] = None
+    along: Annotated[
+        Direction | None,
+        Field(description="direction of the straight lines of a 3D parabola or cylinder"),
+    ] = None
+    direction: Annotated[
+        Direction | None,
+        Field(description="in which it is driven, of any length; by default its normal"),
+    ] = None
+    indentation: Annotated[
+        Number | None,
+        Field(description="how far it is driven (length); by default 0, unless by a force"),
+    ] = None
+    force: Annotated[
+        Annotated[Number, Field(ge=0)] | None,
+        Field(description="drives it instead; on the part that is modelled (force)"),
+    ] = None
+
+    def __post_init__(self) -> None:
+        if self.shape is not None and self.gap is not None:
+            raise ValueError("give either a shape or a gap")
+        if self.force is not None and self.indentation is not None:
+            raise ValueError("give either an indentation or a force")
+        needs_radius = self.shape not in (None, "plane")
+        if needs_radius and self.radius is None:
+            raise ValueError(f"radius is missing for the shape '{self.shape}'")
+        if not needs_radius and self.radius is not None:
+            raise ValueError("radius: only a curved shape or a punch has one")
+        if (self.shape == "annular punch") != (self.inner_radius is not None):
+            raise ValueError("inner_radius belongs to the shape 'annular punch', and only there")
+        if self.radius and self.inner_radius and self.inner_radius >= self.radius:
+            raise ValueError(f"inner_radius = {self.inner_radius:g} must be less than the radius")
+        for key in ("normal", "along", "direction"):
+            vector = getattr(self, key)
+            if vector is not None and not any(vector):
+                raise ValueError(f"{key} must not be a zero vector")
+
+
+@dataclass(frozen=True, config=CLOSED)
+class Contact:
+    """A contact surface (the paper's Γ_C): what it meets there, and friction."""
+
+    on: Annotated[Text, Field(description="physical group of the contact surface")]
+    pressure: Annotated[
+        Value | None,
+        Field(description="of `prescribed` contact, ≥ 0, which also loads the body (stress)"),
+    ] = None
+    name: Annotated[str, Field(description="name in the results; by default that of the group")] = (
+        ""
+    )
+    contact: Annotated[
+        Kind | None,
+        Field(
+            description="`prescribed`: its pressure is given; `unilateral`: an obstacle that the "
+            "body may leave but not enter; `winkler`: the same on springs; `bonded`: glued to it; "
+            "by default `prescribed` where there is a pressure, `winkler` where there is a "
+            "foundation_stiffness, else `unilateral`"
+        ),
+    ] = None
+    obstacle: Annotated[
+        Obstacle | None,
+        Field(description="what stands against it; by default it touches everywhere, and is fixed"),
+    ] = None
+    penalty_parameter: Annotated[
+        Positive | Literal["auto"],
+        Field(
+            description="the paper's ε₁ of `unilateral` and `bonded` contact: penetration over "
+            "pressure (length/stress); `auto` keeps its bias below .1 %"
+        ),
+    ] = "auto"
+    foundation_stiffness: Annotated[
+        Value | None,
+        Field(description="of a `winkler` foundation, ≥ 0: pressure over depth (stress/length)"),
+    ] = None
+    law: Annotated[
+        Literal["static", "none"],
+        Field(description="friction law: `static` acts on the total displacement (the paper's)"),
+    ] = "static"
+    friction_coefficient: Annotated[
+        Value, Field(description="Coulomb's coefficient, ≥ 0; 0 leaves friction out")
+    ] = 0.0
+    regularisation_parameter: Annotated[
+        Positive | Literal["auto"],
+        Field(description="the paper's ε, a slip (length); `auto` keeps its bias below .1 %"),
+    ] = "auto"
+
+    def __post_init__(self) -> None:
+        prescribed = self.kind == "prescribed"
+        if prescribed != (self.pressure is not None):
+            raise ValueError(
+                "the pressure is missing: prescribed contact needs it"
+                if prescribed
+                else f"pressure: in {self.kind} contact it is found, not given"
+            )
+        if (self.kind == "winkler") != (self.foundation_stiffness is not None):
+            raise ValueError("foundation_stiffness belongs to winkler contact, and only there")
+        if prescribed and self.obstacle is not None:
+            raise ValueError("obstacle: prescribed contact has none, only its pressure")
+        if self.penalty_parameter != "auto" and self.kind not in ("unilateral", "bonded"):
+            raise ValueError(f"penalty_parameter: {self.kind} contact has none")
+        if not prescribed and self.law != "none" and self.friction_coefficient != 0:
+            raise ValueError(
+                f"friction_coefficient: {self.kind} contact is without friction so far; "
+                "friction needs a prescribed pressure"
+            )
+        for key in ("pressure", "friction_coefficient", "foundation_stiffness"):
+            value = getattr(self, key)
+            if isinstance(value, float | int) and value < 0:
+                raise ValueError(f"{key} = {value} must be ≥ 0")
+
+    @property
+    def kind(self) -> Kind:
+        """What is known of the contact, also where the scene leaves it to the other keys."""
+        if self.contact is not None:
+            return self.contact
+        if self.foundation_stiffness is not None:
+            return "winkler"
+        return "unilateral" if self.pressure is None else "prescribed"
+
+    @property
+    def label(self) -> str:
+        """Name in results and messages."""
+        return self.name or self.on
+
+
+@dataclass(frozen=True, config=CLOSED)
+class HalfSpace:
+    """Makes the body a piece of a half-space.
+
+    On its outer boundary the displacement is that of the half-space (Boussinesq) under
+    the forces that the contacts carry.
+    """
+
+    on: Annotated[
+        tuple[Text, ...],
+        Field(min_length=1, description="physical groups of the outer boundary, inside the body"),
+    ]

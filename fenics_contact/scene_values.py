@@ -1,0 +1,52 @@
+"""Kinds of values in a scene: numbers, texts, profiles, functions of position."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ConfigDict, Field, Strict
+from pydantic.dataclasses import dataclass
+
+Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Positive = Annotated[Number, Field(gt=0)]
+Integer = Annotated[int, Strict()]
+Text = Annotated[str, Field(min_length=1)]
+AxisName = Literal["x", "y", "z"]
+Kinematics = Literal["plane strain", "plane stress", "axisymmetric", "3D"]
+
+AXES: tuple[AxisName, ...] = ("x", "y", "z")
+# Index pairs of a stress or strain in the order of a 6 × 6 stiffness matrix.
+VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+CLOSED = ConfigDict(extra="forbid")
+
+
+@dataclass(frozen=True, config=CLOSED)
+class Profile:
+    """A value that varies along one axis, linear between the listed points."""
+
+    along: Annotated[AxisName, Field(description="axis of the mesh along which it varies")]
+    at: Annotated[
+        tuple[Number, ...], Field(min_length=2, description="increasing coordinates (length)")
+    ]
+    values: Annotated[
+        tuple[Number, ...],
+        Field(min_length=2, description="the value at each; constant beyond the ends"),
+    ]
+
+    def __post_init__(self) -> None:
+        if len(self.at) != len(self.values):
+            raise ValueError(f"at has {len(self.at)} entries and values {len(self.values)}")
+        if any(b <= a for a, b in zip(self.at, self.at[1:], strict=False)):
+            raise ValueError("the coordinates in at must increase")
+
+    def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values at points of shape (3, n), shape (n,)."""
+        return np.interp(points[AXES.index(self.along)], self.at, self.values)
+
+
+PositionFunction = Callable[[NDArray[np.float64]], Any]
+Value = Number | Profile | PositionFunction
+Vector = Annotated[tuple[Value, ...], Field(min_length=2, max_length=3)]

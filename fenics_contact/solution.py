@@ -1,0 +1,45 @@
+"""Nodal values and contact states of a solved problem, on each rank."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact import ContactState
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Nodal values of this rank, each of shape (nodes, components), ghosts included.
+
+    Attributes:
+        displacement: u (length).
+        internal_force: K u, from the bulk alone (force).
+        normal_force: Force on the body across each contact, from penalty or foundation, at
+            its nodes; one array a contact, without prescribed pressures, which are loads
+            (force). Where bonded it is the whole force.
+        friction_force: Force of the friction law on the body, likewise (force).
+        states: What happens at the points of each contact.
+        residual_history: Force imbalance before every Newton step and at the end (force).
+        imbalance_limit: The imbalance that was accepted as converged (force).
+    """
+
+    displacement: NDArray[np.float64]
+    internal_force: NDArray[np.float64]
+    normal_force: list[NDArray[np.float64]]
+    friction_force: list[NDArray[np.float64]]
+    states: list[ContactState]
+    residual_history: tuple[float, ...]
+    imbalance_limit: float
+
+    @property
+    def contact_force(self) -> list[NDArray[np.float64]]:
+        """Both forces of each contact together (force)."""
+        return [a + b for a, b in zip(self.normal_force, self.friction_force, strict=True)]
+
+    @property
+    def newton_iterations(self) -> int:
+        """Newton steps taken."""
+        return len(self.residual_history) - 1

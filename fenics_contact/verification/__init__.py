@@ -1,0 +1,16 @@
+"""Analytic and published benchmarks: ``fenics-contact verify``.
+
+A module of cases ends with a tuple ``CASES``; the one below lists them all.
+"""
+
+from fenics_contact.verification import line_cases, point_cases, punch_cases, slab_cases
+from fenics_contact.verification.case import Case, Finding, Outcome
+
+CASES: tuple[Case, ...] = (
+    *slab_cases.CASES,
+    *point_cases.CASES,
+    *line_cases.CASES,
+    *punch_cases.CASES,
+)
+
+__all__ = ["CASES", "Case", "Finding", "Outcome"]

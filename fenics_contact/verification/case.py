@@ -1,0 +1,137 @@
+"""What a benchmark is: runs that give findings, each compared with a reference."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fenics_contact.errors import FenicsContactError
+from fenics_contact.result import Result
+from fenics_contact.scene import Scene
+from fenics_contact.simulation import run
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A number that was computed, beside the one it should be.
+
+    Attributes:
+        quantity: What it is, in the words of ``result.json`` where it is one of them.
+        value: As computed.
+        reference: As it should be, in the same unit.
+        tolerance: Largest error that passes.
+        absolute: Whether the error is a difference in the quantity's unit, not relative.
+        note: Why there is no value.
+    """
+
+    quantity: str
+    value: float
+    reference: float
+    tolerance: float
+    absolute: bool = False
+    note: str = ""
+
+    @property
+    def error(self) -> float:
+        """Distance from the reference, ≥ 0; not a number if there is no value."""
+        difference = abs(self.value - self.reference)
+        return difference if self.absolute else difference / abs(self.reference)
+
+    @property
+    def passed(self) -> bool:
+        """Whether the error is within the tolerance; one that is not a number is not."""
+        return bool(self.error <= self.tolerance)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A benchmark.
+
+    Attributes:
+        name: For the command line.
+        summary: One line for its help.
+        source: Where the references come from.
+        run: Solves and compares; its argument asks for the quick version. Collective, and the
+            findings are the same on every rank.
+    """
+
+    name: str
+    summary: str
+    source: str
+    run: Callable[[bool], Iterator[Finding]]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A case that was run.
+
+    Attributes:
+        case: The case.
+        findings: What it gave, at least one.
+        seconds: For all of them together.
+    """
+
+    case: Case
+    findings: tuple[Finding, ...]
+    seconds: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether all of its findings are."""
+        return all(finding.passed for finding in self.findings)
+
+    def rows(self) -> list[dict[str, Any]]:
+        """For ``--json``: a row a finding, null for what is not a number."""
+        return [
+            {
+                "name": self.case.name,
+                "quantity": finding.quantity,
+                "value": _number(finding.value),
+                "reference": _number(finding.reference),
+                "source": self.case.source,
+                "error": _number(finding.error),
+                "absolute": finding.absolute,
+                "tolerance": finding.tolerance,
+                "estimated_error": None,
+                "seconds": self.seconds,
+                "passed": finding.passed,
+                "note": finding.note,
+            }
+            for finding in self.findings
+        ]
+
+
+class UntrustedError(FenicsContactError):
+    """A run of a case found no answer, or one that a check of the physics refuses."""
+
+
+def solved(scene: Scene) -> Result:
+    """Solve a scene of a case; collective.
+
+    Raises:
+        UntrustedError: It did not converge, or a check failed.
+    """
+    result = run(scene)
+    if not result.passed:
+        raise UntrustedError(result.verdict)
+    return result
+
+
+def no_value(error: FenicsContactError) -> Finding:
+    """In place of the findings that an error prevented."""
+    return Finding("run", math.nan, math.nan, 0.0, note=str(error))
+
+
+def mesh_file(name: str) -> str:
+    """Path of a mesh: inside the installed package, or in the repository around it."""
+    installed = _PACKAGE / "meshes" / name
+    return str(installed if installed.is_file() else _PACKAGE.parent / "meshes" / name)
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,136 @@
+"""The command ``fenics-contact verify``: runs cases and says what came out."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from mpi4py import MPI
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from fenics_contact.errors import FenicsContactError, InputError
+from fenics_contact.parallel import on_root
+from fenics_contact.verification import CASES
+from fenics_contact.verification.case import Case, Finding, Outcome, no_value
+
+FAILED = 4
+
+# Of the table at least; a narrower terminal, or a file, would have it cut.
+_WIDTH = 110
+
+
+def verify(
+    names: Sequence[str],
+    quick: bool = False,
+    json_file: Path | None = None,
+    cases: Sequence[Case] = CASES,
+) -> int:
+    """Run cases; collective.
+
+    Args:
+        names: Of the cases to run; all if empty.
+        quick: Coarser and fewer runs.
+        json_file: To write a list of findings to.
+        cases: To choose from.
+
+    Returns:
+        Exit code: 0 if all passed, else 4.
+
+    Raises:
+        InputError: There is no such case, or no such folder for the file.
+    """
+    comm = MPI.COMM_WORLD
+    chosen = _chosen(names, cases)
+    on_root(comm, lambda: _require_folder(json_file))
+    console = Console(quiet=comm.rank > 0, highlight=False)
+    console.width = max(console.width, _WIDTH)
+    outcomes = []
+    for number, case in enumerate(chosen, 1):
+        outcome = run_case(case, quick)
+        outcomes.append(outcome)
+        verdict = "passed" if outcome.passed else "[bold red]FAILED[/bold red]"
+        console.print(
+            f"{number:2} of {len(chosen)}  {case.name:12} {escape(case.summary):52} "
+            f"{outcome.seconds:6.1f} s  {verdict}",
+            soft_wrap=True,
+        )
+    _print_outcomes(console, outcomes)
+    on_root(comm, lambda: _write(json_file, outcomes))
+    return 0 if all(outcome.passed for outcome in outcomes) else FAILED
+
+
+def run_case(case: Case, quick: bool) -> Outcome:
+    """Run a case; collective. An error becomes a finding that did not pass."""
+    comm = MPI.COMM_WORLD
+    started = time.perf_counter()
+    findings: list[Finding] = []
+    try:
+        for finding in case.run(quick):
+            findings.append(finding)
+    except FenicsContactError as error:
+        findings.append(no_value(error))
+    seconds = comm.allreduce(time.perf_counter() - started, op=MPI.MAX)
+    return Outcome(case, tuple(findings), seconds)
+
+
+def _chosen(names: Sequence[str], cases: Sequence[Case]) -> list[Case]:
+    known = [case.name for case in cases]
+    for name in names:
+        if name not in known:
+            raise InputError(f"verify: no case '{name}'; there are {', '.join(known)}")
+    return [case for case in cases if not names or case.name in names]
+
+
+def _require_folder(json_file: Path | None) -> None:
+    """Refuse a file that could not be written, before any work."""
+    if json_file is not None and (json_file.is_dir() or not json_file.parent.is_dir()):
+        raise InputError(f"--json '{json_file}': not a file in a folder that exists")
+
+
+def _write(json_file: Path | None, outcomes: Sequence[Outcome]) -> None:
+    if json_file is not None:
+        rows = [row for outcome in outcomes for row in outcome.rows()]
+        json_file.write_text(json.dumps(rows, indent=2, ensure_ascii=False) + "\n", "utf-8")
+
+
+def _print_outcomes(console: Console, outcomes: Sequence[Outcome]) -> None:
+    """The table of findings, then sources and what went wrong."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("case", no_wrap=True)
+    table.add_column("quantity", no_wrap=True)
+    for header in ("value", "reference", "error", "tolerance"):
+        table.add_column(header, justify="right", no_wrap=True)
+    table.add_column("")
+    for outcome in outcomes:
+        for finding in outcome.findings:
+            table.add_row(outcome.case.name, *_cells(finding))
+    console.print()
+    console.print(table)
+    console.print("\nErrors are relative, or absolute where marked abs. References:")
+    for outcome in outcomes:
+        console.print(
+            f"  {outcome.case.name:12} {outcome.case.source}", markup=False, soft_wrap=True
+        )
+    failed = [outcome for outcome in outcomes if not outcome.passed]
+    for outcome in failed:
+        for note in (finding.note for finding in outcome.findings if finding.note):
+            console.print(f"{outcome.case.name}: {note}", markup=False, soft_wrap=True)
+    seconds = sum(outcome.seconds for outcome in outcomes)
+    verdict = f"{len(failed)} of {len(outcomes)} cases FAILED" if failed else "All cases passed"
+    console.print(f"\n{verdict}, in {seconds:.0f} s.")
+
+
+def _cells(finding: Finding) -> list[str]:
+    kind = " abs" if finding.absolute else ""
+    return [
+        escape(finding.quantity),
+        f"{finding.value:.7g}",
+        f"{finding.reference:.7g}",
+        f"{finding.error:.1e}",
+        f"{finding.tolerance:.1e}{kind}",
+        "passed" if finding.passed else "[bold red]FAILED[/bold red]",
+    ]

@@ -1,0 +1,130 @@
+"""Closed solutions of frictionless contact with a half-space, in user's units.
+
+E* is the plane strain modulus E / (1 − ν²) of the half-space; the obstacles are rigid. Sources:
+
+- K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, chapters 3 to 5.
+- I. N. Sneddon, The relation between load and penetration in the axisymmetric Boussinesq
+  problem for a punch of arbitrary profile, Int. J. Engng Sci. 3 (1965) 47-57.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import log, pi, sqrt
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ellipk, ellipkm1
+
+
+@dataclass(frozen=True)
+class HertzContact:
+    """A contact's size and load.
+
+    Attributes:
+        force: Normal force; per thickness in a line contact.
+        radius: Contact radius, or half-width of a line contact (length).
+        peak: Largest pressure (stress).
+    """
+
+    force: float
+    radius: float
+    peak: float
+
+
+def plane_strain_modulus(youngs_modulus: float, poissons_ratio: float) -> float:
+    """E* = E / (1 − ν²) (stress)."""
+    return youngs_modulus / (1 - poissons_ratio**2)
+
+
+def paraboloid(modulus: float, radius: float, indentation: float) -> HertzContact:
+    """Point contact with a paraboloid (Johnson, (4.22) to (4.24)).
+
+    F = 4/3 E* √R d^(3/2), a = √(R d), p₀ = 2/π E* √(d/R).
+
+    Args:
+        modulus: E* (stress).
+        radius: R, of curvature at the apex (length).
+        indentation: d (length).
+    """
+    return HertzContact(
+        force=4 / 3 * modulus * sqrt(radius) * indentation**1.5,
+        radius=sqrt(radius * indentation),
+        peak=2 / pi * modulus * sqrt(indentation / radius),
+    )
+
+
+def sphere(modulus: float, radius: float, indentation: float) -> tuple[float, float]:
+    """Force and contact radius of a sphere that is no paraboloid (Sneddon 1965).
+
+    d = (a/2) ln((R + a)/(R − a)) gives a; F = E*/2 [(a² + R²) ln((R + a)/(R − a)) − 2 a R].
+    The arguments are those of ``paraboloid``; a is less than R.
+    """
+
+    def logarithm(a: float) -> float:
+        return log((radius + a) / (radius - a))
+
+    a = brentq(
+        lambda a: a / 2 * logarithm(a) - indentation, 0.0, radius * (1 - 1e-12), xtol=1e-14 * radius
+    )
+    force = modulus / 2 * ((a**2 + radius**2) * logarithm(a) - 2 * a * radius)
+    return force, a
+
+
+def line_contact(modulus: float, radius: float, force: float) -> HertzContact:
+    """A cylinder, by its force per thickness (Johnson, (4.43) and (4.45)).
+
+    a = √(4 P R / (π E*)), p₀ = 2 P / (π a). The other arguments are those of ``paraboloid``.
+    """
+    half_width = sqrt(4 * force * radius / (pi * modulus))
+    return HertzContact(force=force, radius=half_width, peak=2 * force / (pi * half_width))
+
+
+def line_force(modulus: float, radius: float, half_width: float) -> float:
+    """Force per thickness of a line contact of a given half-width: P = π E* a² / (4 R)."""
+    return pi * modulus * half_width**2 / (4 * radius)
+
+
+def flat_punch_force(modulus: float, radius: float, indentation: float) -> float:
+    """Flat circular punch: F = 2 E* a d (Johnson, section 3.4; Sneddon 1965)."""
+    return 2 * modulus * radius * indentation
+
+
+def annular_punch_force(
+    modulus: float, inner: float, outer: float, indentation: float, terms: int = 20
+) -> float:
+    """Flat annular punch: the integral equation of its pressure p, solved by product integration.
+
+    Rings of Boussinesq's point forces (Johnson, sections 3.2 and 3.8) move the surface by
+    w(r) = 4/(π E*) ∫ p(s) s/(r + s) K(m) ds, with the complete elliptic integral K and
+    1 − m = ((r − s)/(r + s))²; under the punch w is the indentation. With s = middle + half cos t,
+    p √(half² − (s − middle)²) is smooth in t, and the logarithm in
+    K(m) = −(2/π) K(1 − m) ln|cos t − cos t′| + smooth is integrated exactly. The force converges
+    spectrally: ten points give 14 digits where the outer radius is twice the inner.
+
+    Args:
+        modulus: E* (stress).
+        inner: Inner radius (length).
+        outer: Outer radius (length).
+        indentation: d (length).
+        terms: Chebyshev points.
+    """
+    middle, half = (outer + inner) / 2, (outer - inner) / 2
+    angle = (np.arange(terms) + 0.5) * np.pi / terms
+    cosine = np.cos(angle)
+    r = middle + half * cosine
+    sums = r[:, None] + r
+    complement = ((r[:, None] - r) / sums) ** 2
+    factor = -2 / np.pi * ellipk(complement)
+    distance = np.abs(cosine[:, None] - cosine)
+    np.fill_diagonal(complement, 1.0)
+    np.fill_diagonal(distance, 1.0)
+    smooth = ellipkm1(complement) - factor * np.log(distance)
+    np.fill_diagonal(smooth, np.log(8 * r / half))  # K(m) → ln(4 / √(1 − m))
+    # ∫ ln|cos t − cos s| cos ks ds over (0, π) is −π/k cos kt, and −π ln 2 for k = 0.
+    orders = np.arange(1, terms)
+    waves = np.cos(np.outer(angle, orders))
+    logarithm = -(np.pi * np.log(2) + 2 * (waves * (np.pi / orders)) @ waves.T) / terms
+    kernel = 4 / np.pi * (factor * logarithm + smooth * np.pi / terms) / sums
+    pressure = np.linalg.solve(kernel, np.full(terms, indentation))  # times s √(…) / E*
+    return float(2 * np.pi * modulus * pressure.sum() * np.pi / terms)
