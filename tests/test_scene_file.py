@@ -149,3 +149,51 @@ def test_scene_reference_describes_every_key():
     for line in scene_reference.render().splitlines():
         if line.startswith("| `"):
             assert all(cell.strip() for cell in line.strip("|").split("|")), line
+
+
+PUNCH = (
+    GOOD[: GOOD.index("pressure")]
+    + """
+penalty_parameter = 1e-8
+[contact.obstacle]
+shape = "cylinder"
+radius = 8
+position = [4, 1]
+indentation = 0.1
+"""
+)
+
+
+def test_obstacle_is_a_table_of_its_contact(folder):
+    scene = load_scene(write(folder, 'symmetry = ["left"]\n' + PUNCH))
+    obstacle = scene.contact[0].obstacle
+    assert (obstacle.shape, obstacle.radius, obstacle.position) == ("cylinder", 8, (4, 1))
+    assert scene.contact[0].kind == "unilateral"
+    assert scene.symmetry == ("left",)
+    changed = load_scene(folder / "scene.toml", ["contact.0.obstacle.indentation=0.2"])
+    assert changed.contact[0].obstacle.indentation == 0.2
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("radius = 8", "radus = 8", r"contact\[0\].obstacle.radus' \(did you mean 'radius'"),
+        ('"cylinder"', '"ball"', r"contact\[0\].obstacle.shape = 'ball': must be 'plane', "),
+        ("radius = 8", "", r"contact\[0\].obstacle: radius is missing for the shape 'cylinder'"),
+        ("radius = 8", "radius = -8", r"contact\[0\].obstacle.radius = -8: must be greater than 0"),
+        ("[4, 1]", "[4, 1, 0]", r"contact\[0\].obstacle.position has 3 entries; it needs 2"),
+        ("[4, 1]", "4", r"contact\[0\].obstacle.position = 4: must be a list"),
+        ("indentation", "force = 3\nindentation", r"either an indentation or a force"),
+        ("1e-8", '"soft"', r"contact\[0\].penalty_parameter = 'soft': must be .*number or 'auto'"),
+        ("1e-8", "0", r"contact\[0\].penalty_parameter = 0: must be greater than 0"),
+        ("[contact.obstacle]", "[contact.obstacles]", r"did you mean 'obstacle'"),
+        ("[mesh]", '[half_space]\non = ["bottom"]\n[mesh]', r"half_space: only the contacts'"),
+    ],
+)
+def test_bad_obstacle_gives_one_sentence(folder, old, new, message):
+    assert old in PUNCH
+    path = write(folder, PUNCH.replace(old, new, 1))
+    with pytest.raises(InputError, match=message) as error:
+        load_scene(path)
+    assert str(path) in str(error.value)
+    assert "\n" not in str(error.value)
