@@ -72,7 +72,6 @@ class ContactSurface:
         owned_nodes: Which of these this rank owns.
         kinematics: Jump, gap and slip against the obstacle.
         plane_strain_modulus: E/(1 − ν²) of the body, about (stress).
-        no_datum: Whether that number depends on an arbitrary datum, and is not reported.
         friction_bound: g = coefficient × pressure at the points (stress).
         regularisation_parameter: ε as used (length), 0 without friction.
         penalty_parameter: ε₁ as used (length/stress), 0 without a penalty.
@@ -100,7 +99,6 @@ class ContactSurface:
             raise InputError(
                 f"{key}.on = '{contact.on}': no facet of it is on the boundary of the body"
             )
-        self.no_datum = False
         self.plane_strain_modulus = plane_strain_modulus
         self._given_pressure = self._given(contact.pressure or 0.0, f"{key}.pressure")
         described = contact.obstacle or Obstacle()
@@ -145,13 +143,6 @@ class ContactSurface:
     def is_one_sided(self) -> bool:
         """Whether it pushes only: the body may leave it."""
         return self.normal is not None and self.contact.kind != "bonded"
-
-    @property
-    def reported_indentation(self) -> float | None:
-        """How far the obstacle went in; None where there is none, or no datum for it."""
-        if self.contact.obstacle is None or self.no_datum:
-            return None
-        return self.kinematics.indentation
 
     @property
     def law(self) -> str:

@@ -11,6 +11,7 @@ from dolfinx import fem, io, la
 from fenics_contact import compat
 from fenics_contact.contact import OPEN, STICK
 from fenics_contact.problem import Problem
+from fenics_contact.reaction_pressure import reaction_pressure
 from fenics_contact.solution import Solution
 
 # Values of the field `status`.
@@ -20,13 +21,15 @@ NO_CONTACT, FIELD_OPEN, FIELD_STICK, FIELD_SLIP = -1.0, 0.0, 1.0, 2.0
 def write_fields(problem: Problem, solution: Solution, folder: Path) -> None:
     """Write ``fields.pvd`` and its pieces; collective.
 
-    Point data: displacement, stress (3 × 3), contact_pressure, friction_traction
-    and status (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP).
+    Point data: displacement, stress (3 × 3), contact_pressure, friction_traction, status
+    (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP) and, where a contact is not prescribed,
+    reaction_pressure, which knows nothing of the penalty.
     """
     functions = [
         problem.displacement,
         nodal_stress(problem),
         *_contact_functions(problem, solution),
+        *_reaction_pressure(problem, solution),
     ]
     with io.VTKFile(problem.comm, folder / "fields.pvd", "w") as file:
         file.write_function(functions, 0.0)
@@ -73,3 +76,14 @@ def _contact_functions(problem: Problem, solution: Solution) -> list[Any]:
         tractions = at_points.friction_traction[at_nodes]
         traction.x.array.reshape(-1, spaces.components)[nodes] = tractions
     return [pressure, traction, state]
+
+
+def _reaction_pressure(problem: Problem, solution: Solution) -> list[Any]:
+    """Pressure from the bulk's nodal forces on the contacts that push, if there are any."""
+    pushing = [i for i, contact in enumerate(problem.contacts) if contact.normal is not None]
+    if not pushing:
+        return []
+    spaces = problem.spaces
+    nodal = sum(reaction_pressure(problem, solution, number) for number in pushing)
+    every = np.arange(len(spaces.coordinates), dtype=np.int32)
+    return [spaces.nodal_function("reaction_pressure", np.asarray(nodal), every)]

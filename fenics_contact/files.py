@@ -90,23 +90,25 @@ def _write_tables(result: Result, folder: Path) -> None:
 
 def _csv_rows(points: ContactPoints, names: list[str]) -> list[list[str]]:
     columns = [
-        points.coordinates,
-        points.normals,
-        points.gap[:, None],
-        points.contact_pressure[:, None],
-        points.friction_traction,
-        points.slip,
+        _without_round_off(points.coordinates),
+        _without_round_off(points.normals),
+        # The gap is a difference of lengths; closed, round-off is most of it.
+        _without_round_off(points.gap[:, None], np.abs(points.coordinates).max(initial=0.0)),
+        _without_round_off(points.contact_pressure[:, None]),
+        _without_round_off(points.friction_traction),
+        _without_round_off(points.slip),
     ]
-    table = np.hstack([_without_round_off(column) for column in columns])
+    table = np.hstack(columns)
     return [
         [names[contact], *(f"{value:.8g}" for value in values), str(state)]
         for contact, values, state in zip(points.contact, table, points.status, strict=True)
     ]
 
 
-def _without_round_off(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Rounded to 1e-12 of the largest, so that runs compare line by line."""
-    unit = 1e-12 * np.abs(values).max(initial=0.0)
+def _without_round_off(values: NDArray[np.float64], size: float = 0.0) -> NDArray[np.float64]:
+    """Rounded to 1e-12 of the largest, or 1e-13 of a size, so that runs compare line by line."""
+    finite = np.abs(values[np.isfinite(values)])
+    unit = 1e-13 * size if size > 0 else 1e-12 * finite.max(initial=0.0)
     return np.round(values / unit) * unit + 0.0 if unit > 0 else values
 
 

@@ -111,6 +111,11 @@ class Problem:
         """The contacts that have a friction term."""
         return [contact for contact in self.contacts if contact.friction is not None]
 
+    @property
+    def has_datum(self) -> bool:
+        """Whether displacements have a datum: those of a half-plane grow without end."""
+        return self.far_field is None or self.spaces.kinematics != "plane strain"
+
     def is_loaded(self, group: Group) -> bool:
         """Whether a load acts on some of the facets of a group."""
         loaded = [self.body.find(load.on) for load in self.scene.load if load.body_force is None]
@@ -128,7 +133,6 @@ class Problem:
                 self.unknowns.append(ScalarUnknown(contact, "resultant", column))
             else:
                 values += contact.force * column
-                contact.no_datum = self.spaces.kinematics == "plane strain"
         self.applied_supports.append(AppliedSupport(far_field.on, far_field.dofs, values))
         order = np.argsort(np.concatenate([self.constrained, far_field.dofs]))
         self.constrained = np.concatenate([self.constrained, far_field.dofs])[order]

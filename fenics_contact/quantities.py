@@ -18,14 +18,9 @@ from fenics_contact.spaces import Spaces
 Array = NDArray[np.float64]
 
 
-def contact_quantities(contact: ContactSurface, solution: Solution, number: int) -> dict[str, Any]:
-    """The interface's quantities of one contact.
-
-    Args:
-        contact: The contact.
-        solution: The solution.
-        number: Of the contact, in scene order.
-    """
+def contact_quantities(problem: Problem, solution: Solution, number: int) -> dict[str, Any]:
+    """The interface's quantities of one contact, by its number in scene order; collective."""
+    contact = problem.contacts[number]
     comm, integral = contact.spaces.comm, contact.trace.integral
     state = solution.states[number]
     force = solution.friction_force[number]
@@ -42,7 +37,6 @@ def contact_quantities(contact: ContactSurface, solution: Solution, number: int)
     if contact.friction is not None:
         friction = _resultant(contact.spaces, force[owned])
     depth = np.where(np.isfinite(state.gap), -state.gap, 0.0)
-    indentation = contact.reported_indentation
     return {
         "normal_force": float(integral(state.contact_pressure * along)),
         "friction_force": friction.tolist(),
@@ -54,8 +48,15 @@ def contact_quantities(contact: ContactSurface, solution: Solution, number: int)
         "max_slip": largest(comm, np.linalg.norm(state.slip, axis=1)),
         "friction_work": dissipated,
         "penalty_energy": float(integral(state.penalty_energy)),
-        **({} if indentation is None else {"indentation": indentation}),
+        **_indentation(problem, contact),
     }
+
+
+def _indentation(problem: Problem, contact: ContactSurface) -> dict[str, float]:
+    """How far an obstacle went in (length); nothing where there is none, or no datum."""
+    if contact.contact.obstacle is None or not problem.has_datum:
+        return {}
+    return {"indentation": contact.kinematics.indentation}
 
 
 def support_reactions(problem: Problem, solution: Solution) -> tuple[Array, list[dict[str, Any]]]:

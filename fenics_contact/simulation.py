@@ -116,8 +116,8 @@ class Run:
         with self.timings.phase("output"):
             reactions, supports = support_reactions(problem, solution)
             by_contact = [
-                contact_quantities(contact, solution, number)
-                for number, contact in enumerate(problem.contacts)
+                contact_quantities(problem, solution, number)
+                for number in range(len(problem.contacts))
             ]
             quantities = global_quantities(problem, solution, reactions, by_contact)
             checks = run_checks(problem, solution, reactions)

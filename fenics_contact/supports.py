@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.errors import InputError
-from fenics_contact.parallel import largest, raise_together, smallest
+from fenics_contact.parallel import largest, raise_together, smallest, total
 from fenics_contact.scene import Scene
 from fenics_contact.scene_values import AXES
 from fenics_contact.spaces import Spaces
@@ -53,7 +53,7 @@ class Supports:
     """All supports of a scene; collective.
 
     Attributes:
-        applied: Supports in scene order, then the planes of symmetry.
+        applied: Supports in scene order, the planes of symmetry, the axis of revolution.
         planes: The planes of symmetry; the axis of revolution is none.
         dofs: Every constrained dof once, sorted (local indices, owned and ghost).
         values: Their prescribed displacements (length).
@@ -67,8 +67,10 @@ class Supports:
         self.applied = [self._support(scene, number) for number in range(len(scene.support))]
         planes = [self._plane(on, f"symmetry[{i}]") for i, on in enumerate(scene.symmetry)]
         self.applied += [self._of_plane(plane) for plane in planes]
-        on_axis = spaces.kinematics == "axisymmetric"
-        self.planes = [p for p in planes if not (on_axis and p.axis == 0)]
+        self.planes = planes
+        if spaces.kinematics == "axisymmetric":
+            self.planes = [plane for plane in planes if plane.axis != 0]
+            self.applied += self._axis_of_revolution()
         self.dofs, self.values = self._constraints()
 
     @property
@@ -107,6 +109,16 @@ class Supports:
         nodes = spaces.nodes(spaces.body.boundary(plane.on, "symmetry"))
         dofs = nodes.astype(np.int64) * spaces.components + plane.axis
         return AppliedSupport(plane.on, dofs, np.zeros(len(dofs)))
+
+    def _axis_of_revolution(self) -> list[AppliedSupport]:
+        """Points on the axis stay on it, where the body reaches it."""
+        spaces = self._spaces
+        radii = spaces.coordinates[:, 0]
+        nodes = np.flatnonzero(radii <= _FLAT * largest(spaces.comm, radii)).astype(np.int64)
+        if total(spaces.comm, len(nodes)) == 0:
+            return []
+        name = "the axis of revolution"
+        return [AppliedSupport(name, nodes * spaces.components, np.zeros(len(nodes)))]
 
     def _constraints(self) -> tuple[NDArray[np.int64], Array]:
         """All constrained dofs, each once, with their values."""

@@ -25,21 +25,18 @@ _PAPER = "L. T. Campos, J. T. Oden, N. Kikuchi, CMAME 34 (1982) 821-845"
 _PROTOTYPE = "data reconstructed; values of a separate prototype"
 
 
-def slab_scene(
-    end_load: float = 300.0, cells: tuple[int, int] = (16, 1), cell: str = "quadrilateral"
-) -> Scene:
+def slab_scene(end_load: float = 300.0, cells: tuple[int, int] = (16, 1)) -> Scene:
     """Example 1: a slab pushed at its end against friction under a given pressure.
 
     Args:
         end_load: Pressure on its right end (stress).
         cells: Along and across.
-        cell: ``quadrilateral`` or ``triangle``.
     """
     return Scene(
         kinematics="plane stress",
         mesh=MeshSource(
             mesh_file("slab.geo"),
-            cell=cell,  # type: ignore[arg-type]
+            cell="quadrilateral",
             parameters={"cells_along": cells[0], "cells_across": cells[1]},
         ),
         material=(Material(1000, 0.3),),
