@@ -74,6 +74,7 @@ class _Newton:
         self.timings = timings
         self.comm = problem.comm
         self.history: list[float] = []
+        self.own_options: list[str] = []
         spaces = problem.spaces
         self.owned_size = spaces.owned_nodes * spaces.components
         constrained = problem.constrained
@@ -90,6 +91,8 @@ class _Newton:
 
     def destroy(self) -> None:
         """Free PETSc's objects: factors hold communicators, of which there are few."""
+        for name in self.own_options:  # the database is global: the next may want others
+            PETSc.Options().delValue(name)
         self.system.destroy()
         for thing in (self.tangent, self.state, self.residual, self.work):
             thing.destroy()
@@ -120,6 +123,7 @@ class _Newton:
         for name, value in defaults.items():
             if not options.hasName(OPTIONS_PREFIX + name):
                 options.setValue(OPTIONS_PREFIX + name, value)
+                self.own_options.append(OPTIONS_PREFIX + name)
         snes.setTolerances(rtol=0.0, atol=0.0, stol=0.0, max_it=settings.max_iterations)
         snes.setFromOptions()
         snes.setConvergenceTest(self._converged)

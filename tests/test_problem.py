@@ -189,3 +189,12 @@ def test_varying_pressure_and_coefficient_reach_the_contact_points():
     traction = points.friction_traction[:, 0]
     assert traction[slipping] == pytest.approx(bound[slipping], rel=1e-9)
     assert (traction[~slipping] <= bound[~slipping]).all()
+
+
+def test_petsc_options_of_one_problem_do_not_reach_the_next():
+    """PETSc's options are global; each run takes back those it set."""
+    from petsc4py import PETSc
+
+    before = PETSc.Options().getAll()
+    run(slab())
+    assert PETSc.Options().getAll() == before
