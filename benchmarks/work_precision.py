@@ -43,8 +43,8 @@ OUTSIDE = {"uniform": 8.0, "graded": 2.0}
 # that of an ellipsoid of pressure with this force and peak, F = 2/3 π a² p₀.
 # Slab: Q2 512 × 64; the energy extrapolated at second order from 256 × 32 and 512 × 64.
 REFERENCES = {
-    "hertz": {"normal_force": 4137.00, "max_contact_pressure": 247.139},
-    "slab": {"friction_force": 209.975096, "strain_energy": 352.713039},
+    "hertz": {"normal_force": 4137.01, "max_contact_pressure": 247.140},
+    "slab": {"friction_force": 209.9750961, "strain_energy": 352.713039},
 }
 REFERENCES["hertz"]["contact_radius"] = math.sqrt(
     1.5 * REFERENCES["hertz"]["normal_force"] / math.pi
@@ -171,6 +171,8 @@ def print_table(rows: list[dict[str, Any]]) -> None:
 
 def plot(rows: list[dict[str, Any]], case: str, title: str, path: Path) -> None:
     """A panel a quantity: error against seconds."""
+    from matplotlib.ticker import LogLocator
+
     names = list(REFERENCES[case])
     figure, panels = new_figure(title, (3.6 * len(names), 4.4), ncols=len(names), sharey=True)
     for panel, quantity in zip(panels, names, strict=True):
@@ -192,8 +194,11 @@ def plot(rows: list[dict[str, Any]], case: str, title: str, path: Path) -> None:
             )
         for target in TARGETS:
             panel.axhline(target, color="0.75", linewidth=0.8, zorder=0)
-        panel.text(0.5, 0.97, quantity.replace("_", " "), transform=panel.transAxes, ha="center")
+        panel.set_title(quantity.replace("_", " "), fontsize=10)
         panel.set_xlabel("seconds")
+        panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        panel.xaxis.set_major_formatter("{x:g}")
+        panel.xaxis.set_minor_formatter("")
     panels[0].set_ylabel("relative error of the discretisation")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
@@ -218,7 +223,7 @@ def main() -> None:
         options.json.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
     if options.plot:
         options.plot.mkdir(parents=True, exist_ok=True)
-        for case, title in (("hertz", "Hertz's contact"), ("slab", "The paper's slab")):
+        for case, title in (("hertz", "Hertz"), ("slab", "Slab")):
             plot(rows, case, title, options.plot / f"work_precision_{case}.png")
 
 

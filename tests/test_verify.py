@@ -121,7 +121,7 @@ def test_unknown_name_is_one_sentence_and_exit_2(capsys, arguments):
 def test_file_in_no_folder_is_refused_before_any_work(folder, capsys):
     assert main(["verify", "--json", str(folder / "none" / "found.json")]) == 2
     said = capsys.readouterr()
-    assert "a folder that exists" in COMM.bcast(said.err)
+    assert "a folder that can be written to" in COMM.bcast(said.err)
     assert said.out == ""
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -41,7 +42,7 @@ def verify(
         Exit code: 0 if all passed, else 4.
 
     Raises:
-        InputError: There is no such case, or no such folder for the file.
+        InputError: There is no such case, or the file could not be written.
     """
     comm = MPI.COMM_WORLD
     chosen = _chosen(names, cases)
@@ -87,8 +88,10 @@ def _chosen(names: Sequence[str], cases: Sequence[Case]) -> list[Case]:
 
 def _require_folder(json_file: Path | None) -> None:
     """Refuse a file that could not be written, before any work."""
-    if json_file is not None and (json_file.is_dir() or not json_file.parent.is_dir()):
-        raise InputError(f"--json '{json_file}': not a file in a folder that exists")
+    if json_file is None:
+        return
+    if json_file.is_dir() or not os.access(json_file.parent, os.W_OK):
+        raise InputError(f"--json '{json_file}': not a file in a folder that can be written to")
 
 
 def _write(json_file: Path | None, outcomes: Sequence[Outcome]) -> None:

@@ -11,8 +11,8 @@ from fenics_contact.verification.case import Case, Finding, mesh_file, solved
 from fenics_contact.verification.point_cases import JOHNSON, MATERIAL, MODULUS, RADIUS
 
 _LINE_HALF_WIDTH = 8.0**0.5
-# The formula is for half-widths small against the radius. On a curved body it is off by what
-# the surface moves sideways, (1 − 2ν) a/R: by 2 % at a/R = 1/8, and by .5 % here.
+# The formula is for half-widths small against the radius. On a curved body what the surface
+# moves sideways changes it by order (1 − 2ν) a/R: by 2 % at a/R = 1/8, and by .5 % here.
 _CYLINDER_RADIUS, _CYLINDER_HALF_WIDTH = 32.0, 1.0
 
 
