@@ -82,6 +82,14 @@ class ElasticBody:
         return self.reference_modulus / (1 - self._poissons_ratio**2)
 
     @property
+    def confined_modulus(self) -> float:
+        """E (1 − ν) / ((1 + ν)(1 − 2ν)) of the stiffest part: stress over uniaxial strain."""
+        if self._spaces.kinematics == "plane stress" or self._poissons_ratio <= -1:
+            return self.reference_modulus
+        nu = self._poissons_ratio
+        return self.reference_modulus * max((1 - nu) / ((1 + nu) * (1 - 2 * nu)), 1.0)
+
+    @property
     def forms(self) -> tuple[Any, ...]:
         """All compiled forms."""
         if self.mixed is None:

@@ -115,6 +115,8 @@ def boundary_stress(problem: Problem, solution: Solution) -> Check | None:
         given = contact.trace.integral(traction)
         carried = np.abs(state.contact_pressure) + contact.friction_bound + typical
         limit = _STRESS_OVER_SIZE[spaces.degree] * contact.trace.relative_facet_size()
+        if limit > _LARGEST_STRESS_LIMIT and contact.is_one_sided:
+            continue  # it may touch in a single point of so coarse a surface
         check = Check(
             float(np.linalg.norm((found - given)[axes]) / (contact.trace.integral(carried) or 1.0)),
             min(limit, _LARGEST_STRESS_LIMIT),

@@ -13,6 +13,7 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from fenics_contact.bulk import ElasticBody
 from fenics_contact.contact_kinematics import ContactKinematics
 from fenics_contact.contact_terms import FrictionTerm, NormalTerm
 from fenics_contact.errors import InputError
@@ -21,6 +22,7 @@ from fenics_contact.parallel import largest, smallest, total
 from fenics_contact.scene_contact import Contact, Obstacle
 from fenics_contact.scene_values import Value
 from fenics_contact.spaces import Spaces
+from fenics_contact.supports import Supports
 from fenics_contact.trace import Trace
 
 Array = NDArray[np.float64]
@@ -32,7 +34,7 @@ OPEN, STICK, SLIP = "OPEN", "STICK", "SLIP"
 _REGULARISATION_SHARE = 1e-5
 # ε₁ = this × h / E: a pressure p then sinks in by this share of the elastic displacement
 # p h / E of one cell, so its bias stays below .1 % down to contacts of a single cell.
-_PENALTY_SHARE = 1e-4
+_PENALTY_SHARE = 3e-4
 
 _NAMES = {
     "unilateral": "unilateral contact (penalty)",
@@ -72,10 +74,11 @@ class ContactSurface:
         owned_nodes: Which of these this rank owns.
         kinematics: Jump, gap and slip against the obstacle.
         plane_strain_modulus: E/(1 − ν²) of the body, about (stress).
-        friction_bound: g = coefficient × pressure at the points (stress).
-        regularisation_parameter: ε as used (length), 0 without friction.
         penalty_parameter: ε₁ as used (length/stress), 0 without a penalty.
         pressure_load: Compiled linear form of a prescribed pressure's work, or None.
+        force: That drives the obstacle at present, None where none does (force).
+        dissipated: Work of friction in the load steps that are done (force × length).
+        is_scaled: Whether ε has been set, for which a pressure must be known.
         normal: Penalty, foundation or glue; None where prescribed, or driven by no force.
         friction: The term of j_ε, or None without friction.
     """
@@ -85,59 +88,142 @@ class ContactSurface:
         contact: Contact,
         key: str,
         spaces: Spaces,
-        reference_modulus: float,
-        plane_strain_modulus: float,
+        supports: Supports,
+        held: NDArray[np.int64],
+        elastic: ElasticBody,
     ) -> None:
         self.contact = contact
         self.label = contact.label
         self.spaces = spaces
         self.group = spaces.body.boundary(contact.on, f"{key}.on")
-        self.trace = Trace(spaces, self.group)
+        self.trace = Trace(spaces, self.group, supports.flat_sides)
         self.nodes = self.trace.nodes
         self.owned_nodes = spaces.is_owned(self.nodes)
         if largest(spaces.comm, self.trace.weights) <= 0:
             raise InputError(
                 f"{key}.on = '{contact.on}': no facet of it is on the boundary of the body"
             )
-        self.plane_strain_modulus = plane_strain_modulus
+        self.plane_strain_modulus = elastic.plane_strain_modulus
         self._given_pressure = self._given(contact.pressure or 0.0, f"{key}.pressure")
         described = contact.obstacle or Obstacle()
         self.kinematics = ContactKinematics(
             self.trace, None if contact.kind == "prescribed" else described, f"{key}.obstacle"
         )
-        self.penalty_parameter = self._penalty(reference_modulus)
+        if contact.kind in ("unilateral", "winkler"):
+            self.kinematics.require_one_sided(key)
+            self.kinematics.leave_out(self._held_across(held))
+            if contact.obstacle is not None and contact.obstacle.force is not None:
+                self.kinematics.bring_up()
+        self.force = None if contact.obstacle is None else contact.obstacle.force
+        self.dissipated = 0.0
+        self.penalty_parameter = self._penalty(elastic.confined_modulus)
         self.normal = self._normal_term(f"{key}.foundation_stiffness")
         coefficient = self._given(contact.friction_coefficient, f"{key}.friction_coefficient")
-        if contact.law == "none":
+        if contact.law == "none" or (contact.kind != "prescribed" and self.normal is None):
             coefficient = np.zeros_like(coefficient)
-        self.friction_bound = coefficient * self._given_pressure
-        self.regularisation_parameter = self._regularisation(reference_modulus)
         self.pressure_load = self._pressure_form()
-        self.friction = None
-        if self.regularisation_parameter > 0:
-            self.friction = FrictionTerm(
-                f"regularised friction on {self.label}",
-                self.trace,
-                self.kinematics.jump,
-                self.friction_bound,
-                self.regularisation_parameter,
-            )
+        self.is_scaled = False
+        self.friction = self._friction_term(coefficient)
+        if self.friction is not None and contact.kind == "prescribed":
+            self.scale_friction(elastic.reference_modulus, self._given_pressure)
+
+    def _friction_term(self, coefficient: Array) -> FrictionTerm | None:
+        comm = self.spaces.comm
+        bound = coefficient * (self._given_pressure if self.normal is None else 1.0)
+        if largest(comm, bound) == 0:
+            return None
+        term = FrictionTerm(
+            f"regularised friction on {self.label}",
+            self.trace,
+            self.kinematics.jump,
+            coefficient,
+            self.normal,
+            incremental=self.contact.law == "incremental",
+        )
+        if self.normal is None:
+            term.set_bound(bound)
+        return term
+
+    @property
+    def friction_bound(self) -> Array:
+        """Friction bound g = coefficient × pressure at the points, as last set (stress)."""
+        if self.friction is None:
+            return np.zeros(len(self.trace.weights))
+        return self.friction.bound
+
+    @property
+    def regularisation_parameter(self) -> float:
+        """ε as used (length), 0 without friction."""
+        return 0.0 if self.friction is None else self.friction.regularisation_parameter
+
+    @property
+    def is_coulomb(self) -> bool:
+        """Whether its friction depends on a pressure that is not known."""
+        return self.friction is not None and self.normal is not None
+
+    def scale_friction(self, reference_modulus: float, pressure: Array) -> None:
+        """Set ε: the scene's, or one whose bias is below .1 % at a pressure; collective."""
+        assert self.friction is not None
+        epsilon = self.contact.regularisation_parameter
+        if epsilon == "auto":
+            strongest = largest(self.spaces.comm, self.friction.bound_of(pressure))
+            size = self.trace.smallest_edge()
+            epsilon = _REGULARISATION_SHARE * strongest * size / reference_modulus
+        self.is_scaled = epsilon > 0
+        self.friction.regularisation_parameter = float(epsilon) or 1.0
 
     @property
     def terms(self) -> list[NormalTerm | FrictionTerm]:
         """Its energy terms."""
         return [term for term in (self.normal, self.friction) if term is not None]
 
-    @property
-    def force(self) -> float | None:
-        """The force that drives the obstacle, if one does."""
+    def set_time(self, time: float) -> None:
+        """Bring the obstacle to where it stands, or to what drives it, at a pseudo-time."""
         obstacle = self.contact.obstacle
-        return None if obstacle is None else obstacle.force
+        if obstacle is None:
+            return
+        factor = obstacle.path(time)
+        self.force = None if obstacle.force is None else obstacle.force * factor
+        if obstacle.force is None:
+            self.kinematics.indentation = (obstacle.indentation or 0.0) * factor
+        if obstacle.displacement is not None:
+            moved = np.array(obstacle.displacement) * obstacle.displacement_path(time)
+            self.kinematics.displace(moved)
+            if self.normal is not None:
+                self.normal.set_gap(self.kinematics.gap)
+
+    def accept(self) -> None:
+        """A load step is done: slip counts from here where the law is incremental."""
+        if self.friction is None:
+            return
+        slip = self.kinematics.tangential(self.kinematics.jump_at_points())
+        if self.contact.law == "incremental":
+            self.dissipated += self._dissipation(slip)
+        self.friction.accept(slip)
+
+    def _dissipation(self, slip: Array) -> float:
+        """Work of friction on the slip that its law sees; collective."""
+        assert self.friction is not None
+        power = self.friction.traction(slip) * self.friction.counted(slip)
+        return -float(self.trace.integral(power.sum(axis=1)))
+
+    def friction_work(self) -> float:
+        """Dissipated since the start: in all steps, or by the static law; collective."""
+        if self.friction is None:
+            return 0.0
+        slip = self.kinematics.tangential(self.kinematics.jump_at_points())
+        return self.dissipated + self._dissipation(slip)
 
     @property
     def floats(self) -> bool:
-        """Whether the obstacle's position is an unknown: a force > 0 drives it."""
-        return bool(self.force)
+        """Whether the obstacle's position is an unknown: a force drives it, or it is glued on.
+
+        An obstacle that no force drives, and that pushes only, is left out.
+        """
+        obstacle = self.contact.obstacle
+        if obstacle is None or obstacle.force is None:
+            return False
+        return obstacle.force > 0 or self.contact.kind == "bonded"
 
     @property
     def is_one_sided(self) -> bool:
@@ -151,25 +237,28 @@ class ContactSurface:
             return "stick"
         return self.contact.law if self.friction is not None else "none"
 
-    def _penalty(self, reference_modulus: float) -> float:
+    def _penalty(self, modulus: float) -> float:
         """The scene's ε₁, or one whose bias in force and peak pressure is below .1 %."""
         if self.contact.kind not in ("unilateral", "bonded"):
             return 0.0
         if self.contact.penalty_parameter != "auto":
             return float(self.contact.penalty_parameter)
-        return _PENALTY_SHARE * self.trace.smallest_edge() / reference_modulus
+        return _PENALTY_SHARE * self.trace.smallest_edge() / modulus
 
     def _normal_term(self, key: str) -> NormalTerm | None:
         kind = self.contact.kind
-        if kind == "prescribed" or self.force == 0:
+        if kind == "prescribed" or (self.force is not None and not self.floats):
             return None
         if kind == "winkler":
             stiffness = self._given(self.contact.foundation_stiffness or 0.0, key)
         else:
             stiffness = np.full(len(self.trace.weights), 1 / self.penalty_parameter)
-        stiffness = np.where(self.kinematics.reached, stiffness, 0.0)
+        if kind == "bonded":
+            stiffness = np.where(self.kinematics.reached, stiffness, 0.0)
         name = f"{_NAMES[kind]} on {self.label}"
-        return NormalTerm(name, self.trace, self.kinematics.jump, self.kinematics.gap, stiffness)
+        return NormalTerm(
+            name, self.trace, self.kinematics.jump, self.kinematics.gap, stiffness, kind == "bonded"
+        )
 
     def _given(self, value: Value, key: str) -> Array:
         values = self.spaces.evaluate_at(value, self.trace.coordinates.T, key)
@@ -177,15 +266,6 @@ class ContactSurface:
         if lowest < 0:
             raise InputError(f"{key}: its smallest value is {lowest:g}, but it must be ≥ 0")
         return values
-
-    def _regularisation(self, reference_modulus: float) -> float:
-        """The scene's ε, or one whose bias in force and peak traction is below .1 %."""
-        strongest = largest(self.spaces.comm, self.friction_bound)
-        if strongest == 0:
-            return 0.0
-        if self.contact.regularisation_parameter != "auto":
-            return float(self.contact.regularisation_parameter)
-        return _REGULARISATION_SHARE * strongest * self.trace.smallest_edge() / reference_modulus
 
     def _pressure_form(self) -> Any:
         """The work f on Γ_C as a linear form: minus the derivative of ∫ p v_n."""
@@ -198,6 +278,14 @@ class ContactSurface:
             test, self.trace.normal, pressure, self.trace.weight, self.trace.measure
         )
         return fem.form(work)
+
+    def _held_across(self, held: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Points that supports hold along the normal: what stands there is no contact's matter."""
+        across = np.zeros(len(self.trace.normals), dtype=bool)
+        count = len(self.nodes)
+        free = self.trace.normals[:count] ** 2 * ~self._held(held)
+        across[:count] = free.sum(axis=1) <= 1e-9
+        return across
 
     def _held(self, constrained: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Which components of the nodes a support holds, shape (nodes, components)."""
@@ -236,6 +324,18 @@ class ContactSurface:
         held = total(self.spaces.comm, self._held(constrained)[self.owned_nodes].sum(axis=0))
         return held > 0.1 * total(self.spaces.comm, self.owned_nodes.sum())
 
+    def pressure(self) -> Array:
+        """Contact pressure at the points at the present jump (stress)."""
+        if self.normal is None:
+            return self._given_pressure
+        jump = self.kinematics.jump_at_points()
+        return self.normal.pressure(self.kinematics.normal(jump) - self.kinematics.gap)
+
+    def follow_pressure(self) -> None:
+        """Let the friction bound follow the pressure, where the two are coupled."""
+        if self.friction is not None and self.friction.mode == "coupled":
+            self.friction.set_bound(self.friction.bound_of(self.pressure()))
+
     def follow(self) -> None:
         """Move the friction tangent to the present jump."""
         if self.friction is not None:
@@ -259,7 +359,8 @@ class ContactSurface:
                 traction = -self.normal.stiffness[:, None] * slip + 0.0
         if self.friction is not None:
             traction = self.friction.traction(slip)
-        status = self._status(pressure, slip)
+        counted = slip if self.friction is None else self.friction.counted(slip)
+        status = self._status(pressure, counted)
         return ContactState(0.0 - depth, pressure, traction, slip, status, energy)
 
     def _status(self, pressure: Array, slip: Array) -> NDArray[np.str_]:

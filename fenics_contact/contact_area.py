@@ -71,6 +71,8 @@ def _edge_position(
     """Where the edge lies between a closed and an open point, 0 … 1 of the way out."""
     assert contact.normal is not None
     pressure, gap = state.contact_pressure[inner], state.gap[outer]
+    if gap <= 0:  # nothing pushes there, a foundation that ends
+        return 0.5
     stiffness = contact.normal.stiffness[inner]
     modulus = contact.plane_strain_modulus
     if stiffness * length < 10 * modulus:

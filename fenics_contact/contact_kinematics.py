@@ -27,7 +27,11 @@ class ContactKinematics:
         direction: Unit vector m along which the obstacle is driven, (components,); 0 without.
         gap: Undeformed gap to the obstacle before it is driven, at the points; infinite where
             none stands (length).
-        indentation: How far d the obstacle is driven at present (length).
+        indentation: How far d the obstacle is driven at present, from where it has been
+            brought up to (length).
+        brought_up: How far it was brought up to the surface beforehand, under a force: so
+            that depths are no differences of long distances (length).
+        displacement: How far it has moved besides, (components,) (length).
 
     Args:
         trace: The contact points.
@@ -43,8 +47,11 @@ class ContactKinematics:
         self._spaces = trace.spaces
         self.jump = fem.Function(self._spaces.displacement_space)
         self.indentation = 0.0
+        self.brought_up = 0.0
+        self.displacement = np.zeros(self._spaces.components)
         self.direction = np.zeros(self._spaces.components)
         self.gap = np.zeros(len(trace.weights))
+        self._left_out = np.zeros(len(trace.weights), dtype=bool)
         if obstacle is not None:
             self._place(obstacle, key)
 
@@ -53,21 +60,67 @@ class ContactKinematics:
         normals = gather_rows(comm, trace.normals[trace.owned])
         self._obstacle = RigidObstacle(obstacle, self._spaces.kinematics, normals, key)
         self.direction = self._obstacle.direction
-        self.indentation = obstacle.indentation or 0.0
         error: FenicsContactError | None = None
         try:
             self.gap = self._gap(trace.coordinates, trace.normals)
         except InputError as caught:
             error = caught
         raise_together(comm, error)
-        if total(comm, (self.reached & (self.facing > 0)).sum()) == 0:
+        self._require_reached(self.reached, key)
+
+    def _require_reached(self, points: NDArray[np.bool_], key: str) -> None:
+        if total(self._spaces.comm, points.sum()) == 0:
             raise InputError(
                 f"{key}: no point of the surface lies in its way; see its position, normal and "
                 "direction"
             )
 
+    def require_one_sided(self, key: str) -> None:
+        """Refuse an obstacle that is driven away from the surface, and a sharp edge in that.
+
+        Raises:
+            InputError: On every rank.
+        """
+        if self.direction.any():
+            self._require_reached(self.reached & (self.facing > 0), f"{key}.obstacle")
+        corner = self.trace.sharp_corner()
+        if corner is not None:
+            where = ", ".join(f"{x:.4g}" for x in corner[: self._spaces.components])
+            raise InputError(
+                f"{key}.on: the surface has a sharp edge, at ({where}), where no normal is its "
+                "own; give each side a contact of its own"
+            )
+
+    def leave_out(self, points: NDArray[np.bool_]) -> None:
+        """Take points out of the obstacle's reach."""
+        self._left_out = points
+        self.gap = np.where(points, np.inf, self.gap)
+
     def _gap(self, points: Array, normals: Array) -> Array:
-        return self._obstacle.gap(points, normals, self._spaces.position)
+        aside = self.displacement - (normals @ self.displacement)[:, None] * normals
+        moved = points.copy()
+        moved[:, : normals.shape[1]] -= aside
+        return self._obstacle.gap(moved, normals, self._spaces.position)
+
+    def displace(self, displacement: Array) -> None:
+        """Move the obstacle, and its gap with it.
+
+        The part along a normal closes the gap through the jump; the gap itself is that of
+        the obstacle moved by the part along the surface.
+
+        Args:
+            displacement: From where it stood at first, (components,) (length).
+        """
+        self.displacement = displacement
+        gap = self._gap(self.trace.coordinates, self.trace.normals)
+        self.gap = np.where(self._left_out, np.inf, gap - self.brought_up * self.facing)
+
+    def bring_up(self) -> None:
+        """Take the obstacle to where it first touches the undeformed surface; collective."""
+        ahead = self.reached & (self.facing > 0)
+        distance = self.gap[ahead] / self.facing[ahead]
+        self.brought_up = smallest(self._spaces.comm, distance)
+        self.gap = self.gap - self.brought_up * self.facing
 
     @property
     def reached(self) -> NDArray[np.bool_]:
@@ -88,7 +141,7 @@ class ContactKinematics:
         """
         if indentation is not None:
             self.indentation = indentation
-        jump = displacement - self.indentation * self.direction
+        jump = displacement - self.indentation * self.direction - self.displacement
         self.jump.x.array[:] = jump.reshape(-1)
 
     def touch(self) -> None:
@@ -98,7 +151,8 @@ class ContactKinematics:
         distance = (self.gap - normal)[ahead] / self.facing[ahead]
         nearest = smallest(self._spaces.comm, distance)
         jump = self.jump.x.array.reshape(-1, self._spaces.components)
-        self.move(jump + self.indentation * self.direction, self.indentation + nearest)
+        motion = self.indentation * self.direction + self.displacement
+        self.move(jump + motion, self.indentation + nearest)
 
     def jump_at_points(self) -> Array:
         """The present jump, shape (points, components) (length)."""

@@ -6,15 +6,25 @@ the displacement space; its forces on the body are minus the residual.
 
 from __future__ import annotations
 
-from typing import Any
+from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
 import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
-from fenics_contact.friction import friction_energy, primal_dual_residual
-from fenics_contact.normal_contact import bonded_energy, penetration_energy
+from fenics_contact.friction import (
+    coulomb_residual,
+    friction_energy,
+    primal_dual_residual,
+    traction_work,
+)
+from fenics_contact.normal_contact import (
+    bonded_energy,
+    penetration_energy,
+    prescribed_pressure_energy,
+)
 from fenics_contact.trace import Trace
 
 Array = NDArray[np.float64]
@@ -27,36 +37,90 @@ class NormalTerm:
         name: What is modelled, in words.
         residual: First derivative in the jump, compiled.
         tangent: Second derivative, compiled.
-        stiffness: k at the contact points, 0 where nothing stands against them
-            (stress/length).
+        stiffness: k at the contact points (stress/length).
     """
 
-    def __init__(self, name: str, trace: Trace, jump: Any, gap: Array, stiffness: Array) -> None:
+    def __init__(
+        self, name: str, trace: Trace, jump: Any, gap: Array, stiffness: Array, bonded: bool
+    ) -> None:
         self.name = name
         self.stiffness = stiffness
-        self._bonded = name.startswith("bonded")
+        self._trace = trace
+        self._bonded = bonded
+        self._held: Array | None = None
         weight, measure = trace.weight, trace.measure
-        k = trace.coefficient(stiffness)
+        self.stiffness_ufl = trace.coefficient(stiffness)
+        # Where no obstacle stands, a gap that nothing closes.
+        self._far = 1e3 * trace.extent()
+        self._gap = trace.function(np.zeros(len(gap)))
+        self.gap_ufl = self._gap.ufl
+        self.set_gap(gap)
         if self._bonded:
-            energy = bonded_energy(jump, k, weight, measure)
+            energy = bonded_energy(jump, self.stiffness_ufl, weight, measure)
         else:
-            # Where there is no obstacle k is 0, and any finite gap will do.
-            s = trace.coefficient(np.where(np.isfinite(gap), gap, 0.0))
-            energy = penetration_energy(jump, trace.normal, s, k, weight, measure)
+            energy = penetration_energy(
+                jump, trace.normal, self.gap_ufl, self.stiffness_ufl, weight, measure
+            )
         residual = ufl.derivative(energy, jump)
         self.residual = fem.form(residual)
         self.tangent = fem.form(ufl.derivative(residual, jump))
 
+    @property
+    def forms(self) -> tuple[Any, ...]:
+        """All compiled forms."""
+        return (self.residual, self.tangent)
+
+    @property
+    def tangents(self) -> tuple[Any, ...]:
+        """Forms of the tangent in the present mode."""
+        return (self.tangent,) if self._held is None else ()
+
+    @cached_property
+    def _pressures(self) -> tuple[Any, Any]:
+        """Pressures at the points and −∫ p v_n, compiled when asked."""
+        trace = self._trace
+        function = trace.function(np.zeros(len(self.stiffness)))
+        test = ufl.TestFunction(trace.spaces.displacement_space)
+        work = prescribed_pressure_energy(
+            test, trace.normal, function.ufl, trace.weight, trace.measure
+        )
+        return function, fem.form(-work)
+
+    def set_gap(self, gap: Array) -> None:
+        """Follow an obstacle that moves along the surface."""
+        finite = np.isfinite(gap)
+        self._gap.set(np.where(finite, gap, self._far))
+
+    def force(self) -> Array:
+        """Forces on the body at all nodes of this rank, (nodes, components); collective."""
+        if self._held is not None:
+            return self._held
+        return -self._trace.spaces.assemble(self.residual)
+
+    def hold(self, pressure: Array) -> None:
+        """Press with a given pressure from now on, whatever the jump; collective.
+
+        Args:
+            pressure: At the points, shape (points,) (stress).
+        """
+        function, work = self._pressures
+        function.set(pressure)
+        self._held = self._trace.spaces.assemble(work)
+
+    def release(self) -> None:
+        """Follow the jump again."""
+        self._held = None
+
     def pressure(self, depth: Array) -> Array:
         """Contact pressure of a depth w_n − s at the points; of w_n where bonded (stress)."""
-        reached = np.where(self.stiffness > 0, depth, 0.0)
+        reached = np.where(np.isfinite(depth), depth, 0.0)
         return self.stiffness * (reached if self._bonded else np.maximum(reached, 0.0))
 
     def energy_density(self, jump: Array, depth: Array) -> Array:
         """½ k |w|² or ½ k ((w_n − s)₊)² at the points (energy/area)."""
         if self._bonded:
             return 0.5 * self.stiffness * np.einsum("ij,ij->i", jump, jump)
-        return 0.5 * self.pressure(depth) * np.where(self.stiffness > 0, depth, 0.0)
+        return 0.5 * self.pressure(depth) * np.where(np.isfinite(depth), depth, 0.0)
 
 
 class FrictionTerm:
@@ -67,29 +131,59 @@ class FrictionTerm:
         energy: j_ε as a UFL form.
         residual: Its first derivative, compiled.
         tangent: The primal-dual tangent, compiled.
+        bound: g at the points (stress).
+        regularisation_parameter: ε (length).
+        mode: What it does in a solve: ``law`` follows the friction law; ``coupled`` does so
+            and lets the tangent know that the bound follows the pressure; ``status`` has
+            springs g/ε on points that stick and held tractions on those that slip (paper,
+            Step 3); ``held`` keeps tractions on all points (Step 4); ``off`` does nothing.
+
+    Args:
+        name: What is modelled, in words.
+        trace: The contact points.
+        jump: The jump, a dolfinx function.
+        coefficient: Friction coefficient at the points.
+        normal: The term across the contact that makes the pressure; None if that is given.
+        incremental: Whether slip counts from the last accepted step, not from the start.
     """
 
     def __init__(
-        self, name: str, trace: Trace, jump: Any, bound: Array, regularisation_parameter: float
+        self,
+        name: str,
+        trace: Trace,
+        jump: Any,
+        coefficient: Array,
+        normal: NormalTerm | None,
+        incremental: bool,
     ) -> None:
         self.name = name
-        self._bound = bound
-        self._epsilon = regularisation_parameter
+        self.mode: Literal["law", "coupled", "status", "held", "off"] = "law"
+        self._trace, self._jump, self._normal = trace, jump, normal
+        self._coefficient = coefficient
         spaces = trace.spaces
-        g = trace.coefficient(bound)
-        epsilon = fem.Constant(spaces.body.mesh, regularisation_parameter)
-        self.energy = friction_energy(jump, trace.normal, g, epsilon, trace.weight, trace.measure)
-        self._slip = np.zeros((len(trace.weights), spaces.components))
-        self._dual = np.zeros_like(self._slip)
+        count = len(trace.weights)
+        self._reference = np.zeros((count, spaces.components))
+        self._accepted = trace.function(self._reference) if incremental else None
+        slipped = jump if self._accepted is None else jump - self._accepted.ufl
+        self.bound = np.zeros(count)
+        self._bound = trace.function(self.bound)
+        self._epsilon = fem.Constant(spaces.body.mesh, 1.0)
+        self._share = fem.Constant(spaces.body.mesh, 1.0)
+        self._slip = np.zeros_like(self._reference)
+        self._dual = np.zeros_like(self._reference)
         self._direction = trace.function(self._dual)
         # Not 0 anywhere: it divides, also where the weight is 0.
-        self._length = trace.function(np.ones(len(self._slip)), empty=1.0)
-        modified = primal_dual_residual(
-            jump,
-            ufl.TestFunction(spaces.displacement_space),
+        self._length = trace.function(np.ones(count), empty=1.0)
+        self._test = ufl.TestFunction(spaces.displacement_space)
+        self.energy = friction_energy(
+            slipped, trace.normal, self._bound.ufl, self._epsilon, trace.weight, trace.measure
+        )
+        self._modified = primal_dual_residual(
+            slipped,
+            self._test,
             trace.normal,
-            g,
-            epsilon,
+            self._bound.ufl,
+            self._epsilon,
             self._direction.ufl,
             self._length.ufl,
             trace.weight,
@@ -97,7 +191,87 @@ class FrictionTerm:
         )
         self.stick_all()
         self.residual = fem.form(ufl.derivative(self.energy, jump))
-        self.tangent = fem.form(ufl.derivative(modified, jump))
+        self.tangent = fem.form(ufl.derivative(self._modified, jump))
+
+    @property
+    def forms(self) -> tuple[Any, ...]:
+        """The compiled forms that every solve needs."""
+        return (self.residual, self.tangent)
+
+    @property
+    def tangents(self) -> tuple[Any, ...]:
+        """Forms of the tangent in the present mode."""
+        if self.mode == "coupled":
+            return (self.tangent, self._coupling)
+        return (self.tangent,) if self.mode in ("law", "status") else ()
+
+    @cached_property
+    def _coupling(self) -> Any:
+        """Derivative of the bound μ p in the jump, the direction held; compiled when asked."""
+        assert self._normal is not None
+        trace = self._trace
+        residual = coulomb_residual(
+            self._jump,
+            self._test,
+            trace.normal,
+            self._normal.gap_ufl,
+            self._normal.stiffness_ufl,
+            self._share * trace.coefficient(self._coefficient),
+            self._direction.ufl,
+            trace.weight,
+            trace.measure,
+        )
+        return fem.form(ufl.derivative(residual, self._jump))
+
+    @cached_property
+    def _springs(self) -> Any:
+        """∫ g/ε w_T · v_T, compiled when asked."""
+        return fem.form(self._modified)
+
+    @cached_property
+    def _tractions(self) -> tuple[Any, Any]:
+        """Tractions at the points and ∫ τ · v_T, compiled when asked."""
+        trace = self._trace
+        function = trace.function(np.zeros_like(self._slip))
+        work = traction_work(function.ufl, self._test, trace.normal, trace.weight, trace.measure)
+        return function, fem.form(work)
+
+    @property
+    def regularisation_parameter(self) -> float:
+        """ε as used (length)."""
+        return float(self._epsilon.value)
+
+    @regularisation_parameter.setter
+    def regularisation_parameter(self, epsilon: float) -> None:
+        self._epsilon.value = epsilon
+
+    def set_bound(self, bound: Array) -> None:
+        """Set g at the points (stress)."""
+        self.bound = bound
+        self._bound.set(bound)
+
+    def set_share(self, share: float) -> None:
+        """Use this share of the coefficient, 0 … 1, on the way to all of it."""
+        self._share.value = share
+
+    def bound_of(self, pressure: Array) -> Array:
+        """μ p at the points (stress)."""
+        return float(self._share.value) * self._coefficient * pressure
+
+    def hold(self, traction: Array) -> None:
+        """Set the tractions of the modes ``held`` and ``status``, (points, components)."""
+        self._tractions[0].set(traction)
+
+    def force(self) -> Array:
+        """Forces on the body at all nodes of this rank, (nodes, components); collective."""
+        assemble = self._trace.spaces.assemble
+        if self.mode == "off":
+            return np.zeros_like(assemble(self.residual))
+        if self.mode == "held":
+            return assemble(self._tractions[1])
+        if self.mode == "status":
+            return assemble(self._tractions[1]) - assemble(self._springs)
+        return -assemble(self.residual)
 
     def stick_all(self) -> None:
         """Set the tangent to the adhesive start: u_T = 0 and no friction yet."""
@@ -109,8 +283,11 @@ class FrictionTerm:
         """Move the tangent to a new state: q by its own linearised equation, |q| ≤ 1.
 
         Args:
-            slip: u_T at the points, shape (points, components) (length).
+            slip: w_T since the start at the points, shape (points, components) (length).
         """
+        if self.mode not in ("law", "coupled"):
+            return
+        slip = slip - self._reference
         lengths, directions = self._lengths_and_directions()
         lengthening = np.einsum("ij,ij->i", directions, slip - self._slip)
         dual = (slip - self._dual * lengthening[:, None]) / lengths[:, None]
@@ -118,17 +295,35 @@ class FrictionTerm:
         self._slip = slip
         self._set_tangent_state()
 
+    def accept(self, slip: Array) -> None:
+        """A load step is done: from now on slip counts from here, if the law is incremental."""
+        if self._accepted is not None:
+            self._reference = slip
+            self._accepted.set(slip)
+
+    def counted(self, slip: Array) -> Array:
+        """The slip that the law sees: since the start, or since the last accepted step."""
+        return slip - self._reference
+
+    def set_status(self, sticks: NDArray[np.bool_], directions: Array, bound: Array) -> None:
+        """Springs g/ε on points that stick, tractions −g × direction on those that slip."""
+        self.mode = "status"
+        self.set_bound(np.where(sticks, bound, 0.0))
+        self.hold(np.where(sticks, 0.0, -bound)[:, None] * directions)
+        self.stick_all()
+
     def traction(self, slip: Array) -> Array:
-        """−g φ_ε′(u_T) at the points (paper, (2.8)), (points, components) (stress)."""
-        length = np.maximum(np.linalg.norm(slip, axis=1), self._epsilon)
-        return -(self._bound / length)[:, None] * slip + 0.0  # no −0
+        """−g φ_ε′ at the points for a slip since the start (paper, (2.8)) (stress)."""
+        slip = self.counted(slip)
+        length = np.maximum(np.linalg.norm(slip, axis=1), self.regularisation_parameter)
+        return -(self.bound / length)[:, None] * slip + 0.0  # no −0
 
     def _lengths_and_directions(self) -> tuple[Array, Array]:
         """max(|u_T|, ε) and its gradient, u_T/|u_T| where slipping and 0 where sticking."""
         size = np.linalg.norm(self._slip, axis=1)
-        slips = size > self._epsilon
+        slips = size > self.regularisation_parameter
         directions = np.where(slips[:, None], self._slip / np.where(slips, size, 1.0)[:, None], 0.0)
-        return np.maximum(size, self._epsilon), directions
+        return np.maximum(size, self.regularisation_parameter), directions
 
     def _set_tangent_state(self) -> None:
         self._direction.set(self._dual)

@@ -53,12 +53,19 @@ def require_equilibrium(problem: Problem) -> FreeMotion:
     rigid = RigidMotions(problem)
     if rigid.count == 0:
         return FreeMotion(0, 0.0, "none")
+    if rigid.body_is_held and all(contact.is_one_sided for contact in rigid.floating):
+        return FreeMotion(rigid.count, 0.0, "obstacles that forces press on")
     closing = rigid.closings()
     motions = _resisted_motions(problem, rigid, closing)
+    # What Coulomb's friction can hold depends on pressures that are not known yet.
+    rough = _scaled(rigid.slips(coulomb=True), motions)
+    motions = motions @ null_space(_friction_gram(problem.comm, rough))
+    if motions.shape[1] == 0:
+        return FreeMotion(rigid.count, 0.0, "none: held by the obstacles and their friction")
     force = rigid.force @ motions
     points = _scaled(rigid.slips(), motions)
     closings = closing[1] @ motions
-    _require_pressed(problem, rigid, motions, points, closing[0], closings)
+    _require_pressed(problem, rigid, motions, points, closing[0], closings, closing[2])
     if total(problem.comm, points[0].sum()) == 0:
         return FreeMotion(rigid.count, 0.0, "none: held by the obstacles")
     share, best = _used_share(problem.comm, points, force, closings)
@@ -89,6 +96,8 @@ def _resisted_motions(
         NoEquilibriumError: Neither friction nor an obstacle resists one of them at all.
     """
     friction = _friction_gram(problem.comm, rigid.slips())
+    rough = _friction_gram(problem.comm, rigid.slips(coulomb=True))
+    friction = friction + rough * ((np.trace(friction) or 1.0) / (np.trace(rough) or 1.0))
     weights, normal, _ = closing
     across = np.einsum("q,qi,qj->ij", weights, normal, normal)
     # Only ratios within one motion matter, so that the unit of c is free.
@@ -115,6 +124,7 @@ def _require_pressed(
     points: tuple[Array, Array],
     weights: Array,
     closings: Array,
+    gaps: Array,
 ) -> None:
     """Every motion away from the obstacles that friction does not resist needs f(r) < 0.
 
@@ -127,11 +137,11 @@ def _require_pressed(
         return
     force = rigid.force @ motions @ loose
     rows = closings @ loose
-    largest_row = np.abs(rows).max()
+    one_sided = np.unique(np.round(rows / np.abs(rows).max(), 12), axis=0)
     found = linprog(
         -force / (np.abs(force).max() or 1.0),
-        A_ub=np.unique(np.round(rows / largest_row, 12), axis=0),
-        b_ub=np.zeros(len(np.unique(np.round(rows / largest_row, 12), axis=0))),
+        A_ub=one_sided,
+        b_ub=np.zeros(len(one_sided)),
         A_eq=[weights @ rows / (np.abs(weights @ rows).max() or 1.0)],
         b_eq=[-1.0],
         bounds=(None, None),
@@ -139,6 +149,11 @@ def _require_pressed(
     )
     infeasible = 2
     if found.status == infeasible:  # no motion leaves all obstacles: they hold it both ways
+        if np.abs(force).max() == 0 and gaps.min() > 0 and rigid.force_size > 0:
+            raise NoEquilibriumError(
+                "no equilibrium: the body has clearance between its obstacles, and nothing presses "
+                "it against one of them; close a gap, or add a support or a load"
+            )
         return
     unbounded = found.x is None
     best = loose @ (np.ones(loose.shape[1]) if unbounded else found.x)

@@ -12,6 +12,33 @@ from typing import Any
 import ufl
 
 
+def coulomb_residual(
+    jump: Any,
+    test: Any,
+    normal: Any,
+    gap: Any,
+    stiffness: Any,
+    friction_coefficient: Any,
+    direction: Any,
+    weight: Any,
+    measure: Any,
+) -> Any:
+    """∫ μ p(w_n) q · v_T, p = k (w_n − s)₊: its derivative couples the bound to the pressure.
+
+    With the direction q of the slip held as a coefficient; with ``primal_dual_residual`` for a
+    bound that is held, it makes the tangent of Coulomb's law.
+    """
+    depth = ufl.dot(jump, normal) - gap
+    pressure = stiffness * ufl.conditional(ufl.gt(depth, 0), depth, 0)
+    bound = friction_coefficient * pressure
+    return weight * bound * ufl.dot(direction, tangential(test, normal)) * measure
+
+
+def traction_work(traction: Any, test: Any, normal: Any, weight: Any, measure: Any) -> Any:
+    """∫ τ · v_T: the work of a tangential traction that is held."""
+    return weight * ufl.dot(traction, tangential(test, normal)) * measure
+
+
 def tangential(jump: Any, normal: Any) -> Any:
     """The tangential part u_T = u − (u·n) n of a jump (length)."""
     return jump - ufl.dot(jump, normal) * normal

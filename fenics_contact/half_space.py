@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.contact import ContactSurface
 from fenics_contact.errors import InputError
-from fenics_contact.parallel import gather_rows, largest
+from fenics_contact.parallel import gather_rows, largest, smallest
 from fenics_contact.scene import Scene
 from fenics_contact.scene_contact import HalfSpace
 from fenics_contact.spaces import Spaces
@@ -100,6 +100,8 @@ class FarField:
             number: self._column(contact, f"contact[{number}]")
             for number, contact in enumerate(contacts)
         }
+        if supports.parallel_planes:
+            raise InputError("symmetry: planes that face each other leave no half_space")
         if not contacts:
             raise InputError("half_space: without a contact there is no force to follow")
 
@@ -153,12 +155,47 @@ class FarField:
                 f"{key}.obstacle: in plane strain the indentation of a half-space has no datum (it "
                 "grows with the logarithm of the distance), so give its force"
             )
+        apex = self._apex(contact, key)
+        foot = apex + ((rows[0, :3] - apex) @ inward) * inward
+        self._require_inside(rows[:, :3], foot, contact, key)
+        return foot
+
+    def _apex(self, contact: ContactSurface, key: str) -> Array:
+        """The obstacle's apex; without one, the middle of the contact surface."""
         obstacle = contact.contact.obstacle
         apex = np.zeros(3)
-        position = obstacle.position if obstacle and obstacle.position else ()
-        apex[: len(position)] = position
-        height = (rows[0, :3] - apex) @ inward
-        return apex + height * inward
+        if obstacle is not None and obstacle.position is not None:
+            apex[: self._spaces.components] = obstacle.position
+        elif obstacle is not None and obstacle.gap is not None:
+            raise InputError(
+                f"{key}.obstacle.position is missing: a half_space needs to know where a gap's "
+                "force acts"
+            )
+        elif obstacle is None or obstacle.shape is None:
+            trace = contact.trace
+            apex = trace.integral(trace.coordinates) / trace.integral(np.ones(len(trace.weights)))
+            if self._spaces.kinematics == "axisymmetric":
+                apex[0] = 0.0
+        return apex
+
+    def _require_inside(
+        self, points: Array, foot: Array, contact: ContactSurface, key: str
+    ) -> None:
+        """The force acts on the contact surface, and well inside the outer boundary."""
+        spaces, comm = self._spaces, self._spaces.comm
+        facet = contact.trace.relative_facet_size() * contact.trace.extent()
+        outer = spaces.coordinates[self.dofs // spaces.components]
+        distance = smallest(comm, np.linalg.norm(outer - foot, axis=1))
+        lowest, highest = points.min(axis=0) - facet, points.max(axis=0) + facet
+        around = (foot >= lowest) & (foot <= highest)  # a ring has its foot in the middle
+        if spaces.kinematics == "axisymmetric":
+            around[0] = True
+        if not around.all() or distance < facet:
+            where = ", ".join(f"{x:.4g}" for x in foot[: spaces.components])
+            raise InputError(
+                f"{key}.obstacle.position: its force on the half_space would act at ({where}), "
+                "which must lie on the contact surface and well inside the outer boundary"
+            )
 
 
 def _homogeneous(scene: Scene) -> tuple[float, float]:

@@ -101,6 +101,10 @@ class LinearSystem:
         nodes = unknown.contact.trace.all_nodes.astype(np.int64)
         dofs = (nodes[:, None] * components + np.arange(components)).ravel()
         coupled = dofs[dofs < self._owned]
+        far_field = self._problem.far_field
+        if unknown.column is not None and far_field is not None:
+            outer = far_field.dofs[far_field.dofs < self._owned]
+            coupled = np.union1d(coupled, outer)
         return np.union1d(coupled, np.flatnonzero(self._far_forces[number]))
 
     def _force_of_far_field(self, displacement: Any, unknown: Any) -> Array:
@@ -124,11 +128,11 @@ class LinearSystem:
 
     def add_contact(self, tangent: Any, contact: ContactSurface) -> None:
         """Add the tangent of a contact's terms to a matrix of the size of K; collective."""
-        for term in contact.terms:
+        for form in [form for term in contact.terms for form in term.tangents]:
             if not self._nested:
-                fem_petsc.assemble_matrix(tangent, term.tangent)
+                fem_petsc.assemble_matrix(tangent, form)
                 continue
-            matrix = _assembled(term.tangent)
+            matrix = _assembled(form)
             first, columns, values = matrix.getValuesCSR()
             # The rank's rows below those of displacements get nothing.
             rows = tangent.getLocalSize()[0]

@@ -56,6 +56,8 @@ class RigidObstacle:
         given = self._unit(obstacle.normal)
         self._normal: Array = self._facing(surface_normals) if given is None else given
         self._along = self._unit(obstacle.along)
+        if self._along is not None and abs(self._along @ self._normal) > _FLAT:
+            raise InputError(f"{key}.along: must be at a right angle to the normal")
         self._apex = _three(obstacle.position or (0.0,))
         direction = self._unit(obstacle.direction)
         direction = self._normal if direction is None else direction
@@ -180,14 +182,17 @@ class RigidObstacle:
 
     def _facing(self, surface_normals: Array) -> Array:
         """Against the normal of a flat contact surface."""
+        obstacle = self._obstacle
         mean = surface_normals.mean(axis=0)
-        mean /= np.linalg.norm(mean) or 1.0
-        if np.abs(surface_normals - mean).max(initial=0.0) <= _FLAT:
-            return _three(-mean)
-        if self._obstacle.shape is None and self._obstacle.direction is not None:
-            return _three(self._obstacle.direction) / np.linalg.norm(self._obstacle.direction)
-        if self._obstacle.shape is None and not self._driven():
-            return _three(-mean)
+        size = float(np.linalg.norm(mean))
+        if size > _FLAT:
+            mean = mean / size
+            if np.abs(surface_normals - mean).max(initial=0.0) <= _FLAT:
+                return _three(-mean)
+        if obstacle.shape is None and obstacle.direction is not None:
+            return _three(obstacle.direction) / np.linalg.norm(obstacle.direction)
+        if obstacle.shape is None and not self._driven():
+            return _three(-mean) if size > _FLAT else np.zeros(3)
         raise InputError(
             f"{self._key}.normal is missing: the contact surface is curved, so say which way "
             "the obstacle faces (or, without a shape, its direction)"

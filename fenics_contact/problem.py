@@ -22,7 +22,7 @@ from fenics_contact.errors import InputError
 from fenics_contact.half_space import FarField
 from fenics_contact.mesh import Body, Group
 from fenics_contact.scene import Load, Scene
-from fenics_contact.scene_values import Value
+from fenics_contact.scene_values import Path, Value
 from fenics_contact.spaces import Spaces
 from fenics_contact.supports import AppliedSupport, Supports
 from fenics_contact.timings import Timings
@@ -30,10 +30,11 @@ from fenics_contact.timings import Timings
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """One energy term: what it is called and the forms compiled for it."""
+    """One energy term: its name, the forms compiled for it, and its path if it has one."""
 
     name: str
     forms: tuple[Any, ...]
+    path: Path | None = None
 
     @property
     def integrals(self) -> list[str]:
@@ -65,13 +66,13 @@ class Problem:
         supports: Supports and planes of symmetry.
         applied_supports: Those and the outer boundary of a half-space, for reactions.
         constrained: Dofs that these hold, sorted (local indices, owned and ghost).
-        prescribed: Their displacements, but for the part of unknown resultants (length).
+        prescribed: Their present displacements, but for unknown resultants' part (length).
         contacts: In scene order.
         unknowns: Scalars that are found together with the displacements.
         far_field: The outer boundary of a half-space, or None.
         terms: The energy terms modelled.
         elastic: ½ a(·, ·): law, compiled forms, stress.
-        load: Nodal loads with the prescribed contact pressures, (nodes, components).
+        load: Present nodal loads with the prescribed contact pressures, (nodes, components).
     """
 
     def __init__(self, scene: Scene, body: Body, timings: Timings | None = None) -> None:
@@ -84,7 +85,7 @@ class Problem:
             self.displacement = fem.Function(self.spaces.displacement_space, name="displacement")
             self.supports = Supports(scene, self.spaces)
             self.applied_supports = list(self.supports.applied)
-            self.constrained, self.prescribed = self.supports.dofs, self.supports.values
+            self.constrained = self.supports.dofs
             self._refuse_overlaps()
             self.elastic = ElasticBody(scene, self.spaces, self.displacement)
             self.contacts = [
@@ -92,8 +93,9 @@ class Problem:
                     contact,
                     f"contact[{number}]",
                     self.spaces,
-                    self.elastic.reference_modulus,
-                    self.elastic.plane_strain_modulus,
+                    self.supports,
+                    self._held_dofs(),
+                    self.elastic,
                 )
                 for number, contact in enumerate(scene.contact)
             ]
@@ -104,12 +106,18 @@ class Problem:
             self._refuse_held_contacts()
             self.terms = self._terms()
         with timings.phase("assemble"):
-            self.load = self._assemble_load()
+            self._loads = self._assemble_loads()
+            self.set_time(scene.steps.all_times[-1])
 
     @property
     def frictional(self) -> list[ContactSurface]:
         """The contacts that have a friction term."""
         return [contact for contact in self.contacts if contact.friction is not None]
+
+    @property
+    def coulomb(self) -> list[ContactSurface]:
+        """The contacts whose friction depends on a pressure that is not known."""
+        return [contact for contact in self.contacts if contact.is_coulomb]
 
     @property
     def has_datum(self) -> bool:
@@ -121,23 +129,47 @@ class Problem:
         loaded = [self.body.find(load.on) for load in self.scene.load if load.body_force is None]
         return any(other and set(group.tags) & set(other.tags) for other in loaded)
 
+    def _held_dofs(self) -> NDArray[np.int64]:
+        """Those that supports hold, and the outer boundary of a half-space."""
+        described = self.scene.half_space
+        held = [self.supports.dofs]
+        for number, on in enumerate(described.on if described else ()):
+            nodes = self.spaces.nodes(self.body.boundary(on, f"half_space.on[{number}]"))
+            components = self.spaces.components
+            held.append(
+                (nodes.astype(np.int64)[:, None] * components + np.arange(components)).ravel()
+            )
+        return np.unique(np.concatenate(held))
+
     def _place_far_field(self) -> FarField | None:
         """Hold the outer boundary of a half-space, by forces known or unknown."""
         if self.scene.half_space is None:
             return None
         far_field = FarField(self.scene, self.spaces, self.supports, self.contacts)
-        values = np.zeros(len(far_field.dofs))
         for number, contact in enumerate(self.contacts):
-            column = far_field.columns[number]
             if contact.force is None:
+                column = far_field.columns[number]
                 self.unknowns.append(ScalarUnknown(contact, "resultant", column))
-            else:
-                values += contact.force * column
-        self.applied_supports.append(AppliedSupport(far_field.on, far_field.dofs, values))
-        order = np.argsort(np.concatenate([self.constrained, far_field.dofs]))
-        self.constrained = np.concatenate([self.constrained, far_field.dofs])[order]
-        self.prescribed = np.concatenate([self.prescribed, values])[order]
+        nothing = np.zeros(len(far_field.dofs))
+        self.applied_supports.append(AppliedSupport(far_field.on, far_field.dofs, nothing))
+        dofs = np.concatenate([self.supports.dofs, far_field.dofs])
+        self._order = np.argsort(dofs)
+        self.constrained = dofs[self._order]
         return far_field
+
+    def set_time(self, time: float) -> None:
+        """Bring loads, supports and obstacles to a pseudo-time; collective."""
+        self.load = np.zeros((len(self.spaces.coordinates), self.spaces.components))
+        for array, path in self._loads:
+            self.load += array * path(time)
+        for contact in self.contacts:
+            contact.set_time(time)
+        self.prescribed = self.supports.at(time)
+        if self.far_field is not None:
+            values = np.zeros(len(self.far_field.dofs))
+            for number, contact in enumerate(self.contacts):
+                values += (contact.force or 0.0) * self.far_field.columns[number]
+            self.prescribed = np.concatenate([self.prescribed, values])[self._order]
 
     def _refuse_overlaps(self) -> None:
         """Contacts may not share facets with supports or other contacts (Γ_C ∩ Γ_D = ∅)."""
@@ -179,7 +211,7 @@ class Problem:
             if contact.pressure_load is not None:
                 terms.append(Term(f"contact pressure on {contact.label}", (contact.pressure_load,)))
         for contact in self.contacts:
-            terms += [Term(t.name, (t.residual, t.tangent)) for t in contact.terms]
+            terms += [Term(term.name, term.forms) for term in contact.terms]
             if contact.floats:
                 terms.append(Term(f"force on the obstacle at {contact.label}", ()))
         return terms
@@ -210,14 +242,16 @@ class Problem:
         else:
             work = ufl.dot(spaces.coefficient(nodal, nodes), test)
         name = f"{kind.replace('_', ' ')} on {load.on}"
-        return [Term(name, (fem.form(spaces.weight * work * measure),))]
+        return [Term(name, (fem.form(spaces.weight * work * measure),), load.path)]
 
-    def _assemble_load(self) -> NDArray[np.float64]:
-        load = np.zeros((len(self.spaces.coordinates), self.spaces.components))
-        for term in self.terms:
-            if len(term.forms) == 1 and term.forms[0].rank == 1:
-                load += self.spaces.assemble(term.forms[0])
-        return load
+    def _assemble_loads(self) -> list[tuple[NDArray[np.float64], Path]]:
+        """Nodal forces of every load with its path; prescribed pressures act from the start."""
+        constant = Path(time=(0.0,), factor=(1.0,))
+        return [
+            (self.spaces.assemble(term.forms[0]), constant if term.path is None else term.path)
+            for term in self.terms
+            if len(term.forms) == 1 and term.forms[0].rank == 1
+        ]
 
 
 def _kind_and_values(load: Load) -> tuple[str, tuple[Value, ...]]:

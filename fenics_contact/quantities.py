@@ -30,7 +30,6 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
     along = contact.kinematics.facing
     if not contact.kinematics.direction.any():  # without an obstacle's axis, along the normal
         along = np.ones(len(state.contact_pressure))
-    dissipated = -total(comm, np.sum((force * solution.displacement[contact.nodes])[owned]))
     friction = integral(state.friction_traction)
     if contact.spaces.kinematics == "axisymmetric":
         friction[0] = 0.0
@@ -46,7 +45,7 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
         "slip_area": closed - sticking,
         "max_penetration": max(largest(comm, depth), 0.0) if contact.is_one_sided else 0.0,
         "max_slip": largest(comm, np.linalg.norm(state.slip, axis=1)),
-        "friction_work": dissipated,
+        "friction_work": contact.friction_work(),
         "penalty_energy": float(integral(state.penalty_energy)),
         **_indentation(problem, contact),
     }
@@ -56,7 +55,7 @@ def _indentation(problem: Problem, contact: ContactSurface) -> dict[str, float]:
     """How far an obstacle went in (length); nothing where there is none, or no datum."""
     if contact.contact.obstacle is None or not problem.has_datum:
         return {}
-    return {"indentation": contact.kinematics.indentation}
+    return {"indentation": contact.kinematics.brought_up + contact.kinematics.indentation}
 
 
 def support_reactions(problem: Problem, solution: Solution) -> tuple[Array, list[dict[str, Any]]]:
@@ -110,13 +109,15 @@ def global_quantities(
     work = total(problem.comm, np.sum(u * (problem.load + reactions)[owned]))
     for surface, force in zip(problem.contacts, solution.contact_force, strict=True):
         pushed = total(problem.comm, force[surface.owned_nodes].sum(axis=0))
-        work += pushed @ surface.kinematics.direction * surface.kinematics.indentation
+        driven = surface.kinematics.brought_up + surface.kinematics.indentation
+        work += pushed @ surface.kinematics.direction * driven
+        work += pushed @ surface.kinematics.displacement
     summed = ("contact_area", "stick_area", "slip_area", "friction_work", "penalty_energy")
     greatest = ("max_contact_pressure", "max_penetration", "max_slip")
     friction = np.zeros(problem.spaces.components)
     for contact in contacts:
         friction += contact["friction_force"]
-    driven = [{"indentation": c["indentation"]} for c in contacts if "indentation" in c]
+    found = [{"indentation": c["indentation"]} for c in contacts if "indentation" in c]
     return {
         "normal_force": float(sum(c["normal_force"] for c in contacts)),
         "friction_force": friction.tolist(),
@@ -125,7 +126,7 @@ def global_quantities(
         **{key: float(sum(c[key] for c in contacts)) for key in summed},
         "strain_energy": elastic,
         "external_work": float(work),
-        **(driven[0] if len(driven) == 1 else {}),
+        **(found[0] if len(found) == 1 else {}),
     }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.contact import ContactSurface
 from fenics_contact.parallel import gather_rows, largest, total
 from fenics_contact.problem import Problem
 from fenics_contact.scene_values import AXES
@@ -15,9 +16,8 @@ Array = NDArray[np.float64]
 class RigidMotions:
     """What can move without straining the body, as columns of a common basis.
 
-    The first columns are combinations of translations and rotations (scaled to the body's
-    size) that vanish where supports or bonded contacts hold the body; the others the
-    obstacles that a force drives, each along its direction.
+    Combinations of translations and rotations (scaled to the body's size) and of the obstacles
+    that a force drives, each along its direction, that leave supports and glue alone.
 
     Attributes:
         count: Number of columns.
@@ -30,16 +30,23 @@ class RigidMotions:
         spaces = problem.spaces
         self.floating = [contact for contact in problem.contacts if contact.floats]
         self._fields = self._rigid_fields()
-        self._free = self._free_combinations()
-        self.count = self._free.shape[1] + len(self.floating)
+        free = self._free_combinations()
+        self._body = free[: self._fields.shape[-1]]
+        self._obstacles = free[self._fields.shape[-1] :]
+        self.count = free.shape[1]
         owned = spaces.owned_nodes
         work = problem.load[:owned, :, None] * self._fields[:owned]
-        force = total(problem.comm, work.sum(axis=(0, 1))) @ self._free
+        force = total(problem.comm, work.sum(axis=(0, 1)))
         size = total(problem.comm, np.abs(work).sum(axis=(0, 1)))
+        force[np.abs(force) <= 1e-12 * size] = 0.0
         driven = np.array([contact.force or 0.0 for contact in self.floating])
-        self.force = np.concatenate([force, driven])
+        self.force = force @ self._body + driven @ self._obstacles
         self.force_size = float(max(size.max(initial=0.0), driven.max(initial=0.0)))
-        self.force[np.abs(self.force) <= 1e-12 * self.force_size] = 0.0
+
+    @property
+    def body_is_held(self) -> bool:
+        """Whether only obstacles are free."""
+        return not np.abs(self._body).max(initial=0.0) > 1e-9
 
     def _rigid_fields(self) -> Array:
         """Translations, then rotations, at the nodes of this rank: (nodes, components, modes)."""
@@ -64,32 +71,46 @@ class RigidMotions:
         return np.stack(fields, axis=-1)[:, : spaces.components]
 
     def _free_combinations(self) -> Array:
-        """Combinations (modes, free) that vanish on every constrained and bonded dof."""
+        """Combinations (modes and obstacles, free) with no jump on supports and glue."""
         problem = self._problem
         components, owned = problem.spaces.components, problem.spaces.owned_nodes
+        modes, floats = self._fields.shape[-1], len(self.floating)
         held = np.zeros(owned * components, dtype=bool)
         held[problem.constrained[problem.constrained < owned * components]] = True
+        rows = self._fields[:owned].reshape(-1, modes)[held]
+        every = [np.hstack([rows, np.zeros((len(rows), floats))])]
         for contact in problem.contacts:
-            if contact.contact.kind == "bonded" and contact.normal is not None:
-                nodes = contact.nodes[
-                    contact.owned_nodes & contact.kinematics.reached[: len(contact.nodes)]
-                ]
-                held.reshape(-1, components)[nodes] = True
-        rows = self._fields[:owned].reshape(-1, self._fields.shape[-1])[held]
-        return null_space(total(problem.comm, rows.T @ rows))
+            if contact.contact.kind == "bonded":
+                reached = contact.kinematics.reached[: len(contact.nodes)]
+                fields = self._fields[contact.nodes[contact.owned_nodes & reached]]
+                jumps = np.concatenate([fields, self._of_obstacles(contact, len(fields))], axis=-1)
+                every.append(jumps.reshape(-1, modes + floats))
+        stacked = np.concatenate(every)
+        return null_space(np.asarray(total(problem.comm, stacked.T @ stacked)))
 
-    def slips(self) -> tuple[Array, Array]:
-        """Weights w g and slips (points, components, count) at this rank's friction points."""
+    def _jumps(self, contact: ContactSurface) -> Array:
+        """Jumps at the points of a contact in each motion, (points, components, count)."""
+        moved = contact.trace.at_points(self._fields) @ self._body
+        return np.asarray(moved + self._of_obstacles(contact, len(moved)) @ self._obstacles)
+
+    def slips(self, coulomb: bool = False) -> tuple[Array, Array]:
+        """Weights w g and slips (points, components, count) at this rank's friction points.
+
+        Args:
+            coulomb: Those of the contacts whose bound is not known, with weights w.
+        """
         problem = self._problem
         components = problem.spaces.components
         weights, slips = [np.zeros(0)], [np.zeros((0, components, self.count))]
         for contact in problem.frictional:
-            moved = contact.trace.at_points(self._fields) @ self._free
-            moved = np.concatenate([moved, self._of_obstacles(contact, len(moved))], axis=-1)
+            if contact.is_coulomb != coulomb:
+                continue
+            bound = np.ones_like(contact.friction_bound) if coulomb else contact.friction_bound
+            moved = self._jumps(contact)
             tangential = np.stack(
                 [contact.kinematics.tangential(moved[..., i]) for i in range(self.count)], axis=-1
             )
-            weights.append((contact.trace.weights * contact.friction_bound)[contact.trace.owned])
+            weights.append((contact.trace.weights * bound)[contact.trace.owned])
             slips.append(tangential[contact.trace.owned])
         return np.concatenate(weights), np.concatenate(slips)
 
@@ -105,17 +126,15 @@ class RigidMotions:
             if contact.normal is None or not contact.is_one_sided:
                 continue
             trace = contact.trace
-            moved = trace.at_points(self._fields) @ self._free
-            moved = np.concatenate([moved, self._of_obstacles(contact, len(moved))], axis=-1)
-            closing = np.einsum("ijk,ij->ik", moved, trace.normals)
+            closing = np.einsum("ijk,ij->ik", self._jumps(contact), trace.normals)
             kinematics = contact.kinematics
             gap = kinematics.gap - kinematics.indentation * kinematics.facing
-            acts = trace.owned & (contact.normal.stiffness > 0)
+            acts = trace.owned & kinematics.reached & (contact.normal.stiffness > 0)
             rows.append(np.column_stack([trace.weights, closing, gap])[acts])
         table = gather_rows(self._problem.comm, np.concatenate(rows))
         return table[:, 0], table[:, 1:-1], table[:, -1]
 
-    def _of_obstacles(self, contact: object, points: int) -> Array:
+    def _of_obstacles(self, contact: ContactSurface, points: int) -> Array:
         """Jumps at a contact's points that the obstacles' motions make."""
         moved = np.zeros((points, self._problem.spaces.components, len(self.floating)))
         for number, other in enumerate(self.floating):
@@ -125,15 +144,15 @@ class RigidMotions:
 
     def displacement(self, motion: Array) -> Array:
         """Nodal displacements of the body in a motion, (nodes, components)."""
-        return self._fields @ (self._free @ motion[: self._free.shape[1]])
+        return np.asarray(self._fields @ (self._body @ motion))
 
     def indentations(self, motion: Array) -> Array:
         """Motions of the floating obstacles in a motion, in their order."""
-        return motion[self._free.shape[1] :]
+        return np.asarray(self._obstacles @ motion)
 
     def describe(self, motion: Array) -> str:
         """A motion in words."""
-        combination = self._free @ motion[: self._free.shape[1]]
+        combination = self._body @ motion
         translation, rotation = np.zeros(3), np.zeros(3)
         for (kind, axis), share in zip(self._names, combination, strict=True):
             (translation if kind == "translation" else rotation)[axis] += share

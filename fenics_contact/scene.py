@@ -18,10 +18,12 @@ from fenics_contact.scene_material import Material
 from fenics_contact.scene_values import (
     AXES,
     CLOSED,
+    RAMP,
     AxisName,
     Integer,
     Kinematics,
     Number,
+    Path,
     Positive,
     Profile,
     Text,
@@ -87,6 +89,7 @@ class Support:
         Mapping[AxisName, Value],
         Field(min_length=1, description="component → value (length), such as `{ x = 0 }`"),
     ]
+    path: Annotated[Path, Field(description="of the displacement over the load steps")] = RAMP
 
 
 @dataclass(frozen=True, config=CLOSED)
@@ -103,6 +106,7 @@ class Load:
     body_force: Annotated[
         Vector | None, Field(description="force per volume, one entry per axis")
     ] = None
+    path: Annotated[Path, Field(description="of the load over the load steps")] = RAMP
 
     def __post_init__(self) -> None:
         if sum(kind is not None for kind in (self.traction, self.pressure, self.body_force)) != 1:
@@ -110,8 +114,49 @@ class Load:
 
 
 @dataclass(frozen=True, config=CLOSED)
+class Steps:
+    """Load steps: friction remembers how a load was reached."""
+
+    number: Annotated[
+        Integer, Field(ge=1, le=100_000, description="of equal steps in pseudo-time")
+    ] = 1
+    end: Annotated[Positive, Field(description="pseudo-time of the last step")] = 1.0
+    times: Annotated[
+        tuple[Positive, ...],
+        Field(description="instead of the two: pseudo-time of each step, increasing"),
+    ] = ()
+
+    def __post_init__(self) -> None:
+        if any(b <= a for a, b in zip(self.times, self.times[1:], strict=False)):
+            raise ValueError("the times must increase")
+
+    @property
+    def all_times(self) -> tuple[float, ...]:
+        """Pseudo-time at the end of each step."""
+        if self.times:
+            return self.times
+        return tuple(self.end * (step + 1) / self.number for step in range(self.number))
+
+
+@dataclass(frozen=True, config=CLOSED)
 class SolverSettings:
-    """When the nonlinear solver stops."""
+    """How friction and pressure are brought together, and when the solver stops."""
+
+    strategy: Annotated[
+        Literal["auto", "campos", "lagged", "monolithic"],
+        Field(
+            description="of Coulomb friction: `campos` alternates friction and contact (the "
+            "paper's), `lagged` solves both with the bound of the last pass, `monolithic` at "
+            "once; `auto` moves on from one to the next where it does not converge"
+        ),
+    ] = "auto"
+    outer_tolerance: Annotated[
+        Number,
+        Field(gt=0, lt=1e-2, description="change of the pressure in a pass, over its peak"),
+    ] = 1e-8
+    max_outer_iterations: Annotated[
+        Integer, Field(ge=1, le=10_000, description="passes of the loop on the pressure at most")
+    ] = 60
 
     tolerance: Annotated[
         Number,
@@ -163,6 +208,9 @@ class Scene:
     half_space: Annotated[
         HalfSpace | None, Field(description="makes the body a piece of a half-space")
     ] = None
+    steps: Annotated[Steps, Field(description="load steps, by default one")] = Field(
+        default_factory=Steps
+    )
     solver: Annotated[SolverSettings, Field(description="the nonlinear solver")] = Field(
         default_factory=SolverSettings
     )
@@ -209,7 +257,7 @@ class Scene:
 
 def _require_axes(obstacle: Obstacle | None, dimension: int, key: str) -> None:
     """Vectors of an obstacle have one entry an axis."""
-    for name in ("position", "normal", "along", "direction"):
+    for name in ("position", "normal", "along", "direction", "displacement"):
         vector = getattr(obstacle, name, None)
         if vector is not None and len(vector) != dimension:
             raise ValueError(f"{key}.{name} has {len(vector)} entries; it needs {dimension}")

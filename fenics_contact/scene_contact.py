@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from fenics_contact.scene_values import CLOSED, Number, Positive, Text, Value
+from fenics_contact.scene_values import CLOSED, RAMP, Number, Path, Positive, Text, Value
 
 Direction = Annotated[tuple[Number, ...], Field(min_length=2, max_length=3)]
 Kind = Literal["prescribed", "unilateral", "winkler", "bonded"]
@@ -74,12 +74,24 @@ class Obstacle:
         Annotated[Number, Field(ge=0)] | None,
         Field(description="drives it instead; on the part that is modelled (force)"),
     ] = None
+    displacement: Annotated[
+        Direction | None,
+        Field(description="how far it moves besides, one entry an axis (length)"),
+    ] = None
+    path: Annotated[Path, Field(description="of indentation or force over the load steps")] = RAMP
+    displacement_path: Annotated[
+        Path, Field(description="of the displacement over the load steps")
+    ] = RAMP
 
     def __post_init__(self) -> None:
         if self.shape is not None and self.gap is not None:
             raise ValueError("give either a shape or a gap")
         if self.force is not None and self.indentation is not None:
             raise ValueError("give either an indentation or a force")
+        if self.shape is None and self.gap is None and self.position is not None:
+            raise ValueError("position: only a shape has one")
+        if self.along is not None and self.shape not in ("parabola", "cylinder"):
+            raise ValueError("along: only a 3D parabola or cylinder has such a direction")
         needs_radius = self.shape not in (None, "plane")
         if needs_radius and self.radius is None:
             raise ValueError(f"radius is missing for the shape '{self.shape}'")
@@ -132,8 +144,11 @@ class Contact:
         Field(description="of a `winkler` foundation, ≥ 0: pressure over depth (stress/length)"),
     ] = None
     law: Annotated[
-        Literal["static", "none"],
-        Field(description="friction law: `static` acts on the total displacement (the paper's)"),
+        Literal["static", "incremental", "none"],
+        Field(
+            description="friction law: `static` acts on the total displacement (the paper's), "
+            "`incremental` on the slip since the last load step (Coulomb's)"
+        ),
     ] = "static"
     friction_coefficient: Annotated[
         Value, Field(description="Coulomb's coefficient, ≥ 0; 0 leaves friction out")
@@ -157,11 +172,8 @@ class Contact:
             raise ValueError("obstacle: prescribed contact has none, only its pressure")
         if self.penalty_parameter != "auto" and self.kind not in ("unilateral", "bonded"):
             raise ValueError(f"penalty_parameter: {self.kind} contact has none")
-        if not prescribed and self.law != "none" and self.friction_coefficient != 0:
-            raise ValueError(
-                f"friction_coefficient: {self.kind} contact is without friction so far; "
-                "friction needs a prescribed pressure"
-            )
+        if self.kind == "bonded" and self.friction_coefficient != 0:
+            raise ValueError("friction_coefficient: bonded contact sticks, it has none")
         for key in ("pressure", "friction_coefficient", "foundation_stiffness"):
             value = getattr(self, key)
             if isinstance(value, float | int) and value < 0:

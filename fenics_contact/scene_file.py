@@ -112,7 +112,8 @@ def _entry(entries: list[Any], name: str, setting: str) -> Any:
 
 def _sentence(error: ValidationError, data: dict[str, Any]) -> str:
     """What is wrong first, in one sentence: key, value, what is accepted."""
-    problems = [p for p in error.errors(include_url=False) if not _beside_the_point(p)]
+    every = error.errors(include_url=False)
+    problems = [p for p in every if not _beside_the_point(p)] or every
     unknown = [p for p in problems if p["type"] == "unexpected_keyword_argument"]
     first = (unknown or problems)[0]
     path = _known_path(first["loc"], data)

@@ -50,3 +50,30 @@ class Profile:
 PositionFunction = Callable[[NDArray[np.float64]], Any]
 Value = Number | Profile | PositionFunction
 Vector = Annotated[tuple[Value, ...], Field(min_length=2, max_length=3)]
+
+
+@dataclass(frozen=True, config=CLOSED)
+class Path:
+    """How a quantity grows with the pseudo-time of the load steps, linear between the points."""
+
+    time: Annotated[
+        tuple[Number, ...], Field(min_length=1, description="increasing pseudo-times, ≥ 0")
+    ]
+    factor: Annotated[
+        tuple[Number, ...],
+        Field(min_length=1, description="share of the value at each; constant beyond the ends"),
+    ]
+
+    def __post_init__(self) -> None:
+        if len(self.time) != len(self.factor):
+            raise ValueError(f"time has {len(self.time)} entries and factor {len(self.factor)}")
+        if any(b <= a for a, b in zip(self.time, self.time[1:], strict=False)):
+            raise ValueError("the times must increase")
+
+    def __call__(self, time: float) -> float:
+        """Share of the value at a pseudo-time."""
+        return float(np.interp(time, self.time, self.factor))
+
+
+# From nothing at time 0 to all at time 1, and from then on.
+RAMP = Path(time=(0.0, 1.0), factor=(0.0, 1.0))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from typing import Any
 
+import numpy as np
 from mpi4py import MPI
 
 from fenics_contact import compat
@@ -25,7 +26,7 @@ from fenics_contact.quantities import (
 from fenics_contact.result import Check, Result
 from fenics_contact.scene import Scene
 from fenics_contact.solution import Solution
-from fenics_contact.solver import solve
+from fenics_contact.strategy import solve
 from fenics_contact.timings import Timings
 
 logger = logging.getLogger(__name__)
@@ -80,7 +81,7 @@ class Run:
             "contact_points": int(points),
             "ranks": problem.comm.size,
             "solver": "full",
-            "strategy": _strategy(problem),
+            "strategy": _strategy(problem, self.solution),
             "scalar_unknowns": [f"{u.kind} at {u.contact.label}" for u in problem.unknowns],
             "terms": [term.name for term in problem.terms],
             "free_rigid_motions": self.free_motion.modes,
@@ -90,11 +91,37 @@ class Run:
 
     def solve(self) -> Result:
         """Solve and evaluate; collective. Failure to converge is a result, too."""
+        self._steps: list[dict[str, Any]] = []
         try:
-            solution = solve(self.problem, self.timings)
+            solution = solve(self.problem, self.timings, self._record)
         except NotConvergedError as error:
             return self._unconverged(error)
         return self._evaluate(solution)
+
+    def _record(self, time: float, solution: Solution) -> None:
+        """Keep what came out of a load step, before slip is counted anew."""
+        with self.timings.phase("output"):
+            self._reactions, self._supports = support_reactions(self.problem, solution)
+            self._by_contact = [
+                contact_quantities(self.problem, solution, number)
+                for number in range(len(self.problem.contacts))
+            ]
+            quantities = global_quantities(
+                self.problem, solution, self._reactions, self._by_contact
+            )
+        self._steps.append(
+            {
+                "load_factor": time,
+                "newton_iterations": solution.newton_iterations,
+                "outer_iterations": solution.outer_iterations,
+                "residual_history": list(solution.residual_history),
+                "quantities": quantities,
+                "contacts": [
+                    {"name": contact.label, "quantities": found}
+                    for contact, found in zip(self.problem.contacts, self._by_contact, strict=True)
+                ],
+            }
+        )
 
     def contacts(self, quantities: list[dict[str, Any]] | None = None) -> list[dict[str, Any]]:
         """``contacts`` of ``result.json``, with the quantities of each once there are any."""
@@ -114,30 +141,17 @@ class Run:
         problem = self.problem
         self.solution = solution
         with self.timings.phase("output"):
-            reactions, supports = support_reactions(problem, solution)
-            by_contact = [
-                contact_quantities(problem, solution, number)
-                for number in range(len(problem.contacts))
-            ]
-            quantities = global_quantities(problem, solution, reactions, by_contact)
-            checks = run_checks(problem, solution, reactions)
+            checks = run_checks(problem, solution, self._reactions)
             points = contact_points(problem, solution)
-        step = {
-            "load_factor": 1.0,
-            "newton_iterations": solution.newton_iterations,
-            "outer_iterations": 0,
-            "residual_history": list(solution.residual_history),
-            "quantities": quantities,
-        }
         return Result(
             title=self.scene.title,
             converged=True,
             verdict=_verdict(checks) + _untouched(problem, solution),
             model=self.model,
-            contacts=self.contacts(by_contact),
-            supports=supports,
-            quantities=quantities,
-            steps=[step],
+            contacts=self.contacts(self._by_contact),
+            supports=self._supports,
+            quantities=self._steps[-1]["quantities"],
+            steps=self._steps,
             checks=checks,
             timings=self.timings.summary(problem.comm),
             versions=compat.versions(),
@@ -147,7 +161,7 @@ class Run:
     def _unconverged(self, error: NotConvergedError) -> Result:
         """No answer: the history, and no numbers that could be taken for one."""
         step = {
-            "load_factor": 1.0,
+            "load_factor": self.scene.steps.all_times[len(self._steps)],
             "newton_iterations": max(len(error.residual_history) - 1, 0),
             "outer_iterations": 0,
             "residual_history": list(error.residual_history),
@@ -160,14 +174,17 @@ class Run:
             model=self.model,
             contacts=self.contacts(),
             quantities={},
-            steps=[step],
+            steps=[*self._steps, step],
             checks={},
             timings=self.timings.summary(self.problem.comm),
             versions=compat.versions(),
         )
 
 
-def _strategy(problem: Problem) -> str:
+def _strategy(problem: Problem, solution: Solution | None) -> str:
+    if problem.coulomb:
+        chosen = problem.scene.solver.strategy
+        return f"Coulomb friction: {solution.strategy if solution else chosen}"
     if any(contact.is_one_sided for contact in problem.contacts):
         return "frictionless contact: one Newton solve with a line search on the energy"
     if problem.frictional:
@@ -211,11 +228,13 @@ def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None)
 
 def _untouched(problem: Problem, solution: Solution) -> str:
     """A sentence on obstacles that the body does not touch, or nothing; collective."""
-    touched = [largest(problem.comm, state.contact_pressure) != 0 for state in solution.states]
+    touched = [
+        largest(problem.comm, np.abs(state.contact_pressure)) > 0 for state in solution.states
+    ]
     free = [
         f"'{contact.label}'"
         for contact, touches in zip(problem.contacts, touched, strict=True)
-        if not touches and contact.contact.kind != "prescribed"
+        if not touches and contact.normal is not None
     ]
     return f" The body does not touch the obstacle at {' and '.join(free)}." if free else ""
 

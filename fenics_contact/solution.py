@@ -23,6 +23,9 @@ class Solution:
         friction_force: Force of the friction law on the body, likewise (force).
         states: What happens at the points of each contact.
         residual_history: Force imbalance before every Newton step and at the end (force).
+        newton_iterations: Newton steps taken.
+        outer_iterations: Passes of the loop on the contact pressure, 0 without one.
+        strategy: How friction and pressure were brought together, in words.
         imbalance_limit: The imbalance that was accepted as converged (force).
     """
 
@@ -32,14 +35,12 @@ class Solution:
     friction_force: list[NDArray[np.float64]]
     states: list[ContactState]
     residual_history: tuple[float, ...]
+    newton_iterations: int
+    outer_iterations: int
+    strategy: str
     imbalance_limit: float
 
     @property
     def contact_force(self) -> list[NDArray[np.float64]]:
         """Both forces of each contact together (force)."""
         return [a + b for a, b in zip(self.normal_force, self.friction_force, strict=True)]
-
-    @property
-    def newton_iterations(self) -> int:
-        """Newton steps taken."""
-        return len(self.residual_history) - 1

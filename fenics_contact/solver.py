@@ -16,7 +16,7 @@ from petsc4py import PETSc
 
 from fenics_contact.errors import NotConvergedError
 from fenics_contact.linear_system import LinearSystem
-from fenics_contact.parallel import total
+from fenics_contact.parallel import largest, smallest, total
 from fenics_contact.problem import Problem
 from fenics_contact.solution import Solution
 from fenics_contact.start import starting_point
@@ -37,11 +37,18 @@ DEFAULT_OPTIONS = {
 # cost steps or stall in round-off. One-sided contact needs a search on the energy: for a point
 # along the step where its derivative vanishes, which takes no difference of nearly equal energies.
 FULL_STEPS = {"snes_linesearch_type": "basic"}
-ENERGY_SEARCH = {"snes_linesearch_type": "cp", "snes_linesearch_max_it": 3}
+# Its absolute tolerance would be in the user's units, and end a solve behind our back.
+ENERGY_SEARCH = {
+    "snes_linesearch_type": "cp",
+    "snes_linesearch_max_it": 3,
+    "snes_linesearch_atol": 1e-300,
+}
 
 # Share of the applied forces above which a round-off floor is not believed: the
 # floor grows with |u|, and a body that runs away must not pass for an answer.
 _LARGEST_FLOOR = 1e-6
+
+_RUNAWAY = 1e3  # of the body's size
 
 _NOT_A_NUMBER = -4  # the reason's name differs between PETSc's versions
 _REASONS = {
@@ -53,34 +60,27 @@ _REASONS = {
 }
 
 
-def solve(problem: Problem, timings: Timings | None = None) -> Solution:
-    """Minimise I_ε from the adhesive start u_T = 0 on Γ_C, just in contact; collective.
+class Newton:
+    """SNES on the displacements, mean stresses and scalar unknowns of a problem.
 
-    Raises:
-        NotConvergedError: In words, with the history of the force imbalance.
+    The bulk's matrix is assembled once; solves follow each other from where the last ended.
+
+    Attributes:
+        history: Force imbalance before every Newton step and at the end, of all solves (force).
+        steps: Newton steps of all solves.
     """
-    newton = _Newton(problem, timings or Timings())
-    try:
-        return newton.solve()
-    finally:
-        newton.destroy()
-
-
-class _Newton:
-    """SNES on the displacements, mean stresses and scalar unknowns of a problem."""
 
     def __init__(self, problem: Problem, timings: Timings) -> None:
         self.problem = problem
         self.timings = timings
         self.comm = problem.comm
         self.history: list[float] = []
+        self.steps = 0
         self.own_options: list[str] = []
         spaces = problem.spaces
         self.owned_size = spaces.owned_nodes * spaces.components
         constrained = problem.constrained
         self.owned_constrained = constrained[constrained < self.owned_size]
-        self.load = problem.load.reshape(-1)
-        self.load_norm = total(self.comm, np.abs(self.load[: self.owned_size]).sum())
         with timings.phase("assemble"):
             self.system = LinearSystem(problem)
         self.tangent = self.system.stiffness.duplicate(copy=True)
@@ -88,30 +88,72 @@ class _Newton:
         self.work = self.state.duplicate()
         self.held_norm = 0.0
         self.limit = 0.0
+        self._before = 0
 
     def destroy(self) -> None:
         """Free PETSc's objects: factors hold communicators, of which there are few."""
-        for name in self.own_options:  # the database is global: the next may want others
-            PETSc.Options().delValue(name)
         self.system.destroy()
         for thing in (self.tangent, self.state, self.residual, self.work):
             thing.destroy()
 
-    def solve(self) -> Solution:
+    def run(self, search_energy: bool = True) -> None:
+        """Solve from the present state, with the modes that the contacts' terms have.
+
+        Args:
+            search_energy: Search along the steps where a contact is one-sided; else full steps.
+
+        Raises:
+            NotConvergedError: In words, with the history of the force imbalance.
+        """
+        self._before = len(self.history)
+        self.limit = 0.0
         with self.timings.phase("solve"):
             log = _FactorisationLog()
-            snes = self._create_snes()
-            self._set_start()
+            snes = self._create_snes(search_energy)
             snes.solve(None, self.state)
             reason = snes.getConvergedReason()
             self._take(self.state)
             snes.destroy()
+            for name in self.own_options:  # the database is global: the next may want others
+                PETSc.Options().delValue(name)
+            self.own_options.clear()
             self.timings.move("solve", "factorise", log.seconds())
-        if reason < 0 or not self.history:
+        self.steps += max(len(self.history) - self._before - 1, 0)
+        accepted = len(self.history) > self._before and self.history[-1] <= self.limit
+        if reason < 0 or not accepted:
             raise NotConvergedError(self._failure(reason), tuple(self.history))
-        return self._solution()
+        self._refuse_runaway()
 
-    def _create_snes(self) -> Any:
+    def _refuse_runaway(self) -> None:
+        """No answer of linear elasticity is a thousand times the body away from its start."""
+        moved = np.abs(self.problem.displacement.x.array - self._started)
+        columns = self.problem.spaces.coordinates.T
+        size = max(largest(self.comm, x) - smallest(self.comm, x) for x in columns)
+        runs_away = largest(self.comm, moved) > _RUNAWAY * size
+        if runs_away and any(contact.is_one_sided for contact in self.problem.contacts):
+            raise NotConvergedError(
+                "the body runs away: displacements are more than a thousand times its size; is it "
+                "held, and are loads and stiffness in the same units?",
+                tuple(self.history),
+            )
+
+    @property
+    def forces(self) -> float:
+        """1-norm of the forces on the body at the last residual: loads, reactions, contacts."""
+        load = np.abs(self.problem.load.reshape(-1)[: self.owned_size]).sum()
+        return float(total(self.comm, load)) + self.held_norm
+
+    def save(self) -> NDArray[np.float64]:
+        """The state of this rank, to go back to."""
+        return np.array(self.state.array_r)
+
+    def restore(self, saved: NDArray[np.float64]) -> None:
+        """Go back to a saved state; collective."""
+        with self.state as array:
+            array[:] = saved
+        self._take(self.state)
+
+    def _create_snes(self, search_energy: bool) -> Any:
         settings = self.problem.scene.solver
         snes = PETSc.SNES().create(self.comm)
         snes.setOptionsPrefix(OPTIONS_PREFIX)
@@ -119,7 +161,8 @@ class _Newton:
         snes.setJacobian(self._set_tangent, self.tangent)
         options = PETSc.Options()
         one_sided = any(contact.is_one_sided for contact in self.problem.contacts)
-        defaults = DEFAULT_OPTIONS | (ENERGY_SEARCH if one_sided else FULL_STEPS)
+        search = ENERGY_SEARCH if one_sided and search_energy else FULL_STEPS
+        defaults = DEFAULT_OPTIONS | search
         for name, value in defaults.items():
             if not options.hasName(OPTIONS_PREFIX + name):
                 options.setValue(OPTIONS_PREFIX + name, value)
@@ -129,7 +172,12 @@ class _Newton:
         snes.setConvergenceTest(self._converged)
         return snes
 
-    def _set_start(self) -> None:
+    def forget(self) -> None:
+        """Count steps and keep the history anew, for another load step."""
+        self.history.clear()
+        self.steps = 0
+
+    def start(self) -> None:
         """Nothing has slipped, supports stand at their values, loose parts touch."""
         displacement, indentations = starting_point(self.problem)
         owned = self.problem.constrained < self.owned_size
@@ -137,6 +185,7 @@ class _Newton:
             contact.kinematics.move(displacement, indentation)
             if contact.friction is not None:
                 contact.friction.stick_all()
+        self._started = displacement.reshape(-1).copy()
         self.state.set(0.0)
         with self.state as array:
             array[: self.owned_size] = displacement.reshape(-1)[: self.owned_size]
@@ -144,6 +193,22 @@ class _Newton:
             for number, unknown in enumerate(self.problem.unknowns):
                 if self.comm.rank == 0 and unknown.kind == "indentation":
                     array[self._scalar(number)] = unknown.contact.kinematics.indentation
+
+    def continue_start(self) -> None:
+        """From the state of the last load step, supports at their new values; collective."""
+        owned = self.problem.constrained < self.owned_size
+        scalars = self._scalars(self.state)
+        values = self.problem.prescribed.copy()
+        far_field = self.problem.far_field
+        for unknown, value in zip(self.problem.unknowns, scalars, strict=True):
+            if unknown.column is not None and far_field is not None:
+                values[np.isin(self.problem.constrained, far_field.dofs)] += value * unknown.column
+        with self.state as array:
+            array[self.owned_constrained] = values[owned]
+        self._take(self.state)
+        for contact in self.problem.contacts:
+            if contact.friction is not None:
+                contact.friction.stick_all()
 
     def _scalar(self, number: int) -> int:
         """Position of a scalar in the arrays of rank 0."""
@@ -160,6 +225,8 @@ class _Newton:
         for unknown, value in zip(self.problem.unknowns, scalars, strict=True):
             if unknown.kind == "indentation":
                 unknown.contact.kinematics.move(displacement, value)
+        for contact in self.problem.contacts:
+            contact.follow_pressure()
 
     def _scalars(self, state: Any) -> list[float]:
         """Values of the scalar unknowns, on every rank."""
@@ -176,12 +243,9 @@ class _Newton:
     def _contact_forces(self, terms: str) -> list[NDArray[np.float64]]:
         """Forces on the body at all nodes by a kind of term, one array a contact."""
         spaces = self.problem.spaces
-        forces = []
-        for contact in self.problem.contacts:
-            term = getattr(contact, terms)
-            none = np.zeros((len(spaces.coordinates), spaces.components))
-            forces.append(none if term is None else -spaces.assemble(term.residual))
-        return forces
+        none = np.zeros((len(spaces.coordinates), spaces.components))
+        found = [getattr(contact, terms) for contact in self.problem.contacts]
+        return [none if term is None else term.force() for term in found]
 
     def _set_residual(self, snes: Any, state: Any, residual: Any) -> None:
         with self.timings.phase("assemble"):
@@ -193,7 +257,7 @@ class _Newton:
             with residual as array:
                 for force in by_contact:
                     array[: self.owned_size] -= force[owned].reshape(-1)
-                array[: self.owned_size] -= self.load[: self.owned_size]
+                array[: self.owned_size] -= self.problem.load.reshape(-1)[: self.owned_size]
                 held = np.abs(array[self.owned_constrained]).sum()
                 array[self.owned_constrained] = 0.0  # they hold their values exactly
                 self._set_scalar_residuals(state, array, by_contact)
@@ -240,7 +304,7 @@ class _Newton:
             forces_left += np.abs(self.residual.array_r[-self.system.scalars :]).sum()
         imbalance = total(self.comm, forces_left)
         self.history.append(imbalance)
-        forces = self.load_norm + self.held_norm
+        forces = self.forces
         logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
         if not np.isfinite(imbalance):
             return _NOT_A_NUMBER
@@ -274,20 +338,25 @@ class _Newton:
 
     def _failure(self, reason: int) -> str:
         words = _REASONS.get(reason, f"PETSc's reason {reason}")
-        left = f"{self.history[-1]:.2e}" if self.history else "unknown"
-        forces = self.load_norm + self.held_norm
-        advice = "Try a larger solver.max_iterations, or a larger regularisation_parameter"
-        if self.history and self.history[-1] <= 1e3 * _LARGEST_FLOOR * forces:
+        known = len(self.history) > self._before
+        left = f"{self.history[-1]:.2e}" if known else "unknown"
+        forces = self.forces
+        advice = "Try a larger solver.max_iterations, or a finer mesh at the contact"
+        if self.problem.frictional:
+            advice = "Try a larger solver.max_iterations, or a larger regularisation_parameter"
+        if known and self.history[-1] <= 1e3 * _LARGEST_FLOOR * forces:
             advice = (
                 "So small a rest may be round-off: is a penalty_parameter too small, or the "
                 "contrast of stiffnesses extreme?"
             )
+        steps = max(len(self.history) - self._before - 1, 0)
         return (
-            f"not converged after {max(len(self.history) - 1, 0)} Newton steps: {words}; the "
-            f"force imbalance is {left} of {forces:.3g}. {advice}"
+            f"not converged after {steps} Newton steps: {words}; the force imbalance is {left} of "
+            f"{forces:.3g}. {advice}"
         )
 
-    def _solution(self) -> Solution:
+    def solution(self, outer_iterations: int = 0, strategy: str = "") -> Solution:
+        """What was found; collective."""
         spaces = self.problem.spaces
         self.system.stiffness.mult(self.state, self.work)
         self.system.take_mean_stress(self.state)
@@ -295,7 +364,7 @@ class _Newton:
         internal.x.array[: self.owned_size] = self.work.array_r[: self.owned_size]
         internal.x.scatter_forward()
         for contact in self.problem.contacts:
-            if contact.force == 0:
+            if contact.force == 0 and contact.normal is None:
                 contact.kinematics.touch()
         nodes = [contact.nodes for contact in self.problem.contacts]
         normal, friction = self._contact_forces("normal"), self._contact_forces("friction")
@@ -306,6 +375,9 @@ class _Newton:
             friction_force=[force[n] for force, n in zip(friction, nodes, strict=True)],
             states=[contact.state() for contact in self.problem.contacts],
             residual_history=tuple(self.history),
+            newton_iterations=self.steps,
+            outer_iterations=outer_iterations,
+            strategy=strategy,
             imbalance_limit=self.limit,
         )
 

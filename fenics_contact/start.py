@@ -54,8 +54,9 @@ def starting_point(problem: Problem) -> tuple[Array, list[float]]:
 
 def _unresisted(problem: Problem, rigid: RigidMotions) -> Array:
     """Combinations of the motions that friction does not resist, as columns."""
-    weights, slips = rigid.slips()
-    gram = np.einsum("q,qci,qcj->ij", weights, slips, slips)
+    gram = np.zeros((rigid.count, rigid.count))
+    for weights, slips in (rigid.slips(), rigid.slips(coulomb=True)):
+        gram += np.einsum("q,qci,qcj->ij", weights, slips, slips)
     return null_space(np.sum(problem.comm.allgather(gram), axis=0))
 
 
@@ -77,7 +78,10 @@ def _on_springs(
     """Minimise ½ Σ k ((N a − s)₊)² − f · a."""
     from scipy.optimize import minimize
 
-    unit = np.abs(force).max() * size
+    overlap = float(stiffness @ np.maximum(-gap, 0.0))
+    unit = max(np.abs(force).max(), overlap) * size
+    if unit == 0:
+        return start
 
     def depth(motion: Array) -> Array:
         return np.asarray(np.maximum(rows @ (size * motion) - gap, 0.0))

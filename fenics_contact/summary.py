@@ -77,7 +77,7 @@ def print_result(result: Result, folder: Path) -> None:
         console.print(checks)
     console.print(result.verdict, markup=False, highlight=False)
     console.print(
-        f"{result.timings['total']:.2f} s, {result.steps[0]['newton_iterations']} Newton steps. "
+        f"{result.timings['total']:.2f} s, {result.steps[-1]['newton_iterations']} Newton steps. "
         f"Files in {folder}/",
         markup=False,
         highlight=False,

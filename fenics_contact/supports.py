@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from fenics_contact.errors import InputError
 from fenics_contact.parallel import largest, raise_together, smallest, total
 from fenics_contact.scene import Scene
-from fenics_contact.scene_values import AXES
+from fenics_contact.scene_values import AXES, RAMP, Path
 from fenics_contact.spaces import Spaces
 
 Array = NDArray[np.float64]
@@ -27,11 +27,13 @@ class AppliedSupport:
         on: Name of the group.
         dofs: Local indices (owned and ghost) into the flat displacement array.
         values: Prescribed displacement of each (length).
+        path: How they grow over the load steps.
     """
 
     on: str
     dofs: NDArray[np.int64]
     values: Array
+    path: Path = RAMP
 
 
 @dataclass(frozen=True)
@@ -67,9 +69,9 @@ class Supports:
         self.applied = [self._support(scene, number) for number in range(len(scene.support))]
         planes = [self._plane(on, f"symmetry[{i}]") for i, on in enumerate(scene.symmetry)]
         self.applied += [self._of_plane(plane) for plane in planes]
-        self.planes = planes
+        self.planes = list({(plane.axis, round(plane.at, 9)): plane for plane in planes}.values())
         if spaces.kinematics == "axisymmetric":
-            self.planes = [plane for plane in planes if plane.axis != 0]
+            self.planes = [plane for plane in self.planes if plane.axis != 0]
             self.applied += self._axis_of_revolution()
         self.dofs, self.values = self._constraints()
 
@@ -79,8 +81,21 @@ class Supports:
         if not self.planes:
             return "none"
         part = {1: "half", 2: "quarter", 3: "eighth"}.get(len(self.planes), "part")
+        if self.parallel_planes:
+            part = "part"
         where = (f"{AXES[plane.axis]} = {plane.at:g}" for plane in self.planes)
         return f"{part} ({', '.join(where)})"
+
+    @property
+    def flat_sides(self) -> list[tuple[int, float]]:
+        """Axis and coordinate of the planes of symmetry, and of the axis of revolution."""
+        sides = [(plane.axis, plane.at) for plane in self.planes]
+        return [*sides, (0, 0.0)] if self._spaces.kinematics == "axisymmetric" else sides
+
+    @property
+    def parallel_planes(self) -> bool:
+        """Whether two planes face each other: mirrored in both, the body goes on for ever."""
+        return len({plane.axis for plane in self.planes}) < len(self.planes)
 
     def _support(self, scene: Scene, number: int) -> AppliedSupport:
         key, spaces = f"support[{number}]", self._spaces
@@ -90,7 +105,8 @@ class Supports:
         for axis, value in scene.support[number].displacement.items():
             dofs.append(nodes.astype(np.int64) * spaces.components + AXES.index(axis))
             values.append(spaces.evaluate(value, nodes, f"{key}.displacement.{axis}"))
-        return AppliedSupport(on, np.concatenate(dofs), np.concatenate(values))
+        path = scene.support[number].path
+        return AppliedSupport(on, np.concatenate(dofs), np.concatenate(values), path)
 
     def _plane(self, on: str, key: str) -> SymmetryPlane:
         spaces = self._spaces
@@ -138,3 +154,10 @@ class Supports:
         raise_together(self._spaces.comm, error)
         dofs = np.array(sorted(owner), dtype=np.int64)
         return dofs, np.array([owner[dof][0] for dof in dofs.tolist()])
+
+    def at(self, time: float) -> Array:
+        """Prescribed displacements of ``dofs`` at a pseudo-time (length)."""
+        values = np.zeros(self.dofs.max(initial=-1) + 1)
+        for support in reversed(self.applied):  # the first to hold a dof counts
+            values[support.dofs] = support.values * support.path(time)
+        return values[self.dofs]

@@ -8,6 +8,7 @@ point at the centre gives all of them a positive one (exact to degree 3).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,11 +18,14 @@ from numpy.typing import NDArray
 
 from fenics_contact.facet_centres import SEVEN_POINTS, SIX_NODES, FacetCentres
 from fenics_contact.mesh import Group
-from fenics_contact.parallel import largest, smallest, total
+from fenics_contact.parallel import gather_rows, largest, smallest, total
 from fenics_contact.spaces import Spaces
 from fenics_contact.surface_pieces import SurfacePieces
 
 Array = NDArray[np.float64]
+
+# Cosine of half the largest angle between neighbouring facets of one surface.
+_SHARP = float(np.cos(np.pi / 8))
 
 
 class Trace:
@@ -38,7 +42,9 @@ class Trace:
         owned: Which points this rank counts.
     """
 
-    def __init__(self, spaces: Spaces, group: Group) -> None:
+    def __init__(
+        self, spaces: Spaces, group: Group, flat_sides: Sequence[tuple[int, float]] = ()
+    ) -> None:
         self.spaces = spaces
         self.group = group
         self._pieces: SurfacePieces | None = None
@@ -46,6 +52,7 @@ class Trace:
         nodes = spaces.nodes(group)
         self.weight = self._point_weight(nodes)
         weights, normals = self._at_nodes(nodes)
+        self._mirror(nodes, normals, flat_sides)
         heaviest = largest(spaces.comm, weights)
         # A point on the axis of revolution stands for no area.
         counted = weights > 1e-12 * heaviest
@@ -105,11 +112,35 @@ class Trace:
         area = spaces.assemble(fem.form(self.weight * ufl.dot(ones, test) * measure))[:, 0]
         facet_normal = ufl.FacetNormal(spaces.body.mesh)
         averaged = spaces.assemble(fem.form(ufl.dot(facet_normal, test) * measure))
+        bare = spaces.assemble(fem.form(ufl.dot(ones, test) * measure))[:, 0]
         lengths = np.linalg.norm(averaged, axis=1)
         normals = averaged / np.where(lengths > 0, lengths, 1.0)[:, None]
+        # 1 on a flat surface; the cosine of half the angle at an edge between two facets.
+        self._flatness = (lengths / np.where(bare > 0, bare, 1.0))[nodes]
         if self._centres is not None:
             area *= self._centres.node_factor
         return area[nodes], normals[nodes]
+
+    def _mirror(
+        self, nodes: NDArray[np.int32], normals: Array, flat_sides: Sequence[tuple[int, float]]
+    ) -> None:
+        """In a plane of symmetry, or on the axis, normals have no part across it.
+
+        The average over one side alone would be tilted where the surface is curved.
+        """
+        points = self.spaces.coordinates[nodes]
+        size = self.extent()
+        for axis, at in flat_sides:
+            inside = np.abs(points[:, axis] - at) <= 1e-9 * size
+            normals[inside, axis] = 0.0
+        lengths = np.linalg.norm(normals, axis=1)
+        normals /= np.where(lengths > 0, lengths, 1.0)[:, None]
+
+    def sharp_corner(self) -> Array | None:
+        """A point where facets meet at more than 45°, the same on every rank; or None."""
+        sharp = (self._flatness < _SHARP) & (self._flatness > 0)
+        rows = gather_rows(self.spaces.comm, self.spaces.coordinates[self.all_nodes[sharp]])
+        return rows[np.lexsort(rows.T)[0]] if len(rows) else None
 
     @property
     def nodal(self) -> bool:
@@ -155,15 +186,17 @@ class Trace:
         weighted = np.tensordot(self.weights[self.owned], values[self.owned], axes=(0, 0))
         return total(self.spaces.comm, weighted)
 
+    def extent(self) -> float:
+        """Diagonal of the box around the surface (length); collective."""
+        comm = self.spaces.comm
+        points = self.spaces.coordinates[self.spaces.nodes(self.group)].T
+        return float(np.linalg.norm([largest(comm, x) - smallest(comm, x) for x in points]))
+
     def relative_facet_size(self) -> float:
         """Largest facet over the extent of the surface; collective."""
-        spaces = self.spaces
-        mesh = spaces.body.mesh
-        points = spaces.coordinates[spaces.nodes(self.group)].T
-        extent = [largest(spaces.comm, axis) - smallest(spaces.comm, axis) for axis in points]
-        facets = spaces.body.entities(self.group)
-        size = largest(spaces.comm, mesh.h(mesh.topology.dim - 1, facets))
-        return size / float(np.linalg.norm(extent))
+        mesh = self.spaces.body.mesh
+        facets = self.spaces.body.entities(self.group)
+        return largest(self.spaces.comm, mesh.h(mesh.topology.dim - 1, facets)) / self.extent()
 
     def smallest_edge(self) -> float:
         """Shortest edge of the cells at the surface (length): flat ones are stiff."""

@@ -202,8 +202,8 @@ def test_failed_check_exits_4(folder, monkeypatch):
 
     solve = module.solve
 
-    def wrong(problem, timings):
-        solution = solve(problem, timings)
+    def wrong(problem, timings, accepted):
+        solution = solve(problem, timings, accepted)
         for force in solution.friction_force:
             force *= 0.9
         return solution

@@ -175,7 +175,7 @@ def test_penalty_bias_is_its_compliance(ratio):
         ({"foundation_stiffness": 1, "contact": "unilateral"}, "foundation_stiffness belongs"),
         ({"pressure": 1, "obstacle": Obstacle()}, "prescribed contact has none"),
         ({"foundation_stiffness": 1, "penalty_parameter": 1e-3}, "winkler contact has none"),
-        ({"friction_coefficient": 0.3}, "without friction so far"),
+        ({"contact": "bonded", "friction_coefficient": 0.3}, "bonded contact sticks"),
         ({"foundation_stiffness": -1}, "must be ≥ 0"),
     ],
 )

@@ -130,7 +130,7 @@ def test_penalty_tends_to_the_exact_inequality(kinematics, degree, cell):
     peak = pressure.max()
     state = prepared.solution.states[0]
     assert np.abs(state.contact_pressure - pressure).max() < 1e-3 * peak
-    assert np.abs(prepared.solution.displacement - displacement).max() < 1e-4 * 0.03
+    assert np.abs(prepared.solution.displacement - displacement).max() < 1e-3 * 0.03
     assert (state.status != "OPEN").tolist() == (pressure > 1e-6 * peak).tolist()
     # A penalty a hundred times stiffer halves nothing: it is a hundred times nearer.
     stiffer = block(

@@ -1,0 +1,250 @@
+"""Coulomb friction: the loop on the contact pressure (paper, Section 4.1) and its rescues.
+
+Friction is bounded by the pressure, which is not known. A pass makes from pressures p new
+ones: `campos` by the paper's Steps 3 and 4, friction under given pressure, then contact under
+given friction; `lagged` with contact and friction at once, bounded by μ p. Anderson's method
+accelerates the passes. `monolithic` is Newton's method on the whole, with its non-symmetric
+tangent, from the adhesive start.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.anderson import Anderson
+from fenics_contact.errors import NotConvergedError
+from fenics_contact.parallel import largest
+from fenics_contact.problem import Problem
+from fenics_contact.rigid import RigidMotions
+from fenics_contact.solution import Solution
+from fenics_contact.solver import Newton
+from fenics_contact.timings import Timings
+
+logger = logging.getLogger(__name__)
+
+Array = NDArray[np.float64]
+
+# The loop is left where it has not come nearer in this many passes.
+_PATIENCE = 8
+# Shares of the coefficient on the way to all of it.
+_CONTINUATION = (0.25, 0.5, 0.75, 1.0)
+
+_WORDS = {
+    "campos": "the paper's alternation of friction and contact, accelerated",
+    "lagged": "contact and friction with the bound of the last pass, accelerated",
+    "monolithic": "Newton's method on contact and friction together",
+    "continuation": "Newton's method on contact and friction, the coefficient raised in steps",
+}
+
+
+def solve(
+    problem: Problem,
+    timings: Timings | None = None,
+    accepted: Callable[[float, Solution], None] | None = None,
+) -> Solution:
+    """Solve a problem step by step; collective.
+
+    Args:
+        problem: The problem; its slip history moves on with the steps.
+        timings: Seconds so far.
+        accepted: Called with pseudo-time and solution of every step, before slip is counted anew.
+
+    Returns:
+        The solution of the last step.
+
+    Raises:
+        NotConvergedError: In words, with the history of the force imbalance.
+    """
+    newton = Newton(problem, timings or Timings())
+    times = problem.scene.steps.all_times
+    try:
+        for number, time in enumerate(times):
+            problem.set_time(time)
+            newton.forget()
+            if number == 0:
+                newton.start()
+            else:
+                newton.continue_start()
+            found = solve_step(newton)
+            if len(times) > 1:
+                logger.info("step %d of %d: time %g", number + 1, len(times), time)
+            if accepted is not None:
+                accepted(time, found)
+            if number + 1 < len(times):
+                for contact in problem.contacts:
+                    contact.accept()
+        return found
+    finally:
+        newton.destroy()
+
+
+def solve_step(newton: Newton) -> Solution:
+    """Solve for the present loads, from the present state; collective."""
+    problem = newton.problem
+    if not problem.coulomb:
+        newton.run()
+        return newton.solution()
+    loop = _CoulombLoop(newton)
+    return loop.solve(problem.scene.solver.strategy)
+
+
+class _StalledError(Exception):
+    """The loop on the pressure does not come nearer."""
+
+
+class _CoulombLoop:
+    """Brings friction and pressure of all Coulomb contacts together."""
+
+    def __init__(self, newton: Newton) -> None:
+        self.newton = newton
+        self.problem = newton.problem
+        self.contacts = newton.problem.coulomb
+        self.settings = newton.problem.scene.solver
+        self.outer = 0
+        self.start = newton.save()
+
+    def solve(self, strategy: str) -> Solution:
+        """By one strategy, or by one after the other until one converges."""
+        ways: dict[str, Callable[[], None]] = {
+            "campos": lambda: self._loop(self._campos_pass),
+            "lagged": lambda: self._loop(self._lagged_pass),
+            "monolithic": self._monolithic,
+            "continuation": self._continuation,
+        }
+        chosen = list(ways) if strategy == "auto" else [strategy]
+        if strategy == "auto" and RigidMotions(self.problem).count > 0:
+            chosen.remove("campos")
+        for number, way in enumerate(chosen):
+            try:
+                self.newton.restore(self.start)
+                ways[way]()
+                return self.newton.solution(self.outer, _WORDS[way])
+            except (_StalledError, NotConvergedError) as error:
+                if number + 1 == len(chosen):
+                    history = tuple(self.newton.history)
+                    raise NotConvergedError(f"{_WORDS[way]}: {error}", history) from None
+                logger.info("%s: %s; next: %s", _WORDS[way], error, _WORDS[chosen[number + 1]])
+        raise AssertionError("a strategy returns or raises")
+
+    def _loop(self, one_pass: Callable[[list[Array]], list[Array]]) -> None:
+        """Passes from the frictionless pressures until these change no more."""
+        pressures = self._frictionless()
+        anderson = Anderson(self.problem.comm, [c.trace.owned for c in self.contacts])
+        best, since = np.inf, 0
+        for _ in range(self.settings.max_outer_iterations):
+            found = one_pass(pressures)
+            self.outer += 1
+            change = self._change(pressures, found)
+            logger.debug("  pass %d: pressures change by %.2e of the peak", self.outer, change)
+            if change <= self.settings.outer_tolerance:
+                self._finish(found)
+                return
+            best, since = (change, 0) if change < 0.9 * best else (best, since + 1)
+            if since >= _PATIENCE:
+                raise _StalledError(
+                    f"no progress in {_PATIENCE} passes, the pressures still change by "
+                    f"{change:.1e} of their peak"
+                )
+            pressures = anderson.next(pressures, found)
+        raise _StalledError(f"the {self.settings.max_outer_iterations} passes allowed were used up")
+
+    def _change(self, before: list[Array], after: list[Array]) -> float:
+        comm = self.problem.comm
+        peak = max(largest(comm, pressure) for pressure in after)
+        pairs = zip(before, after, strict=True)
+        change = max(largest(comm, np.abs(a - b)) for a, b in pairs)
+        return change / peak if peak > 0 else 0.0
+
+    def _frictionless(self) -> list[Array]:
+        """The paper's Step 1; sets ε where it follows from the pressure."""
+        for contact in self.contacts:
+            assert contact.friction is not None
+            contact.friction.mode = "off"
+        self.newton.run()
+        self._scale()
+        for contact in self.contacts:
+            assert contact.friction is not None
+            contact.friction.stick_all()
+        self._sticks = [np.ones(len(c.trace.weights), dtype=bool) for c in self.contacts]
+        self._directions = [np.zeros_like(c.trace.normals) for c in self.contacts]
+        return [contact.pressure() for contact in self.contacts]
+
+    def _scale(self) -> None:
+        modulus = self.problem.elastic.reference_modulus
+        for contact in self.contacts:
+            if not contact.is_scaled:
+                contact.scale_friction(modulus, contact.pressure())
+
+    def _lagged_pass(self, pressures: list[Array]) -> list[Array]:
+        for contact, pressure in zip(self.contacts, pressures, strict=True):
+            assert contact.friction is not None
+            contact.friction.mode = "law"
+            contact.friction.set_bound(contact.friction.bound_of(pressure))
+        self.newton.run()
+        return [contact.pressure() for contact in self.contacts]
+
+    def _campos_pass(self, pressures: list[Array]) -> list[Array]:
+        """Step 3 with the status of the last pass, then Step 4."""
+        for i, (contact, pressure) in enumerate(zip(self.contacts, pressures, strict=True)):
+            assert contact.friction is not None and contact.normal is not None
+            contact.normal.hold(pressure)
+            bound = contact.friction.bound_of(pressure)
+            contact.friction.set_status(self._sticks[i], self._directions[i], bound)
+        self.newton.run(search_energy=False)
+        for i, (contact, pressure) in enumerate(zip(self.contacts, pressures, strict=True)):
+            assert contact.friction is not None and contact.normal is not None
+            bound = contact.friction.bound_of(pressure)
+            contact.friction.hold(self._next_status(i, bound))
+            contact.friction.mode = "held"
+            contact.normal.release()
+        self.newton.run()
+        return [contact.pressure() for contact in self.contacts]
+
+    def _next_status(self, number: int, bound: Array) -> Array:
+        """The tractions of Step 3, and the status for the next one, with hysteresis.
+
+        A point starts to slip beyond ε, and sticks again once it comes back below ε against
+        the direction of its slip; it never reverses at once.
+        """
+        contact = self.contacts[number]
+        assert contact.friction is not None
+        kinematics, epsilon = contact.kinematics, contact.friction.regularisation_parameter
+        slip = contact.friction.counted(kinematics.tangential(kinematics.jump_at_points()))
+        size = np.linalg.norm(slip, axis=1)
+        unit = slip / np.where(size > 0, size, 1.0)[:, None]
+        sticks, directions = self._sticks[number], self._directions[number]
+        share = np.where(sticks, np.minimum(size / epsilon, 1.0), 1.0)
+        traction = -(bound * share)[:, None] * np.where(sticks[:, None], unit, directions)
+        back = np.einsum("ij,ij->i", slip, directions) < epsilon
+        self._sticks[number] = np.where(sticks, size <= epsilon, back)
+        self._directions[number] = np.where(self._sticks[number][:, None], 0.0, unit)
+        return traction
+
+    def _monolithic(self) -> None:
+        """Newton's method with the coupled tangent, from the adhesive start, full steps."""
+        if not all(contact.is_scaled for contact in self.contacts):
+            self._frictionless()
+            self.newton.restore(self.start)
+        for contact in self.contacts:
+            assert contact.friction is not None
+            contact.friction.stick_all()
+            contact.friction.mode = "coupled"
+        self.newton.run(search_energy=False)
+
+    def _continuation(self) -> None:
+        for share in _CONTINUATION:
+            for contact in self.contacts:
+                assert contact.friction is not None
+                contact.friction.set_share(share)
+            if share == _CONTINUATION[0]:
+                self._monolithic()
+            else:
+                self.newton.run(search_energy=False)
+
+    def _finish(self, pressures: list[Array]) -> None:
+        """A last solve in which friction and contact meet their laws exactly."""
+        self._lagged_pass(pressures)
