@@ -124,7 +124,8 @@ class ContactSurface:
         self.pressure_load = self._pressure_form()
         self.is_scaled = False
         self.friction = self._friction_term(coefficient)
-        if self.friction is not None and contact.kind == "prescribed":
+        given = contact.kind == "prescribed" or contact.regularisation_parameter != "auto"
+        if self.friction is not None and given:
             self.scale_friction(elastic.reference_modulus, self._given_pressure)
 
     def _friction_term(self, coefficient: Array) -> FrictionTerm | None:

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.contact import OPEN, SLIP, STICK, ContactSurface
-from fenics_contact.contact_area import contact_area
+from fenics_contact.contact import OPEN, SLIP, STICK, ContactState, ContactSurface
+from fenics_contact.contact_area import contact_area, stick_area
 from fenics_contact.parallel import gather_rows, largest, total
 from fenics_contact.problem import Problem
 from fenics_contact.result import ContactPoints
@@ -26,7 +26,7 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
     force = solution.friction_force[number]
     owned = contact.owned_nodes
     closed = contact_area(contact, state)
-    sticking = min(float(integral((state.status == STICK) * 1.0)), closed)
+    sticking = min(stick_area(contact, state), closed)
     along = contact.kinematics.facing
     if not contact.kinematics.direction.any():  # without an obstacle's axis, along the normal
         along = np.ones(len(state.contact_pressure))
@@ -47,8 +47,19 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
         "max_slip": largest(comm, np.linalg.norm(state.slip, axis=1)),
         "friction_work": contact.friction_work(),
         "penalty_energy": float(integral(state.penalty_energy)),
+        **_undecided(contact, state),
         **_indentation(problem, contact),
     }
+
+
+def _undecided(contact: ContactSurface, state: ContactState) -> dict[str, int]:
+    """How many points slip by ε within a factor of two: ε decides whether they stick."""
+    if contact.friction is None:
+        return {}
+    slip = np.linalg.norm(contact.friction.counted(state.slip), axis=1)
+    share = slip / contact.regularisation_parameter
+    near = contact.trace.owned & (share > 0.5) & (share < 2) & (state.contact_pressure > 0)
+    return {"undecided_points": int(total(contact.spaces.comm, near.sum()))}
 
 
 def _indentation(problem: Problem, contact: ContactSurface) -> dict[str, float]:
