@@ -38,7 +38,7 @@ class _Compared:
         bulk: Recovered friction, over the largest bound and the node's area: a traction's share.
         law: The friction law's, likewise.
         bound: The most that the points around a node can give it, likewise.
-        slip: Displacement along the surface (length).
+        slip: That the friction law counts (length).
         nodal: Whether each node is a point of its own, whose law can be asked.
         comm: Communicator.
     """
@@ -67,13 +67,16 @@ def _worst(
         counted = contact.owned_nodes & movable
         if contact.friction is None or problem.comm.allreduce(int(counted.sum())) == 0:
             continue
-        trace = contact.trace
+        trace, strongest = contact.trace, largest(problem.comm, contact.friction_bound)
+        if strongest <= 0:  # not touched
+            continue
         area = trace.to_nodes(trace.weights)
-        unit = area * largest(problem.comm, contact.friction_bound)
+        unit = area * strongest
         bound = trace.to_nodes(trace.weights * contact.friction_bound) / unit
         bulk = free * recovered_friction(problem, solution, number) / unit[:, None]
         law = free * solution.friction_force[number] / unit[:, None]
-        slip = free * contact.kinematics.tangential(solution.displacement[contact.nodes])
+        since = contact.friction.counted(solution.states[number].slip)
+        slip = free * since[: len(contact.nodes)]
         compared = _Compared(
             bulk[counted], law[counted], bound[counted], slip[counted], trace.nodal, problem.comm
         )

@@ -48,6 +48,16 @@ class RigidMotions:
         """Whether only obstacles are free."""
         return not np.abs(self._body).max(initial=0.0) > 1e-9
 
+    @property
+    def slides_on_coulomb(self) -> bool:
+        """Whether something slides that only friction of unknown bound resists; collective."""
+        weights, normal, _ = self.closings()
+        others = np.einsum("q,qi,qj->ij", weights, normal, normal)
+        w, slip = self.slips()
+        held = total(self._problem.comm, np.einsum("q,qci,qcj->ij", w, slip, slip))
+        scale = (np.trace(others) or 1.0) / (np.trace(held) or 1.0)
+        return null_space(others + scale * held).shape[1] > 0
+
     def _rigid_fields(self) -> Array:
         """Translations, then rotations, at the nodes of this rank: (nodes, components, modes)."""
         problem, spaces = self._problem, self._problem.spaces

@@ -30,6 +30,8 @@ Array = NDArray[np.float64]
 
 # The loop is left where it has not come nearer in this many passes.
 _PATIENCE = 8
+# Stiffness of glue along the surface, over E/h: nothing is to have slipped yet.
+_GLUE = 1e4
 # Shares of the coefficient on the way to all of it.
 _CONTINUATION = (0.25, 0.5, 0.75, 1.0)
 
@@ -131,8 +133,8 @@ class _CoulombLoop:
         raise AssertionError("a strategy returns or raises")
 
     def _loop(self, one_pass: Callable[[list[Array]], list[Array]]) -> None:
-        """Passes from the frictionless pressures until these change no more."""
-        pressures = self._frictionless()
+        """Passes from the first pressures until these change no more."""
+        pressures = self._first_pressures()
         anderson = Anderson(self.problem.comm, [c.trace.owned for c in self.contacts])
         best, since = np.inf, 0
         for _ in range(self.settings.max_outer_iterations):
@@ -159,11 +161,18 @@ class _CoulombLoop:
         change = max(largest(comm, np.abs(a - b)) for a, b in pairs)
         return change / peak if peak > 0 else 0.0
 
-    def _frictionless(self) -> list[Array]:
-        """The paper's Step 1; sets ε where it follows from the pressure."""
+    def _first_pressures(self) -> list[Array]:
+        """The paper's Step 1, without friction; with glue along it where only friction holds.
+
+        Sets ε where it follows from the pressure.
+        """
+        glued = RigidMotions(self.problem).slides_on_coulomb
         for contact in self.contacts:
             assert contact.friction is not None
             contact.friction.mode = "off"
+            if glued:
+                spring = self.problem.elastic.reference_modulus / contact.trace.smallest_edge()
+                contact.friction.glue(_GLUE * spring)
         self.newton.run()
         self._scale()
         for contact in self.contacts:
@@ -227,7 +236,7 @@ class _CoulombLoop:
     def _monolithic(self) -> None:
         """Newton's method with the coupled tangent, from the adhesive start, full steps."""
         if not all(contact.is_scaled for contact in self.contacts):
-            self._frictionless()
+            self._first_pressures()
             self.newton.restore(self.start)
         for contact in self.contacts:
             assert contact.friction is not None
