@@ -88,6 +88,8 @@ class Newton:
         self.work = self.state.duplicate()
         self.held_norm = 0.0
         self.limit = 0.0
+        self.refuses_runaway = any(contact.is_one_sided for contact in problem.contacts)
+        self.tiny = 0.0
         self._before = 0
 
     def destroy(self) -> None:
@@ -129,8 +131,7 @@ class Newton:
         moved = np.abs(self.problem.displacement.x.array - self._started)
         columns = self.problem.spaces.coordinates.T
         size = max(largest(self.comm, x) - smallest(self.comm, x) for x in columns)
-        runs_away = largest(self.comm, moved) > _RUNAWAY * size
-        if runs_away and any(contact.is_one_sided for contact in self.problem.contacts):
+        if self.refuses_runaway and largest(self.comm, moved) > _RUNAWAY * size:
             raise NotConvergedError(
                 "the body runs away: displacements are more than a thousand times its size; is it "
                 "held, and are loads and stiffness in the same units?",
@@ -305,13 +306,18 @@ class Newton:
         imbalance = total(self.comm, forces_left)
         self.history.append(imbalance)
         forces = self.forces
+        if iteration == 0:
+            self.tiny = _LARGEST_FLOOR * imbalance if self.refuses_runaway else 0.0
         logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
         if not np.isfinite(imbalance):
             return _NOT_A_NUMBER
         self.limit = self.problem.scene.solver.tolerance * forces
+        # A body that a motion of its supports takes along has no forces to compare with; that
+        # it does not run away is then tested at the end.
+        cap = np.inf if self.refuses_runaway else _LARGEST_FLOOR * forces
         # The floor costs a matrix copy, so it is asked for only where it may decide.
-        if iteration > 0 and self.limit < imbalance <= _LARGEST_FLOOR * forces:
-            self.limit = max(self.limit, min(self._floor(), _LARGEST_FLOOR * forces))
+        if iteration > 0 and self.limit < imbalance <= max(_LARGEST_FLOOR * forces, self.tiny):
+            self.limit = max(self.limit, min(self._floor(), cap))
         if imbalance <= self.limit and not self._mean_stress_is_missing(iteration):
             return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
         return PETSc.SNES.ConvergedReason.CONVERGED_ITERATING

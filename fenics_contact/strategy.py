@@ -135,6 +135,8 @@ class _CoulombLoop:
     def _loop(self, one_pass: Callable[[list[Array]], list[Array]]) -> None:
         """Passes from the first pressures until these change no more."""
         pressures = self._first_pressures()
+        if self._peak(pressures) == 0:  # nothing touches, nothing rubs
+            return
         anderson = Anderson(self.problem.comm, [c.trace.owned for c in self.contacts])
         best, since = np.inf, 0
         for _ in range(self.settings.max_outer_iterations):
@@ -155,11 +157,13 @@ class _CoulombLoop:
         raise _StalledError(f"the {self.settings.max_outer_iterations} passes allowed were used up")
 
     def _change(self, before: list[Array], after: list[Array]) -> float:
-        comm = self.problem.comm
-        peak = max(largest(comm, pressure) for pressure in after)
+        comm, peak = self.problem.comm, self._peak(after)
         pairs = zip(before, after, strict=True)
         change = max(largest(comm, np.abs(a - b)) for a, b in pairs)
         return change / peak if peak > 0 else 0.0
+
+    def _peak(self, pressures: list[Array]) -> float:
+        return max(largest(self.problem.comm, pressure) for pressure in pressures)
 
     def _first_pressures(self) -> list[Array]:
         """The paper's Step 1, without friction; with glue along it where only friction holds.
