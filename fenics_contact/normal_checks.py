@@ -140,10 +140,10 @@ def pressure_recovery(problem: Problem, solution: Solution) -> Check | None:
         limit = _RECOVERY_OVER_ROOT[problem.spaces.degree] * float(np.sqrt(relative_size))
         if limit > _LARGEST_RECOVERY:
             continue  # a contact of one facet or two resolves no pressure
-        mean = float(trace.integral(state.contact_pressure)) / area
         difference = np.abs(consistent - state.contact_pressure)
-        counted = trace.owned & ((closed > 0) | (consistent > 0.1 * mean))
-        rows = np.stack([difference, trace.weights], axis=1)[counted]
+        loaded = (closed > 0) | (consistent > 0.1 * largest(problem.comm, consistent))
+        mean = float(trace.integral(state.contact_pressure) / trace.integral(np.where(loaded, 1.0, 0.0)))
+        rows = np.stack([difference, trace.weights], axis=1)[trace.owned & loaded]
         found = _median(gather_rows(problem.comm, rows)) / mean
         worst = nearer_to_failing(worst, Check(found, limit))
     return worst
