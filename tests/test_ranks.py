@@ -31,7 +31,8 @@ def assert_same(alone, together):
         first, second = getattr(alone.points, name), getattr(together.points, name)
         assert np.abs(first - second).max() <= 1e-9 * max(1.0, np.abs(first).max()), name
     first, second = alone.points.contact_pressure, together.points.contact_pressure
-    assert np.abs(first - second).max() <= 1e-9 * max(1.0, first.max())
+    # Depths are small differences of displacements: some digits of them are round-off.
+    assert np.abs(first - second).max() <= 1e-8 * max(1.0, first.max())
     assert (alone.points.status == together.points.status).all()
     assert set(alone.checks) == set(together.checks)
     assert together.passed
