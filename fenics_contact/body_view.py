@@ -96,9 +96,22 @@ def choose_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
             near = np.maximum(low, first), np.minimum(high, last)
             aside = (near[0] + near[1] - low - high) / (high - low).max()
             inside = ((body.points >= near[0]) & (body.points <= near[1])).all(axis=1)
-            body = body.extract_points(inside, adjacent_cells=True, include_cells=True)
+            body = _cells_at(body, inside)
             return View(body, *near, True, flat, _towards(flat, table, aside), looks)
     return View(body, low, high, False, flat, _towards(flat, table, np.zeros(3)), looks)
+
+
+def _cells_at(body: Any, points: Any) -> Any:
+    """The cells that have one of the points; VTK 9.3's own extraction crashes now and then."""
+    corners = body.cell_connectivity.reshape(body.n_cells, -1)  # all cells are of one type
+    kept = points[corners].any(axis=1)
+    used, renumbered = np.unique(corners[kept], return_inverse=True)
+    cells = renumbered.reshape(-1, corners.shape[1])
+    sizes = np.full((len(cells), 1), corners.shape[1])
+    part = type(body)(np.hstack([sizes, cells]).ravel(), body.celltypes[kept], body.points[used])
+    for name in body.point_data:
+        part.point_data[name] = body.point_data[name][used]
+    return part
 
 
 def _towards(flat: bool, table: ContactTable, aside: Array) -> Array:

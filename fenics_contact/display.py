@@ -20,10 +20,7 @@ def display() -> Iterator[None]:
         InputError: There is none, and no Xvfb to make one.
     """
     from vtkmodules import vtkRenderingOpenGL2
-    from vtkmodules.vtkCommonCore import vtkSMPTools
 
-    # With threads, VTK 9.3 crashes now and then while it extracts cells, beyond catching.
-    vtkSMPTools.SetBackend("Sequential")
     has_own = hasattr(vtkRenderingOpenGL2, "vtkEGLRenderWindow")
     if has_own or os.environ.get("DISPLAY") or sys.platform != "linux":
         if has_own and not os.environ.get("DISPLAY"):

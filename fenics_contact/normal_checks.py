@@ -142,7 +142,9 @@ def pressure_recovery(problem: Problem, solution: Solution) -> Check | None:
             continue  # a contact of one facet or two resolves no pressure
         difference = np.abs(consistent - state.contact_pressure)
         loaded = (closed > 0) | (consistent > 0.1 * largest(problem.comm, consistent))
-        mean = float(trace.integral(state.contact_pressure) / trace.integral(np.where(loaded, 1.0, 0.0)))
+        mean = float(
+            trace.integral(state.contact_pressure) / trace.integral(np.where(loaded, 1.0, 0.0))
+        )
         rows = np.stack([difference, trace.weights], axis=1)[trace.owned & loaded]
         found = _median(gather_rows(problem.comm, rows)) / mean
         worst = nearer_to_failing(worst, Check(found, limit))

@@ -3,7 +3,13 @@
 A module of cases ends with a tuple ``CASES``; the one below lists them all.
 """
 
-from fenics_contact.verification import line_cases, point_cases, punch_cases, slab_cases
+from fenics_contact.verification import (
+    friction_cases,
+    line_cases,
+    point_cases,
+    punch_cases,
+    slab_cases,
+)
 from fenics_contact.verification.case import Case, Finding, Outcome
 
 CASES: tuple[Case, ...] = (
@@ -11,6 +17,7 @@ CASES: tuple[Case, ...] = (
     *point_cases.CASES,
     *line_cases.CASES,
     *punch_cases.CASES,
+    *friction_cases.CASES,
 )
 
 __all__ = ["CASES", "Case", "Finding", "Outcome"]

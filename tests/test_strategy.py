@@ -1,0 +1,163 @@
+"""The loop on the contact pressure and its rescues: each has a scene that needs it."""
+
+import logging
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import Contact, Load, Material, Obstacle, Scene, SolverSettings, Support, run
+from fenics_contact.errors import NoEquilibriumError
+from tests.scenes import box_body
+
+COMM = MPI.COMM_WORLD
+TOLERANCE = 1e-6
+
+
+def driven(coefficient, aside, down, strategy="auto", **keys):
+    """A block on a rough floor whose top is moved."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y1", {"x": aside, "y": down}),),
+        contact=(Contact("y0", friction_coefficient=coefficient, **keys),),
+        solver=SolverSettings(strategy=strategy),
+    )
+    return run(scene, COMM, box_body((16, 8), (2, 1)))
+
+
+def pushed(side, strategy="auto", coefficient=0.5, size=(2, 1), cells=(8, 8)):
+    """A block that nothing but the floor's friction holds: weight 10 per length on its top."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        load=(Load("y1", traction=(side, -10)),),
+        contact=(Contact("y0", friction_coefficient=coefficient),),
+        solver=SolverSettings(strategy=strategy),
+    )
+    return run(scene, COMM, box_body(cells, size))
+
+
+@pytest.mark.parametrize("coefficient", [0.5, 3.0, 10.0])
+def test_strategies_agree(coefficient):
+    results = [driven(coefficient, 0.05, -0.01, way) for way in ("campos", "lagged", "monolithic")]
+    peak = results[0].quantities["max_contact_pressure"]
+    for result in results:
+        assert result.passed, result.verdict
+        difference = result.points.contact_pressure - results[0].points.contact_pressure
+        assert np.abs(difference).max() <= TOLERANCE * peak
+        excess = (
+            np.linalg.norm(result.points.friction_traction, axis=1)
+            - coefficient * result.points.contact_pressure
+        )
+        assert excess.max() <= TOLERANCE * peak
+    assert results[2].steps[0]["outer_iterations"] == 0
+    assert 0 < results[0].steps[0]["outer_iterations"] <= 20
+
+
+def test_loop_is_rescued_by_newton_on_the_whole(caplog):
+    """Pressed lightly and driven far: the passes do not come nearer, Newton's method does."""
+    scene = (2.0, 0.1, -0.002)
+    for way in ("campos", "lagged"):
+        assert not driven(*scene, way).converged
+    with caplog.at_level(logging.INFO, "fenics_contact"):
+        rescued = driven(*scene)
+    assert rescued.passed
+    assert "Newton's method on contact and friction together" in rescued.model["strategy"]
+    said = " ".join(record.getMessage() for record in caplog.records)
+    assert "next: contact and friction with the bound of the last pass" in said
+    assert "next: Newton's method on contact and friction together" in said
+
+
+def test_newton_is_rescued_by_raising_the_coefficient():
+    scene = (4.0, 0.3, -0.002)
+    assert not driven(*scene, "monolithic").converged
+    rescued = driven(*scene)
+    assert rescued.passed
+    assert "the coefficient raised in steps" in rescued.model["strategy"]
+
+
+@pytest.mark.parametrize("side", [0.0, 2.0, 4.5, 4.9])
+def test_friction_alone_holds_a_block_up_to_its_limit(side):
+    result = pushed(side)
+    assert result.passed
+    assert result.quantities["friction_force"][0] == pytest.approx(-2 * side, abs=1e-6)
+    assert result.quantities["normal_force"] == pytest.approx(20, rel=1e-8)
+    assert "paper" not in result.model["strategy"]  # given pressures alone would not hold it
+
+
+def test_beyond_the_limit_there_is_no_answer():
+    result = pushed(5.1)
+    assert not result.converged
+    assert result.exit_code == 3
+    assert result.quantities == {}
+
+
+@pytest.mark.parametrize("side", [1.0, 2.4, 2.49])
+def test_block_stands_until_it_tips(side):
+    """Half the width over the height times the weight: tips at 2.5 (specification, Section 5)."""
+    result = pushed(side, coefficient=2.0, size=(1, 2), cells=(8, 16))
+    assert result.passed
+    assert result.steps[0]["outer_iterations"] <= 3
+    with pytest.raises(NoEquilibriumError, match=r"rotation about z.*push it away"):
+        pushed(2.51, coefficient=2.0, size=(1, 2), cells=(8, 16))
+
+
+def test_lifted_block_touches_nothing():
+    for way in ("auto", "campos", "lagged", "monolithic"):
+        result = driven(1.0, 0.02, 0.001, way)
+        assert result.passed
+        assert result.quantities["contact_area"] == 0
+        assert "does not touch" in result.verdict
+
+
+def test_no_coefficient_is_no_friction():
+    """Bit for bit in what is modelled, and the same numbers."""
+    without = driven(0.0, 0.05, -0.01)
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y1", {"x": 0.05, "y": -0.01}),),
+        contact=(Contact("y0", law="none"),),
+    )
+    frictionless = run(scene, COMM, box_body((16, 8), (2, 1)))
+    assert without.model["terms"] == frictionless.model["terms"]
+    for key, value in frictionless.quantities.items():
+        assert without.quantities[key] == pytest.approx(value, rel=1e-12, abs=1e-12)
+
+
+def test_obstacle_that_moves_aside_takes_its_gap_along():
+    """A parabola set down at x = 1.2, or set down at 1 and moved there without friction."""
+
+    def pressed(position, **keys):
+        obstacle = Obstacle("parabola", radius=2, position=(position, 1), indentation=0.02, **keys)
+        scene = Scene(
+            kinematics="plane strain",
+            material=Material(1000, 0.3),
+            support=(Support("y0", {"x": 0, "y": 0}),),
+            contact=(Contact("y1", obstacle=obstacle),),
+        )
+        return run(scene, COMM, box_body((20, 8), (2, 1)))
+
+    there, moved = pressed(1.2), pressed(1.0, displacement=(0.2, 0))
+    for key in ("normal_force", "max_contact_pressure", "contact_area"):
+        assert moved.quantities[key] == pytest.approx(there.quantities[key], rel=1e-6)
+    drop = pressed(1.2, displacement=(0, -0.01))
+    deeper = pressed(1.2)
+    assert drop.quantities["normal_force"] > 1.3 * deeper.quantities["normal_force"]
+
+
+def test_rough_obstacle_drags_the_body_along():
+    """Slip counts from the obstacle: stuck to it, the surface goes where it goes."""
+    obstacle = Obstacle(indentation=0.02, displacement=(0.001, 0))
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(Contact("y1", obstacle=obstacle, friction_coefficient=50.0),),
+    )
+    result = run(scene, COMM, box_body((12, 6), (2, 1)))
+    assert result.passed
+    assert (result.points.status == "STICK").mean() > 0.8
+    assert result.quantities["friction_force"][0] > 0
+    assert result.quantities["max_slip"] < 1e-3
