@@ -18,13 +18,20 @@ Array = NDArray[np.float64]
 _FIELD_STATUS = ("OPEN", "STICK", "SLIP")  # values 0, 1, 2 of the field `status`
 
 
-def draw_body(folder: Path, result: dict[str, Any], table: ContactTable, path: Path) -> Path:
+def read_body(folder: Path) -> Any:
+    """The body as a pyvista grid with the fields of ``fields.pvd``."""
+    import pyvista
+
+    return pyvista.get_reader(str(folder / "fields.pvd")).read().combine()
+
+
+def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Path:
     """Draw the deformed mesh over the undeformed outline, with the contact points' status.
 
     Where the contact zone is small in the body, only its neighbourhood is drawn.
 
     Args:
-        folder: Holds ``fields.pvd``.
+        body: As ``read_body`` returns it.
         result: The content of its ``result.json``.
         table: The content of its ``contact.csv``.
         path: PNG file to write.
@@ -35,7 +42,6 @@ def draw_body(folder: Path, result: dict[str, Any], table: ContactTable, path: P
     with display():
         import pyvista
 
-        body = pyvista.get_reader(str(folder / "fields.pvd")).read().combine()
         body["von Mises stress"] = _von_mises(body["stress"])
         view = choose_view(body, result, table)
         plotter = pyvista.Plotter(off_screen=True, window_size=view.window)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,61 +10,12 @@ from numpy.typing import NDArray
 
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.figures import new_figure, save, title_of
-from fenics_contact.picture_style import Mark, marks, neighbourhood
+from fenics_contact.surface_line import SurfaceLine
 
 Array = NDArray[np.float64]
 
 _WIDTH, _MARGIN = 7.2, 0.6
 _HEIGHTS = {"contact pressure": 3.0, "friction traction": 3.0, "gap": 1.6}
-
-
-@dataclass(frozen=True)
-class _Line:
-    """A contact line, its points in order.
-
-    Attributes:
-        rows: Its points.
-        axis: Number of the axis along which it extends most.
-        position: Coordinate on that axis (length).
-        view: What of it is shown: the lowest and the highest position.
-        marks: How its points look.
-    """
-
-    rows: ContactTable
-    axis: int
-    position: Array
-    view: tuple[float, float]
-    marks: tuple[Mark, ...]
-
-    @classmethod
-    def of(cls, rows: ContactTable, contact: dict[str, Any]) -> _Line:
-        """The whole line where its pressure is given, else the contact zone's neighbourhood."""
-        points = rows.vectors("x", "y")
-        axis = int(np.argmax(np.ptp(points, axis=0)))
-        order = np.argsort(points[:, axis], kind="stable")
-        rows, position = rows.rows(order), points[order, axis]
-        low, high = float(position[0]), float(position[-1])
-        if contact["contact"] != "prescribed":
-            around = neighbourhood(position[:, None], rows.closed)
-            low, high = max(low, float(around[0][0])), min(high, float(around[1][0]))
-        return cls(rows, axis, position, (low, high), marks(contact["law"]))
-
-    @property
-    def traction(self) -> Array:
-        """Along the line, positive along the axis of the plot, whichever side the body lies on."""
-        numbers = self.rows.numbers
-        tangents = np.stack([numbers["ny"], -numbers["nx"]], axis=1)
-        tangents *= np.where(tangents[:, self.axis] < 0, -1.0, 1.0)[:, None]
-        traction: Array = np.sum(self.rows.vectors("traction_x", "traction_y") * tangents, axis=1)
-        return traction
-
-    def zones(self) -> Iterator[tuple[float, float]]:
-        """Where each contact zone begins and ends, about: halfway to the first open points."""
-        closed = np.concatenate([[False], self.rows.closed, [False]])
-        ends = np.flatnonzero(closed[1:] != closed[:-1])
-        middle = (self.position[1:] + self.position[:-1]) / 2
-        bounds = np.concatenate([self.position[:1], middle, self.position[-1:]])
-        yield from zip(bounds[ends[::2]], bounds[ends[1::2]], strict=True)
 
 
 def draw_curves(rows: ContactTable, contact: dict[str, Any], axes: str, path: Path) -> None:
@@ -78,7 +27,7 @@ def draw_curves(rows: ContactTable, contact: dict[str, Any], axes: str, path: Pa
         axes: Letters of the model's axes.
         path: PNG file to write.
     """
-    line = _Line.of(rows, contact)
+    line = SurfaceLine.of(rows, contact)
     names = _panels(line, contact)
     heights = [_HEIGHTS[name] for name in names]
     figure, panels = new_figure(
@@ -113,7 +62,7 @@ def _legends(panels: list[Any]) -> None:
         said |= set(new)
 
 
-def _panels(line: _Line, contact: dict[str, Any]) -> list[str]:
+def _panels(line: SurfaceLine, contact: dict[str, Any]) -> list[str]:
     """The curves worth drawing: what is found, and what is not zero all along."""
     found, frictional = contact["contact"] != "prescribed", contact["law"] != "none"
     apart = np.isfinite(line.rows.numbers["gap"]) & ~line.rows.closed
@@ -124,17 +73,17 @@ def _panels(line: _Line, contact: dict[str, Any]) -> list[str]:
     ]
 
 
-def _pressure(panel: Any, line: _Line, contact: dict[str, Any]) -> None:
+def _pressure(panel: Any, line: SurfaceLine, contact: dict[str, Any]) -> None:
     _plot(panel, line, line.rows.numbers["contact_pressure"])
-    _cut_peaks(panel, line.rows.numbers["contact_pressure"][line.rows.closed])
+    cut_peaks(panel, line.rows.numbers["contact_pressure"][line.rows.closed])
     panel.set_ylabel("contact pressure, $p$")
 
 
-def _friction(panel: Any, line: _Line, contact: dict[str, Any]) -> None:
+def _friction(panel: Any, line: SurfaceLine, contact: dict[str, Any]) -> None:
     """With the friction bound ±g, on the side (or sides) where the traction lies."""
     traction = line.traction
     _plot(panel, line, traction)
-    _cut_peaks(panel, traction[line.rows.closed])
+    cut_peaks(panel, traction[line.rows.closed])
     panel.set_ylabel(r"friction traction on the body, $\sigma_T$")
     coefficient = contact["parameters"]["friction_coefficient"]
     if not isinstance(coefficient, float | int) or coefficient == 0:
@@ -147,13 +96,13 @@ def _friction(panel: Any, line: _Line, contact: dict[str, Any]) -> None:
             label = None
 
 
-def _gap(panel: Any, line: _Line, contact: dict[str, Any]) -> None:
+def _gap(panel: Any, line: SurfaceLine, contact: dict[str, Any]) -> None:
     gap = line.rows.numbers["gap"]
     _plot(panel, line, np.where(np.isfinite(gap), gap, np.nan))
     panel.set_ylabel("gap")
 
 
-def _plot(panel: Any, line: _Line, values: Array) -> None:
+def _plot(panel: Any, line: SurfaceLine, values: Array) -> None:
     """Values at the points shown, marked by their kind."""
     shown = (line.position >= line.view[0]) & (line.position <= line.view[1])
     panel.plot(line.position[shown], values[shown], color="0.6", linewidth=1, zorder=1)
@@ -173,7 +122,7 @@ def _plot(panel: Any, line: _Line, values: Array) -> None:
         )
 
 
-def _cut_peaks(panel: Any, values: Array) -> None:
+def cut_peaks(panel: Any, values: Array) -> None:
     """Cut off what a few points have alone, such as those at the edge of a punch, and say so."""
     most = float(np.percentile(np.abs(values), 90)) if len(values) else 0.0
     if np.abs(values).max(initial=0.0) <= 4 * most:
@@ -185,7 +134,7 @@ def _cut_peaks(panel: Any, values: Array) -> None:
     panel.text(0.5, 0.97, text, transform=panel.transAxes, ha="center", va="top", fontsize=9)
 
 
-def _shade(panel: Any, line: _Line) -> None:
+def _shade(panel: Any, line: SurfaceLine) -> None:
     label: str | None = "contact zone"
     for start, end in line.zones():
         panel.axvspan(start, end, color="0.93", linewidth=0, zorder=0, label=label)

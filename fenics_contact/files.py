@@ -65,7 +65,8 @@ def write(run: Run, result: Result, folder: Path) -> None:
 
 # Files of a run and of its report, and nothing else that may lie in the folder.
 _OWN_FILES = re.compile(
-    r"result\.json|contact\.csv|report\.html|deformed\.png|contact_\d+\.png|"
+    r"result\.json|contact\.csv|report\.html|"
+    r"(deformed|axis_stress|surface_displacement|contact_\d+)\.png|"
     r"fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
 )
 

@@ -6,10 +6,12 @@ import importlib
 from pathlib import Path
 from typing import Any
 
-from fenics_contact.body_picture import draw_body
+from fenics_contact.axis_stress import draw_axis_stress
+from fenics_contact.body_picture import draw_body, read_body
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.curves import draw_curves
 from fenics_contact.errors import InputError
+from fenics_contact.surface_displacement import draw_surface_displacement
 from fenics_contact.surface_maps import draw_maps
 
 
@@ -21,7 +23,8 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Path]:
         result: The content of its ``result.json``.
 
     Returns:
-        The PNG files drawn: one a contact, and the deformed body.
+        The PNG files drawn: one a contact, displacements and stresses along lines of flat models,
+        and the deformed body.
 
     Raises:
         InputError: matplotlib, pyvista or a display is missing; says what to install.
@@ -33,16 +36,44 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Path]:
             raise InputError(
                 f"pictures need {library}: install it with pip install 'fenics-contact[pictures]'"
             ) from None
-    table = ContactTable.read(folder / "contact.csv")
-    kinematics = result["model"]["kinematics"]
+    table, body = ContactTable.read(folder / "contact.csv"), read_body(folder)
+    drawn = [
+        *_contacts(folder, result, table),
+        *_along_lines(folder, result, table, body),
+        draw_body(body, result, table, folder / "deformed.png"),
+    ]
+    return drawn
+
+
+def _axes(result: dict[str, Any]) -> str:
+    return "rz" if result["model"]["kinematics"] == "axisymmetric" else "xy"
+
+
+def _contacts(folder: Path, result: dict[str, Any], table: ContactTable) -> list[Path]:
+    """Pressure and friction of each contact."""
     drawn = []
     for number, contact in enumerate(result["contacts"]):
         path = folder / f"contact_{number}.png"
         rows = table.of(contact["name"])
-        if kinematics == "3D":
+        if result["model"]["kinematics"] == "3D":
             draw_maps(rows, contact, path)
         else:
-            draw_curves(rows, contact, "rz" if kinematics == "axisymmetric" else "xy", path)
+            draw_curves(rows, contact, _axes(result), path)
         drawn.append(path)
-    drawn.append(draw_body(folder, result, table, folder / "deformed.png"))
+    return drawn
+
+
+def _along_lines(
+    folder: Path, result: dict[str, Any], table: ContactTable, body: Any
+) -> list[Path]:
+    """Of flat models: displacements of the surface; stresses on the axis, if there is one."""
+    contacts, kinematics = result["contacts"], result["model"]["kinematics"]
+    if not contacts or kinematics == "3D":
+        return []
+    path = folder / "surface_displacement.png"
+    drawn = [draw_surface_displacement(body, table, contacts, _axes(result), path)]
+    if kinematics == "axisymmetric":
+        rows = table.of(contacts[0]["name"])
+        below = draw_axis_stress(body, rows, contacts[0], folder / "axis_stress.png")
+        drawn += [] if below is None else [below]
     return drawn

@@ -23,6 +23,7 @@ from fenics_contact.picture_style import COLOURS, neighbourhood
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, slab
 
 pytestmark = pytest.mark.serial
+LINE = {"contact_0.png", "deformed.png", "surface_displacement.png"}  # of a flat model
 
 
 def write_run(scene, folder, body=None):
@@ -69,9 +70,9 @@ def pressed(obstacle, kinematics="plane strain", **contact):
     )
 
 
-def small_sphere(**contact):
+def small_sphere(size=0.5, **contact):
     """A sphere on a half-space, on a mesh as coarse as can be."""
-    cells = {"fine": 5, "size": 0.5, "extent": 60, "cells_outside": 8}
+    cells = {"fine": 5, "size": size, "extent": 60, "cells_outside": 8}
     return Scene(
         kinematics="axisymmetric",
         mesh=MeshSource(
@@ -87,7 +88,7 @@ def small_sphere(**contact):
 def test_report_draws_the_paper_figures(tmp_path):
     write_run(slab(300), tmp_path)
     names = {path.name for path in report.write_report(tmp_path)}
-    assert names == {"contact_0.png", "deformed.png", "report.html"}
+    assert names == {*LINE, "report.html"}
     for name in ("contact_0.png", "deformed.png"):
         picture = pixels(tmp_path / name)
         assert has_colour(picture, COLOURS["STICK"]), name
@@ -118,7 +119,7 @@ def test_small_contact_zone_is_seen_from_near_by(tmp_path):
     from fenics_contact.body_view import choose_view
     from fenics_contact.contact_table import ContactTable
 
-    assert drawn(small_sphere(), tmp_path) == {"contact_0.png", "deformed.png"}
+    assert drawn(small_sphere(), tmp_path) == {*LINE, "axis_stress.png"}
     for name in ("contact_0.png", "deformed.png"):
         picture = pixels(tmp_path / name)
         assert has_colour(picture, COLOURS["STICK"]), name
@@ -144,6 +145,11 @@ def test_neighbourhood_of_a_contact_zone():
     for nothing in (np.zeros(4, dtype=bool), np.array([True, False, False, False])):
         low, high = neighbourhood(points, nothing)
         assert low[0] < 0 and high[0] > 50
+
+
+def test_without_contact_nothing_is_drawn_below_it(tmp_path):
+    body = box_body((4, 2), (1, 1), comm=MPI.COMM_SELF)
+    assert drawn(pressed(Obstacle(gap=0.1), "axisymmetric"), tmp_path, body) == LINE
 
 
 def test_pressure_in_three_dimensions(tmp_path):

@@ -1,0 +1,118 @@
+"""Stresses on the axis below the contact of an axisymmetric model (the paper's Fig. 9)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact_table import ContactTable
+from fenics_contact.figures import new_figure, save
+
+Array = NDArray[np.float64]
+
+_DEPTH = 3.0  # what is shown, in contact radii
+_SINGULAR = 3.0  # a peak this many times the mean pressure says nothing: Hertz has 1.5
+
+
+@dataclass(frozen=True)
+class AxisStress:
+    """Stresses at the nodes on the axis, the highest first.
+
+    Attributes:
+        depth: Below the surface (length), (nodes,).
+        axial: σ_zz (stress).
+        radial: σ_rr, on the axis also σ_θθ (stress).
+    """
+
+    depth: Array
+    axial: Array
+    radial: Array
+
+    @classmethod
+    def of(cls, body: Any, rows: ContactTable) -> AxisStress | None:
+        """None where the body has no axis, or the contact does not lie across it.
+
+        Args:
+            body: A pyvista grid with the field ``stress``.
+            rows: Points of the contact, which say on which side the surface is.
+        """
+        points = np.asarray(body.points)
+        on_axis = points[:, 0] < 1e-9 * np.ptp(points, axis=0).max()
+        up = float(rows.numbers["ny"].mean())
+        if on_axis.sum() < 3 or abs(up) < 0.5:
+            return None
+        height = np.sign(up) * points[on_axis, 1]
+        depth, first = np.unique(height.max() - height, return_index=True)
+        stress = np.asarray(body["stress"]).reshape(-1, 3, 3)[on_axis][first]
+        return cls(depth, stress[:, 1, 1], (stress[:, 0, 0] + stress[:, 2, 2]) / 2)
+
+    @property
+    def shear(self) -> Array:
+        """Principal shear stress, half the difference of the principal stresses."""
+        shear: Array = np.abs(self.axial - self.radial) / 2
+        return shear
+
+
+def contact_radius(rows: ContactTable, contact: dict[str, Any]) -> float:
+    """Outer radius of the contact zone, from its area and where it begins (length)."""
+    inner = rows.numbers["x"][rows.closed].min()
+    return float(np.sqrt(contact["quantities"]["contact_area"] / np.pi + inner**2))
+
+
+def draw_axis_stress(
+    body: Any, rows: ContactTable, contact: dict[str, Any], path: Path
+) -> Path | None:
+    """Draw stresses over the contact pressure against depth over the contact's radius.
+
+    Args:
+        body: A pyvista grid with the field ``stress``.
+        rows: Points of the contact.
+        contact: Its entry in ``result.json``.
+        path: PNG file to write.
+
+    Returns:
+        The file, or None where there is no contact or no axis below it.
+    """
+    stress = AxisStress.of(body, rows) if rows.closed.any() else None
+    if stress is None:
+        return None
+    radius = contact_radius(rows, contact)
+    unit, symbol = _unit(contact["quantities"])
+    shown = stress.depth <= _DEPTH * radius
+    figure, (panel,) = new_figure(f"Stresses on the axis below '{contact['name']}'", (5.6, 5.2))
+    curves = (
+        (stress.axial, "-", "o", r"$\sigma_{zz}$"),
+        (stress.radial, "--", "s", r"$\sigma_{rr} = \sigma_{\theta\theta}$"),
+        (stress.shear, ":", "^", r"principal shear, $|\sigma_{zz} - \sigma_{rr}| / 2$"),
+    )
+    for (values, line, marker, label), shade in zip(curves, ("0", "0.35", "0"), strict=True):
+        panel.plot(
+            values[shown] / unit,
+            stress.depth[shown] / radius,
+            line + marker,
+            color=shade,
+            markerfacecolor="white",
+            markersize=4,
+            markevery=max(int(shown.sum()) // 12, 1),
+            label=label,
+        )
+    panel.axvline(0, color="black", linewidth=0.6)
+    panel.invert_yaxis()
+    panel.set_xlabel(f"stress over {symbol}")
+    panel.set_ylabel("depth over the radius of the contact, $z / a$")
+    panel.legend(frameon=False, fontsize=9)
+    save(figure, path)
+    return path
+
+
+def _unit(quantities: dict[str, Any]) -> tuple[float, str]:
+    """The peak of the pressure, or its mean where the peak is singular, and what it is called."""
+    peak = quantities["max_contact_pressure"]
+    mean = abs(quantities["normal_force"]) / quantities["contact_area"]
+    if peak > _SINGULAR * mean:
+        return mean, "the mean pressure, $p_m$"
+    return peak, "the peak of the pressure, $p_0$"

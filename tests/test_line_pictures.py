@@ -1,0 +1,60 @@
+"""What is drawn along lines, the axis and the surface, against Hertz's solution."""
+
+import json
+
+import numpy as np
+import pytest
+
+from fenics_contact.axis_stress import AxisStress, contact_radius
+from fenics_contact.body_picture import read_body
+from fenics_contact.contact_table import ContactTable
+from fenics_contact.surface_displacement import SurfaceDisplacement
+from tests.test_pictures import small_sphere, write_run
+
+pytestmark = pytest.mark.serial
+
+
+def sphere_files(folder, coefficient):
+    """The body, the contact points and the result of a small sphere."""
+    write_run(small_sphere(0.25, friction_coefficient=coefficient), folder)
+    result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    return read_body(folder), ContactTable.read(folder / "contact.csv"), result["contacts"][0]
+
+
+def test_stress_below_a_sphere(tmp_path):
+    """Hertz's, ν = .3 (Johnson, Contact Mechanics, 1985, Section 3.4).
+
+    σ_zz = −p0 / (1 + s²), σ_rr = −p0 [(1 + ν)(1 − s arctan 1/s) − 1 / (2 (1 + s²))], s = z / a.
+    """
+    body, rows, contact = sphere_files(tmp_path, 0)
+    stress = AxisStress.of(body, rows)
+    radius, peak = contact_radius(rows, contact), contact["quantities"]["max_contact_pressure"]
+    assert radius == pytest.approx(8**0.5, rel=0.01)
+    assert stress.axial[0] / peak == pytest.approx(-1, abs=0.02)
+    most = int(np.argmax(stress.shear))
+    assert stress.shear[most] / peak == pytest.approx(0.31, abs=0.01)
+    assert stress.depth[most] / radius == pytest.approx(0.48, abs=0.05)
+    below = (stress.depth > 0.2 * radius) & (stress.depth < 2 * radius)  # on the fine cells
+    s = stress.depth[below] / 8**0.5
+    axial = -1 / (1 + s**2)
+    radial = -1.3 * (1 - s * np.arctan(1 / s)) + 0.5 / (1 + s**2)
+    assert stress.axial[below] / 247.34 == pytest.approx(axial, abs=0.02)
+    assert stress.radial[below] / 247.34 == pytest.approx(radial, abs=0.02)
+
+
+def test_displacement_of_the_surface_below_a_sphere(tmp_path):
+    """It follows the paraboloid; friction, where it sticks, keeps it from moving inwards."""
+    inwards = []
+    for coefficient in (0, 0.6):
+        body, rows, contact = sphere_files(tmp_path, coefficient)
+        found = SurfaceDisplacement.of(body, rows, contact)
+        closed, r = found.line.rows.closed, found.line.position
+        assert closed.sum() > 5
+        assert found.normal[closed] == pytest.approx(r[closed] ** 2 / 16 - 1, abs=1e-3)
+        inwards.append(-found.tangential)
+        stuck = found.line.rows.status == "STICK"
+    assert np.abs(inwards[1][stuck]).max() < 1e-5
+    # Johnson, Section 3.4: −u_r = (1 − 2ν)(1 + ν) a² p0 / (3 E r) [1 − (1 − r²/a²)^(3/2)]
+    inside = r < 2.5
+    hertz = 0.4 * 1.3 * 8 * 247.34 / 3000 / r * (1 - np.maximum(1 - r**2 / 8, 0) ** 1.5)
+    assert inwards[0][inside] == pytest.approx(hertz[inside], abs=0.02 * hertz.max())
