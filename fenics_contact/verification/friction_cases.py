@@ -34,7 +34,7 @@ _FORCE_RATIO, _PEAK_RATIO, _STICK_RATIO = 1.0247, 1.0764, 0.765
 _STICK_RATIOS = {1: 0.765, 5: 0.932, 20: 0.984, 60: 0.993}
 _FORCE_60_STEPS = 4210.9
 # The zone that slips after 60 steps is .02 wide: cells of a sixteenth have points .03 apart.
-_STEPS_MESH = {"fine": 3.0, "size": 0.0625, "cells_outside": 14}
+_STEPS_MESH = {"fine": 3.0, "size": 0.0625, "cells_outside": 12}
 _QUICK_STEPS_MESH = {"fine": 3.0, "size": 0.125, "cells_outside": 12}
 
 _BLOCK_SIDE, _BLOCK_PEAK_RATIO = 8.0, 1.068
