@@ -23,6 +23,7 @@ EXPECTED = {
     "slab": {"normal_force": (2400, 1e-9), "contact_area": (8, 1e-9), "stick_area": (6.41, 5e-3)},
     "winkler": {
         "normal_force": (10, 1e-6),
+        "friction_force": ([-8.20, 0], 5e-3),
         "max_penetration": (0.0578, 2e-3),
         "contact_area": (3.20, 5e-3),
     },
@@ -131,10 +132,13 @@ def test_script_and_scene_on_one_and_two_ranks(name, tmp_path):
     scene = ROOT / "demos" / f"{name}.toml"
     runs = {
         "script": ([script, "--out", tmp_path / "script"], 1),
-        "script on 2": ([script, "--out", tmp_path / "script on 2", "--no-pictures"], 2),
-        "scene": (["-m", "fenics_contact", "run", scene, "--out", tmp_path / "scene"], 1),
         "scene on 2": (["-m", "fenics_contact", "run", scene, "--out", tmp_path / "scene on 2"], 2),
     }
+    if name == "slab":  # the quickest one
+        runs |= {
+            "script on 2": ([script, "--out", tmp_path / "script on 2", "--no-pictures"], 2),
+            "scene": (["-m", "fenics_contact", "run", scene, "--out", tmp_path / "scene"], 1),
+        }
     for label, (arguments, ranks) in runs.items():
         done = start(arguments, ranks)
         assert done.returncode == 0, f"{label}: {done.stdout}\n{done.stderr}"
