@@ -14,7 +14,15 @@ from fenics_contact.errors import (
 )
 from fenics_contact.mesh import Body, Group
 from fenics_contact.result import Check, ContactPoints, Result
-from fenics_contact.scene import Discretisation, Load, MeshSource, Scene, SolverSettings, Support
+from fenics_contact.scene import (
+    Discretisation,
+    Load,
+    MeshSource,
+    Scene,
+    SolverSettings,
+    Steps,
+    Support,
+)
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_file import load_scene
 from fenics_contact.scene_material import Material
@@ -42,6 +50,7 @@ __all__ = [
     "Run",
     "Scene",
     "SolverSettings",
+    "Steps",
     "Support",
     "load_scene",
     "main",
