@@ -23,6 +23,9 @@ _CUT = 1e-10
 class Anderson:
     """Next iterates x from pairs (x, G(x)), arrays of non-negative numbers.
 
+    G has kinks, where points begin to slip: pairs from beyond one mislead. So all earlier
+    ones are forgotten whenever the residual grows.
+
     Args:
         comm: Communicator; ``next`` is collective.
         counted: Which entries of each array this rank counts.
@@ -32,11 +35,15 @@ class Anderson:
         self._comm = comm
         self._counted = np.concatenate(counted)
         self._pairs: list[tuple[Array, Array]] = []
+        self._size = np.inf
 
     def next(self, arrays: list[Array], images: list[Array]) -> list[Array]:
         """The combination of the last images whose residual is least."""
         x, image = np.concatenate(arrays), np.concatenate(images)
-        self._pairs = [*self._pairs[-_MEMORY:], (image, image - x)]
+        mine = (image - x)[self._counted]
+        size = float(total(self._comm, mine @ mine))
+        kept = self._pairs[-_MEMORY:] if size <= self._size else []
+        self._pairs, self._size = [*kept, (image, image - x)], size
         differences = [
             (self._pairs[-1][0] - old, self._pairs[-1][1] - residual)
             for old, residual in self._pairs[:-1]
@@ -44,9 +51,9 @@ class Anderson:
         found = image
         if differences:
             residuals = np.array([r for _, r in differences])
-            mine = residuals[:, self._counted]
-            gram = total(self._comm, mine @ mine.T)
-            right = total(self._comm, mine @ (image - x)[self._counted])
+            counted = residuals[:, self._counted]
+            gram = total(self._comm, counted @ counted.T)
+            right = total(self._comm, counted @ mine)
             shares = np.linalg.lstsq(gram, right, rcond=_CUT)[0]
             found = image - shares @ np.array([d for d, _ in differences])
         found = np.maximum(found, 0.0)

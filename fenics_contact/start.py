@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.parallel import largest, smallest
 from fenics_contact.problem import Problem
 from fenics_contact.rigid import RigidMotions, null_space
 
@@ -35,7 +34,7 @@ def starting_point(problem: Problem) -> tuple[Array, list[float]]:
     loose = _unresisted(problem, rigid)
     if len(weights) == 0 or loose.shape[1] == 0:
         return displacement, indentations
-    size = _extent(problem)
+    size = max(contact.trace.extent() for contact in problem.contacts)
     motion = np.zeros(loose.shape[1])
     rows, force = closing @ loose, rigid.force @ loose
     length = size
@@ -58,18 +57,6 @@ def _unresisted(problem: Problem, rigid: RigidMotions) -> Array:
     for weights, slips in (rigid.slips(), rigid.slips(coulomb=True)):
         gram += np.einsum("q,qci,qcj->ij", weights, slips, slips)
     return null_space(np.sum(problem.comm.allgather(gram), axis=0))
-
-
-def _extent(problem: Problem) -> float:
-    """Size of the largest contact surface (length)."""
-    comm = problem.comm
-    sizes = []
-    for contact in problem.contacts:
-        points = contact.trace.coordinates[contact.trace.owned].T
-        sizes.append(
-            np.linalg.norm([largest(comm, axis) - smallest(comm, axis) for axis in points])
-        )
-    return float(max(sizes))
 
 
 def _on_springs(

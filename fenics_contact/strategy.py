@@ -122,7 +122,7 @@ class _CoulombLoop:
             chosen.remove("campos")
         for number, way in enumerate(chosen):
             try:
-                self.newton.restore(self.start)
+                self._start_anew()
                 ways[way]()
                 return self.newton.solution(self.outer, _WORDS[way])
             except (_StalledError, NotConvergedError) as error:
@@ -131,6 +131,14 @@ class _CoulombLoop:
                     raise NotConvergedError(f"{_WORDS[way]}: {error}", history) from None
                 logger.info("%s: %s; next: %s", _WORDS[way], error, _WORDS[chosen[number + 1]])
         raise AssertionError("a strategy returns or raises")
+
+    def _start_anew(self) -> None:
+        """Whatever a way that failed has left behind."""
+        for contact in self.contacts:
+            assert contact.friction is not None and contact.normal is not None
+            contact.normal.release()
+            contact.friction.set_share(1.0)
+        self.newton.restore(self.start)
 
     def _loop(self, one_pass: Callable[[list[Array]], list[Array]]) -> None:
         """Passes from the first pressures until these change no more."""
@@ -247,6 +255,9 @@ class _CoulombLoop:
         if not all(contact.is_scaled for contact in self.contacts):
             self._first_pressures()
             self.newton.restore(self.start)
+        self._solve_coupled()
+
+    def _solve_coupled(self) -> None:
         for contact in self.contacts:
             assert contact.friction is not None
             contact.friction.stick_all()
@@ -264,5 +275,10 @@ class _CoulombLoop:
                 self.newton.run(search_energy=False)
 
     def _finish(self, pressures: list[Array]) -> None:
-        """A last solve in which friction and contact meet their laws exactly."""
-        self._lagged_pass(pressures)
+        """A last solve in which friction and contact meet their laws exactly, the bound too."""
+        before = self.newton.save()
+        try:
+            self._solve_coupled()
+        except NotConvergedError:  # the loop's own answer, to its tolerance
+            self.newton.restore(before)
+            self._lagged_pass(pressures)

@@ -96,18 +96,23 @@ def test_three_ways_to_one_answer(scene, body):
 
 @pytest.mark.parametrize("way", STRATEGIES)
 def test_friction_law_at_every_point(way):
-    # The bound of a loop is that of its last pass, and that within the outer tolerance.
-    tolerance = 1e-8 if way == "monolithic" else 3e-8
-    require_law(run(sphere(strategy=way)), 0.6, tolerance)
-    require_law(run(sheared(way), COMM, block()), 0.5, tolerance)
+    require_law(run(sphere(strategy=way)), 0.6)
+    require_law(run(sheared(way), COMM, block()), 0.5)
 
 
-def test_paper_loop_takes_as_many_passes_as_in_the_paper():
-    """The paper needs 10 on its sphere, and acceleration may save some."""
-    scene = with_solver(sphere(strategy="campos"), outer_tolerance=1e-6)
-    result = run(scene)
-    assert result.passed
-    assert 2 < result.steps[0]["outer_iterations"] <= 12
+@pytest.mark.parametrize(("coefficient", "lagged"), [(0.3, 7), (0.6, 8), (2, 12)])
+def test_counts_on_the_sphere(coefficient, lagged):
+    """Those of the specification's table, without its acceleration; the paper needs 10 passes."""
+    steps = {}
+    for way in STRATEGIES:
+        scene = with_solver(sphere(coefficient, strategy=way), outer_tolerance=1e-6)
+        contact = dataclasses.replace(scene.contact[0], regularisation_parameter=1e-6)
+        result = run(dataclasses.replace(scene, contact=(contact,)))
+        assert result.passed, result.verdict
+        steps[way] = result.steps[0]
+    assert 2 < steps["campos"]["outer_iterations"] <= 12
+    assert 2 < steps["lagged"]["outer_iterations"] <= lagged
+    assert steps["monolithic"]["newton_iterations"] <= 10
 
 
 def test_first_of_all_ways_is_the_papers():
@@ -150,20 +155,29 @@ def test_one_step_of_the_incremental_law_is_the_static_law():
             assert incremental.quantities[key] == pytest.approx(value, rel=1e-9, abs=1e-9), key
 
 
-def test_only_the_incremental_law_has_a_memory():
-    """Five steps: the static law forgets them, the other does not."""
-    for scene, body in ((sphere, None), (sheared, block)):
-        at_once, in_steps, remembered = (
-            run(scene(law=law, steps=steps, strategy="monolithic"), COMM, body and body())
-            for law, steps in (("static", 1), ("static", 5), ("incremental", 5))
-        )
-        peak = at_once.quantities["max_contact_pressure"]
-        # ε follows from the pressure of the first step, so its bias differs a little.
-        for name in ("contact_pressure", "friction_traction"):
-            first, second = getattr(at_once.points, name), getattr(in_steps.points, name)
-            assert np.abs(first - second).max() <= 1e-5 * peak
-        difference = remembered.points.friction_traction - at_once.points.friction_traction
-        assert np.abs(difference).max() > 1e-2 * peak
+@pytest.mark.parametrize(("scene", "body"), [(sphere, None), (sheared, block)])
+def test_only_the_incremental_law_has_a_memory(scene, body):
+    """Five steps: the static law forgets them, the other does not.
+
+    ε is given: the automatic one follows from the pressure of the first step.
+    """
+
+    def solved(law, steps):
+        made = scene(law=law, steps=steps, strategy="monolithic")
+        contact = dataclasses.replace(made.contact[0], regularisation_parameter=1e-6)
+        return run(dataclasses.replace(made, contact=(contact,)), COMM, body and body())
+
+    at_once, in_steps, remembered = (
+        solved("static", 1),
+        solved("static", 5),
+        solved("incremental", 5),
+    )
+    peak = at_once.quantities["max_contact_pressure"]
+    for name in ("contact_pressure", "friction_traction"):
+        first, second = getattr(at_once.points, name), getattr(in_steps.points, name)
+        assert np.abs(first - second).max() <= 1e-8 * peak
+    difference = remembered.points.friction_traction - at_once.points.friction_traction
+    assert np.abs(difference).max() > 1e-2 * peak
 
 
 @pytest.mark.parametrize("law", ["static", "incremental"])
@@ -223,14 +237,9 @@ def test_block_dragged_obliquely():
 @pytest.mark.parametrize("way", STRATEGIES)
 def test_sheared_block_alone_and_together(way, law):
     scene = sheared(way, law, steps=2)
-    alone, together = run(scene, MPI.COMM_SELF, block(MPI.COMM_SELF)), run(scene, COMM, block())
-    if way == "monolithic":
-        assert_same(alone, together)
-    for key, value in alone.quantities.items():  # passes end at 1e-8 of the peak pressure
-        assert together.quantities[key] == pytest.approx(value, rel=1e-7, abs=1e-7), key
-    assert (alone.points.status == together.points.status).all()
+    assert_same(run(scene, MPI.COMM_SELF, block(MPI.COMM_SELF)), run(scene, COMM, block()))
 
 
 def test_sphere_alone_and_together():
-    scene = sphere(law="incremental", steps=2, strategy="monolithic")
+    scene = sphere(law="incremental", steps=2)
     assert_same(run(scene, MPI.COMM_SELF), run(scene, COMM))
