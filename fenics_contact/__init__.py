@@ -26,7 +26,7 @@ from fenics_contact.scene import (
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_file import load_scene
 from fenics_contact.scene_material import Material
-from fenics_contact.scene_values import Profile
+from fenics_contact.scene_values import Path, Profile
 from fenics_contact.simulation import Run, run
 
 __all__ = [
@@ -45,6 +45,7 @@ __all__ = [
     "NoEquilibriumError",
     "NotConvergedError",
     "Obstacle",
+    "Path",
     "Profile",
     "Result",
     "Run",

@@ -104,7 +104,7 @@ def boundary_stress(problem: Problem, solution: Solution) -> Check | None:
     typical = _mean_stress(problem, solution)
     worst: Check | None = None
     for number, contact in enumerate(problem.contacts):
-        axes = ~contact.held_axes(problem.constrained)
+        axes = ~contact.supports.held_axes()
         if problem.is_loaded(contact.group) or not axes.any():
             continue
         measure = spaces.boundary(contact.group)

@@ -18,11 +18,12 @@ from fenics_contact.contact_kinematics import ContactKinematics
 from fenics_contact.contact_terms import FrictionTerm, NormalTerm
 from fenics_contact.errors import InputError
 from fenics_contact.normal_contact import prescribed_pressure_energy
-from fenics_contact.parallel import largest, smallest, total
+from fenics_contact.parallel import largest, smallest
 from fenics_contact.scene_contact import Contact, Obstacle
 from fenics_contact.scene_values import Value
 from fenics_contact.spaces import Spaces
 from fenics_contact.supports import Supports
+from fenics_contact.surface_supports import SurfaceSupports
 from fenics_contact.trace import Trace
 
 Array = NDArray[np.float64]
@@ -72,6 +73,7 @@ class ContactSurface:
         trace: The contact points: coordinates, weights, normals.
         nodes: Nodes among them (local, owned and ghost), which receive its forces.
         owned_nodes: Which of these this rank owns.
+        supports: What supports hold of it.
         kinematics: Jump, gap and slip against the obstacle.
         plane_strain_modulus: E/(1 − ν²) of the body, about (stress).
         penalty_parameter: ε₁ as used (length/stress), 0 without a penalty.
@@ -89,7 +91,7 @@ class ContactSurface:
         key: str,
         spaces: Spaces,
         supports: Supports,
-        held: NDArray[np.int64],
+        constrained: NDArray[np.int64],
         elastic: ElasticBody,
     ) -> None:
         self.contact = contact
@@ -103,6 +105,7 @@ class ContactSurface:
             raise InputError(
                 f"{key}.on = '{contact.on}': no facet of it is on the boundary of the body"
             )
+        self.supports = SurfaceSupports(self.trace, constrained)
         self.plane_strain_modulus = elastic.plane_strain_modulus
         self._given_pressure = self._given(contact.pressure or 0.0, f"{key}.pressure")
         described = contact.obstacle or Obstacle()
@@ -111,7 +114,7 @@ class ContactSurface:
         )
         if contact.kind in ("unilateral", "winkler"):
             self.kinematics.require_one_sided(key)
-            self.kinematics.leave_out(self._held_across(held))
+            self.kinematics.leave_out(self.supports.held_across)
             if contact.obstacle is not None and contact.obstacle.force is not None:
                 self.kinematics.bring_up()
         self.force = None if contact.obstacle is None else contact.obstacle.force
@@ -279,51 +282,6 @@ class ContactSurface:
             test, self.trace.normal, pressure, self.trace.weight, self.trace.measure
         )
         return fem.form(work)
-
-    def _held_across(self, held: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Points that supports hold along the normal: what stands there is no contact's matter."""
-        across = np.zeros(len(self.trace.normals), dtype=bool)
-        count = len(self.nodes)
-        free = self.trace.normals[:count] ** 2 * ~self._held(held)
-        across[:count] = free.sum(axis=1) <= 1e-9
-        return across
-
-    def _held(self, constrained: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Which components of the nodes a support holds, shape (nodes, components)."""
-        components = self.spaces.components
-        held = np.zeros(len(self.spaces.coordinates) * components, dtype=bool)
-        held[constrained] = True
-        return held.reshape(-1, components)[self.nodes]
-
-    def free_along_surface(
-        self, constrained: NDArray[np.int64]
-    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Where nothing but friction acts along the surface.
-
-        Args:
-            constrained: Local indices of the dofs that supports prescribe.
-
-        Returns:
-            Components along which no support acts, shape (nodes, components); and the
-            nodes that can move along such a one. A support at an angle to the surface
-            counts for all of a node, since its reaction has a part in every direction.
-        """
-        held = self._held(constrained)
-        squares = self.trace.normals[: len(self.nodes)] ** 2
-        held_tangentially = held & (1 - squares > 1e-9)
-        oblique = (held_tangentially & (squares > 1e-9)).any(axis=1)
-        movable = held_tangentially.sum(axis=1) < self.spaces.components - 1
-        return ~held_tangentially, movable & ~oblique
-
-    def free_across_surface(self, constrained: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Nodes on which no support acts along the surface's normal, (nodes,)."""
-        squares = self.trace.normals[: len(self.nodes)] ** 2
-        return ~(self._held(constrained) & (squares > 1e-9)).any(axis=1)
-
-    def held_axes(self, constrained: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Along which axes supports hold more than a tenth of the nodes; collective."""
-        held = total(self.spaces.comm, self._held(constrained)[self.owned_nodes].sum(axis=0))
-        return held > 0.1 * total(self.spaces.comm, self.owned_nodes.sum())
 
     def pressure(self) -> Array:
         """Contact pressure at the points at the present jump (stress)."""

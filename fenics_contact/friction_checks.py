@@ -63,7 +63,7 @@ def _worst(
     """
     worst: Check | None = None
     for number, contact in enumerate(problem.contacts):
-        free, movable = contact.free_along_surface(problem.constrained)
+        free, movable = contact.supports.free_along, contact.supports.movable
         counted = contact.owned_nodes & movable
         if contact.friction is None or problem.comm.allreduce(int(counted.sum())) == 0:
             continue

@@ -77,8 +77,25 @@ def flamant(
     return (np.outer(deep, inward) + wide[:, None] * sideways) / (np.pi * youngs_modulus)
 
 
+def outer_dofs(described: HalfSpace | None, spaces: Spaces) -> NDArray[np.int64]:
+    """All dofs of the outer boundary of a half-space (local indices, owned and ghost), sorted."""
+    found = [np.zeros(0, dtype=np.int64)]
+    for number, on in enumerate(described.on if described else ()):
+        group = spaces.body.boundary(on, f"half_space.on[{number}]")
+        found.append(spaces.nodes(group).astype(np.int64))
+    nodes = np.unique(np.concatenate(found))
+    return (nodes[:, None] * spaces.components + np.arange(spaces.components)).ravel()
+
+
 class FarField:
     """The outer boundary of a piece of a half-space.
+
+    Args:
+        scene: What is described.
+        spaces: Displacements.
+        supports: Those beside it.
+        outer: The dofs of the outer boundary.
+        contacts: In scene order.
 
     Attributes:
         on: The groups' names, for results.
@@ -87,7 +104,12 @@ class FarField:
     """
 
     def __init__(
-        self, scene: Scene, spaces: Spaces, supports: Supports, contacts: list[ContactSurface]
+        self,
+        scene: Scene,
+        spaces: Spaces,
+        supports: Supports,
+        outer: NDArray[np.int64],
+        contacts: list[ContactSurface],
     ) -> None:
         described = scene.half_space
         assert described is not None
@@ -95,7 +117,7 @@ class FarField:
         self._spaces = spaces
         self._supports = supports
         self._modulus, self._ratio = _homogeneous(scene)
-        self.dofs = self._free_dofs(described)
+        self.dofs = np.setdiff1d(outer, supports.dofs)
         self.columns = {
             number: self._column(contact, f"contact[{number}]")
             for number, contact in enumerate(contacts)
@@ -104,16 +126,6 @@ class FarField:
             raise InputError("symmetry: planes that face each other leave no half_space")
         if not contacts:
             raise InputError("half_space: without a contact there is no force to follow")
-
-    def _free_dofs(self, described: HalfSpace) -> NDArray[np.int64]:
-        spaces = self._spaces
-        found = [
-            spaces.nodes(spaces.body.boundary(on, f"half_space.on[{number}]"))
-            for number, on in enumerate(described.on)
-        ]
-        nodes = np.unique(np.concatenate(found)).astype(np.int64)
-        dofs = (nodes[:, None] * spaces.components + np.arange(spaces.components)).ravel()
-        return np.setdiff1d(dofs, self._supports.dofs)
 
     def _column(self, contact: ContactSurface, key: str) -> Array:
         """Displacement of the dofs over the contact's force, with its mirror images."""

@@ -53,7 +53,7 @@ def _compared(
     for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
         if contact.normal is None or contact.contact.kind == "bonded":
             continue
-        free = contact.owned_nodes & contact.free_across_surface(problem.constrained)
+        free = contact.owned_nodes & contact.supports.free_across
         peak = largest(comm, state.contact_pressure)
         if total(comm, free.sum()) == 0 or peak <= 0:
             continue

@@ -1,8 +1,8 @@
 """The discrete problem: one energy term for each thing the scene names, and no more.
 
 I_ε(v) = ½ a(v, v) − f(v) + Σ j_ε(v) (paper, (2.1), (2.7)), with penalties where the contact
-is not prescribed (4.1): every form comes from
-its energy by UFL's derivative, and is compiled once.
+is not prescribed (4.1): every form comes from its energy by UFL's derivative, and is
+compiled once.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from fenics_contact import compat
 from fenics_contact.bulk import ElasticBody
 from fenics_contact.contact import ContactSurface
 from fenics_contact.errors import InputError
-from fenics_contact.half_space import FarField
+from fenics_contact.half_space import FarField, outer_dofs
 from fenics_contact.mesh import Body, Group
 from fenics_contact.scene import Load, Scene
 from fenics_contact.scene_values import Path, Value
@@ -85,8 +85,9 @@ class Problem:
             self.displacement = fem.Function(self.spaces.displacement_space, name="displacement")
             self.supports = Supports(scene, self.spaces)
             self.applied_supports = list(self.supports.applied)
-            self.constrained = self.supports.dofs
             self._refuse_overlaps()
+            outer = outer_dofs(scene.half_space, self.spaces)
+            self.constrained = np.union1d(self.supports.dofs, outer)
             self.elastic = ElasticBody(scene, self.spaces, self.displacement)
             self.contacts = [
                 ContactSurface(
@@ -94,7 +95,7 @@ class Problem:
                     f"contact[{number}]",
                     self.spaces,
                     self.supports,
-                    self._held_dofs(),
+                    self.constrained,
                     self.elastic,
                 )
                 for number, contact in enumerate(scene.contact)
@@ -102,7 +103,7 @@ class Problem:
             self.unknowns = [
                 ScalarUnknown(contact, "indentation") for contact in self.contacts if contact.floats
             ]
-            self.far_field = self._place_far_field()
+            self.far_field = self._place_far_field(outer)
             self._refuse_held_contacts()
             self.terms = self._terms()
         with timings.phase("assemble"):
@@ -129,32 +130,18 @@ class Problem:
         loaded = [self.body.find(load.on) for load in self.scene.load if load.body_force is None]
         return any(other and set(group.tags) & set(other.tags) for other in loaded)
 
-    def _held_dofs(self) -> NDArray[np.int64]:
-        """Those that supports hold, and the outer boundary of a half-space."""
-        described = self.scene.half_space
-        held = [self.supports.dofs]
-        for number, on in enumerate(described.on if described else ()):
-            nodes = self.spaces.nodes(self.body.boundary(on, f"half_space.on[{number}]"))
-            components = self.spaces.components
-            held.append(
-                (nodes.astype(np.int64)[:, None] * components + np.arange(components)).ravel()
-            )
-        return np.unique(np.concatenate(held))
-
-    def _place_far_field(self) -> FarField | None:
+    def _place_far_field(self, outer: NDArray[np.int64]) -> FarField | None:
         """Hold the outer boundary of a half-space, by forces known or unknown."""
         if self.scene.half_space is None:
             return None
-        far_field = FarField(self.scene, self.spaces, self.supports, self.contacts)
+        far_field = FarField(self.scene, self.spaces, self.supports, outer, self.contacts)
         for number, contact in enumerate(self.contacts):
             if contact.force is None:
                 column = far_field.columns[number]
                 self.unknowns.append(ScalarUnknown(contact, "resultant", column))
         nothing = np.zeros(len(far_field.dofs))
         self.applied_supports.append(AppliedSupport(far_field.on, far_field.dofs, nothing))
-        dofs = np.concatenate([self.supports.dofs, far_field.dofs])
-        self._order = np.argsort(dofs)
-        self.constrained = dofs[self._order]
+        self._order = np.argsort(np.concatenate([self.supports.dofs, far_field.dofs]))
         return far_field
 
     def set_time(self, time: float) -> None:
@@ -195,8 +182,7 @@ class Problem:
     def _refuse_held_contacts(self) -> None:
         """Friction on a surface that supports hold everywhere does nothing: surely a slip."""
         for number, contact in enumerate(self.contacts):
-            _, movable = contact.free_along_surface(self.constrained)
-            free = contact.owned_nodes & movable
+            free = contact.owned_nodes & contact.supports.movable
             if contact.friction is not None and self.comm.allreduce(int(free.sum())) == 0:
                 raise InputError(
                     f"contact[{number}].on = '{contact.contact.on}': supports hold every point of "

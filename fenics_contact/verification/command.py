@@ -50,12 +50,13 @@ def verify(
     console = Console(quiet=comm.rank > 0, highlight=False)
     console.width = max(console.width, _WIDTH)
     outcomes = []
+    width = max(len(case.name) for case in chosen)
     for number, case in enumerate(chosen, 1):
         outcome = run_case(case, quick)
         outcomes.append(outcome)
         verdict = "passed" if outcome.passed else "[bold red]FAILED[/bold red]"
         console.print(
-            f"{number:2} of {len(chosen)}  {case.name:12} {escape(case.summary):52} "
+            f"{number:2} of {len(chosen)}  {case.name:{width}} {escape(case.summary):52} "
             f"{outcome.seconds:6.1f} s  {verdict}",
             soft_wrap=True,
         )
@@ -116,7 +117,7 @@ def _print_outcomes(console: Console, outcomes: Sequence[Outcome]) -> None:
     console.print("\nErrors are relative, or absolute where marked abs. References:")
     for outcome in outcomes:
         console.print(
-            f"  {outcome.case.name:12} {outcome.case.source}", markup=False, soft_wrap=True
+            f"  {outcome.case.name}: {outcome.case.source}", markup=False, soft_wrap=True
         )
     failed = [outcome for outcome in outcomes if not outcome.passed]
     for outcome in failed:
