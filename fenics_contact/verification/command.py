@@ -116,9 +116,7 @@ def _print_outcomes(console: Console, outcomes: Sequence[Outcome]) -> None:
     console.print(table)
     console.print("\nErrors are relative, or absolute where marked abs. References:")
     for outcome in outcomes:
-        console.print(
-            f"  {outcome.case.name}: {outcome.case.source}", markup=False, soft_wrap=True
-        )
+        console.print(f"  {outcome.case.name}: {outcome.case.source}", markup=False, soft_wrap=True)
     failed = [outcome for outcome in outcomes if not outcome.passed]
     for outcome in failed:
         for note in (finding.note for finding in outcome.findings if finding.note):
