@@ -1,7 +1,10 @@
 """The paper's examples 2 to 4 with and without friction: ``python docs/make_figures.py``.
 
-Runs the three demos and draws pressure, friction and the displacement of the surface of both runs
-over one another, into docs/pictures/example2.png, example3.png and example4.png.
+Runs the three demos and draws into docs/pictures, of example N, with and without friction:
+
+- exampleN.png: pressure, friction and the displacement of the surface;
+- exampleN_deformed.png: the deformed bodies;
+- example3_axis.png: the stresses on the axis, beside Hertz's.
 """
 
 import json
@@ -12,82 +15,174 @@ from typing import Any
 
 import numpy as np
 
-from fenics_contact import Run, files
+from fenics_contact import Run, Scene, files
+from fenics_contact.axis_stress import AxisStress
 from fenics_contact.body_picture import read_body
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.curves import cut_peaks
 from fenics_contact.figures import new_figure, save
 from fenics_contact.scene_file import load_scene
 from fenics_contact.surface_displacement import SurfaceDisplacement
+from fenics_contact.verification import formulas
 
 DOCS = Path(__file__).resolve().parent
-EXAMPLES = {
-    2: ("winkler", "a slab on a Winkler foundation"),
-    3: ("sphere", "a sphere on a half-space"),
-    4: ("annulus", "an annular punch"),
-}
 NAMES = {
     "pressure": "contact pressure, $p$",
     "friction": r"friction traction, $\sigma_T$",
     "normal": "normal, $u_n$",
     "tangential": "tangential, $u_T$",
 }
+STYLES = {"with friction": ("-", "0"), "without": ("--", "0.45")}
+AROUND = [0, 4, 1, 5, 2, 6, 3, 7, 0]  # VTK's nodes around a quadrilateral of degree 2
+DEPTH = 3.0  # of the axis that is shown, in Hertz's radii
 
 
 @dataclass(frozen=True)
-class Curves:
-    """What happens along the contact surface of one run.
+class Example:
+    """How an example is drawn.
 
     Attributes:
-        position: Coordinate along the surface (length).
-        values: Keys of ``NAMES`` to values at the positions.
+        demo: Name of its scene.
+        title: What it is.
+        window: What is shown of the deformed body: left, right, bottom and top (length).
+        factor: Magnification of its displacements.
+        layout: Rows and columns, width and height of the picture of the deformed body.
     """
 
-    position: np.ndarray
-    values: dict[str, np.ndarray]
+    demo: str
+    title: str
+    window: tuple[float, float, float, float]
+    factor: float
+    layout: tuple[int, int, float, float] = (1, 2, 9, 4.6)
+
+
+EXAMPLES = {
+    2: Example("winkler", "a slab on a Winkler foundation", (0, 10.2, -0.5, 2.6), 5, (2, 1, 9, 6)),
+    3: Example("sphere", "a sphere on a half-space", (0, 5, -4.4, 0.6), 1),
+    4: Example("annulus", "an annular punch", (0, 2, -1.7, 0.3), 20),
+}
+
+
+@dataclass(frozen=True)
+class Solved:
+    """One run, from its files.
+
+    Attributes:
+        scene: What was solved.
+        body: A pyvista grid with the run's fields.
+        surface: Displacement of the contact's points.
+    """
+
+    scene: Scene
+    body: Any
+    surface: SurfaceDisplacement
 
     @classmethod
-    def of(cls, demo: str, folder: Path, *overrides: str) -> "Curves":
+    def of(cls, demo: str, folder: Path, *overrides: str) -> "Solved":
         """Run a demo and read its files."""
-        run = Run(load_scene(DOCS.parent / "demos" / f"{demo}.toml", overrides))
+        scene = load_scene(DOCS.parent / "demos" / f"{demo}.toml", overrides)
+        run = Run(scene)
         files.write(run, run.solve(), folder)
         result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-        table = ContactTable.read(folder / "contact.csv")
-        found = SurfaceDisplacement.of(read_body(folder), table, result["contacts"][0])
-        values = {
-            "pressure": found.line.rows.numbers["contact_pressure"],
-            "friction": found.line.traction,
-            "normal": found.normal,
-            "tangential": found.tangential,
-        }
-        return cls(found.line.position, values)
+        body, rows = read_body(folder), ContactTable.read(folder / "contact.csv")
+        return cls(scene, body, SurfaceDisplacement.of(body, rows, result["contacts"][0]))
+
+    def curve(self, name: str, end: float) -> tuple[np.ndarray, np.ndarray]:
+        """Positions and values of one of ``NAMES``; displacements also beyond the contact."""
+        line = self.surface.line
+        if name == "pressure":
+            return line.position, line.rows.numbers["contact_pressure"]
+        if name == "friction":
+            return line.position, line.traction
+        points, (x, y) = self.body.points, self.body["displacement"][:, :2].T
+        height, up = line.rows.numbers["y"][0], line.rows.numbers["ny"][0]
+        on_surface = np.flatnonzero((abs(points[:, 1] - height) < 1e-9) & (points[:, 0] <= end))
+        nodes = on_surface[np.argsort(points[on_surface, 0])]
+        return points[nodes, 0], (up * y if name == "normal" else x)[nodes]
 
 
-def draw(number: int, folder: Path) -> None:
-    """Draw one example."""
-    demo, title = EXAMPLES[number]
-    rough = Curves.of(demo, folder / "rough")
-    smooth = Curves.of(demo, folder / "smooth", "contact.0.friction_coefficient=0")
-    figure, panels = new_figure(f"Example {number}: {title}", (9, 5.4), nrows=2, ncols=2)
+def draw_curves(number: int, runs: dict[str, Solved]) -> None:
+    """Pressure, friction and displacements along the surface; peaks at edges are cut off."""
+    example = EXAMPLES[number]
+    figure, panels = new_figure(f"Example {number}: {example.title}", (9, 5.4), nrows=2, ncols=2)
     for (name, label), panel in zip(NAMES.items(), panels, strict=True):
-        draw_panel(panel, name, rough, smooth)
+        for run, (line, shade) in STYLES.items():
+            panel.plot(*runs[run].curve(name, example.window[1]), line, color=shade, label=run)
+        panel.axhline(0, color="black", linewidth=0.6)
+        if name in ("pressure", "friction"):
+            cut_peaks(panel, runs["with friction"].curve(name, example.window[1])[1])
         panel.set_ylabel(label)
         panel.set_xlabel("position along the surface")
     panels[0].legend(frameon=False, fontsize=9)
     save(figure, DOCS / "pictures" / f"example{number}.png")
 
 
-def draw_panel(panel: Any, name: str, rough: Curves, smooth: Curves) -> None:
-    """One quantity of both runs; pressures at the edges of a punch are cut off."""
-    styles = {"with friction": (rough, "-", "0"), "without": (smooth, "--", "0.45")}
-    for label, (curves, style, shade) in styles.items():
-        panel.plot(curves.position, curves.values[name], style, color=shade, label=label)
-    panel.axhline(0, color="black", linewidth=0.6)
-    if name in ("pressure", "friction"):
-        cut_peaks(panel, rough.values[name])
+def draw_deformed(number: int, runs: dict[str, Solved]) -> None:
+    """The deformed bodies, their contact points, and where the bodies were."""
+    from matplotlib.collections import LineCollection
+
+    example = EXAMPLES[number]
+    rows, columns, *size = example.layout
+    title = f"Example {number}, displacements x {example.factor:g}: without friction"
+    figure, panels = new_figure(title, tuple(size), nrows=rows, ncols=columns)
+    panels[1].set_title("with friction", loc="left", fontsize=11)
+    for panel, run in zip(panels, ("without", "with friction"), strict=True):
+        body, found = runs[run].body, runs[run].surface
+        cells = body.cell_connectivity.reshape(body.n_cells, -1)[:, AROUND]
+        moved = body.points + example.factor * body["displacement"]
+        panel.add_collection(LineCollection(moved[cells, :2], colors="0.4", linewidths=0.5))
+        left, right, bottom, top = body.bounds[:4]
+        outline = [left, right, right, left, left], [bottom, bottom, top, top, bottom]
+        panel.plot(*outline, "--", color="0.5", linewidth=0.8)
+        points = found.line.rows.vectors("x", "y") + example.factor * found.vectors
+        for mark in found.line.marks:
+            mine = np.isin(found.line.rows.status, mark.status) & found.line.rows.closed
+            fill = mark.colour if mark.filled else "white"
+            style = {"color": mark.colour, "markerfacecolor": fill, "markersize": 3.5}
+            if mine.any():
+                panel.plot(*points[mine].T, mark.shape, label=mark.label, **style)
+        panel.legend(frameon=False, fontsize=9, loc="upper left", ncols=2)
+        panel.set_aspect("equal")
+        panel.set_xlim(example.window[:2])
+        panel.set_ylim(example.window[2:])
+    save(figure, DOCS / "pictures" / f"example{number}_deformed.png")
+
+
+def draw_axis(number: int, runs: dict[str, Solved]) -> None:
+    """The stresses on the axis of both runs, and Hertz's."""
+    scene = runs["without"].scene
+    material, obstacle = scene.material[0], scene.contact[0].obstacle
+    modulus = formulas.plane_strain_modulus(material.youngs_modulus, material.poissons_ratio)
+    hertz = formulas.paraboloid(modulus, obstacle.radius, obstacle.indentation)
+    title = f"Example {number}: stresses on the axis, σ_zz (left) and σ_rr (right)"
+    figure, (panel,) = new_figure(title, (5.6, 5.2))
+    for run, (line, shade) in STYLES.items():
+        stress = AxisStress.of(runs[run].body, runs[run].surface.line.rows)
+        values = np.stack([stress.axial, stress.radial], axis=1) / hertz.peak
+        first, _ = panel.plot(values, stress.depth / hertz.radius, line, color=shade)
+        first.set_label(run)
+    depth = np.linspace(0, DEPTH, 25)
+    formula = formulas.axis_stress(hertz, depth * hertz.radius, material.poissons_ratio)
+    values = np.stack(formula, axis=1) / hertz.peak
+    first, _ = panel.plot(values, depth, "o", color="0", markerfacecolor="white", markersize=4)
+    first.set_label("Hertz's formula")
+    panel.axvline(0, color="black", linewidth=0.6)
+    panel.set_ylim(1.02 * DEPTH, -0.03 * DEPTH)
+    panel.set_xlabel("stress over Hertz's peak of the pressure, $p_0$")
+    panel.set_ylabel("depth over Hertz's radius of the contact, $z / a$")
+    panel.legend(frameon=False, fontsize=9)
+    save(figure, DOCS / "pictures" / f"example{number}_axis.png")
 
 
 if __name__ == "__main__":
-    for example in EXAMPLES:
+    for number, example in EXAMPLES.items():
         with TemporaryDirectory() as temporary:
-            draw(example, Path(temporary))
+            smooth = "contact.0.friction_coefficient=0"
+            runs = {
+                "with friction": Solved.of(example.demo, Path(temporary) / "rough"),
+                "without": Solved.of(example.demo, Path(temporary) / "smooth", smooth),
+            }
+            draw_curves(number, runs)
+            draw_deformed(number, runs)
+            if number == 3:
+                draw_axis(number, runs)

@@ -9,6 +9,7 @@ from fenics_contact.axis_stress import AxisStress, contact_radius
 from fenics_contact.body_picture import read_body
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.surface_displacement import SurfaceDisplacement
+from fenics_contact.verification import formulas
 from tests.test_pictures import small_sphere, write_run
 
 pytestmark = pytest.mark.serial
@@ -22,10 +23,7 @@ def sphere_files(folder, coefficient):
 
 
 def test_stress_below_a_sphere(tmp_path):
-    """Hertz's, ν = .3 (Johnson, Contact Mechanics, 1985, Section 3.4).
-
-    σ_zz = −p0 / (1 + s²), σ_rr = −p0 [(1 + ν)(1 − s arctan 1/s) − 1 / (2 (1 + s²))], s = z / a.
-    """
+    """Hertz's, ν = .3 (Johnson, Contact Mechanics, 1985, Section 3.4)."""
     body, rows, contact = sphere_files(tmp_path, 0)
     stress = AxisStress.of(body, rows)
     radius, peak = contact_radius(rows, contact), contact["quantities"]["max_contact_pressure"]
@@ -35,11 +33,10 @@ def test_stress_below_a_sphere(tmp_path):
     assert stress.shear[most] / peak == pytest.approx(0.31, abs=0.01)
     assert stress.depth[most] / radius == pytest.approx(0.48, abs=0.05)
     below = (stress.depth > 0.2 * radius) & (stress.depth < 2 * radius)  # on the fine cells
-    s = stress.depth[below] / 8**0.5
-    axial = -1 / (1 + s**2)
-    radial = -1.3 * (1 - s * np.arctan(1 / s)) + 0.5 / (1 + s**2)
-    assert stress.axial[below] / 247.34 == pytest.approx(axial, abs=0.02)
-    assert stress.radial[below] / 247.34 == pytest.approx(radial, abs=0.02)
+    hertz = formulas.paraboloid(formulas.plane_strain_modulus(1000, 0.3), 8, 1)
+    axial, radial = formulas.axis_stress(hertz, stress.depth[below], 0.3)
+    assert stress.axial[below] == pytest.approx(axial, abs=0.02 * hertz.peak)
+    assert stress.radial[below] == pytest.approx(radial, abs=0.02 * hertz.peak)
 
 
 def test_displacement_of_the_surface_below_a_sphere(tmp_path):

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from math import log, pi, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import ellipk, ellipkm1
 
@@ -52,6 +53,24 @@ def paraboloid(modulus: float, radius: float, indentation: float) -> HertzContac
         radius=sqrt(radius * indentation),
         peak=2 / pi * modulus * sqrt(indentation / radius),
     )
+
+
+def axis_stress(
+    contact: HertzContact, depth: NDArray[np.float64], poissons_ratio: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Axial and radial stress on the axis below a point contact (Johnson, (3.45)).
+
+    With s = z/a, σ_zz = −p₀ / (1 + s²), σ_rr = −p₀ [(1 + ν)(1 − s arctan 1/s) − 1 / (2 (1 + s²))].
+
+    Args:
+        contact: The contact, with a and p₀.
+        depth: z, below the surface (length).
+        poissons_ratio: ν.
+    """
+    s = depth / contact.radius
+    fading = 1 / (1 + s**2)
+    radial = (1 + poissons_ratio) * (1 - s * np.arctan2(1, s)) - fading / 2
+    return -contact.peak * fading, -contact.peak * radial
 
 
 def sphere(modulus: float, radius: float, indentation: float) -> tuple[float, float]:
