@@ -1,6 +1,6 @@
-"""Error against time, for the paper's slab and for Hertz's contact, by element and mesh.
+"""Error against time: the paper's slab, Hertz's contact and its like with friction.
 
-``python benchmarks/work_precision.py [--quick] [--json FILE] [--plot DIR]``
+``python benchmarks/work_precision.py [--quick] [--json FILE] [--plot DIR] [--strategy NAME]``
 
 Seconds are those of one process with all forms compiled: mesh, assembly, set-up and solve,
 without compilation and output, the least of several runs. Errors are those of the
@@ -13,16 +13,18 @@ import argparse
 import dataclasses
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
-from fenics_contact import Discretisation, Obstacle, Result, Scene
+from fenics_contact import Discretisation, Obstacle, Result, Scene, SolverSettings
 from fenics_contact.figures import new_figure, save
 from fenics_contact.verification.case import solved
-from fenics_contact.verification.point_cases import contact_radius, half_space_scene
+from fenics_contact.verification.friction_cases import with_friction
+from fenics_contact.verification.point_cases import half_space_scene
 from fenics_contact.verification.slab_cases import slab_scene
 
 ELEMENTS = {
@@ -37,41 +39,61 @@ ELEMENTS = {
 # there on 8/h more, about as small, are "uniform"; 2/h that grow geometrically are "graded".
 EXTENT, FINE = 12.0, 4.0
 OUTSIDE = {"uniform": 8.0, "graded": 2.0}
-
-# Hertz: Q2 graded at h = 1/32 and 1/48, which agree to 1e-5 in force and peak. They are .17 %
-# and .08 % below the formulas of the half-space, which is the domain's error. The radius is
-# that of an ellipsoid of pressure with this force and peak, F = 2/3 π a² p₀.
-# Slab: Q2 512 × 64; the energy extrapolated at second order from 256 × 32 and 512 × 64.
-REFERENCES = {
-    "hertz": {"normal_force": 4137.01, "max_contact_pressure": 247.140},
-    "slab": {"friction_force": 209.9750961, "strain_energy": 352.713039},
-}
-REFERENCES["hertz"]["contact_radius"] = math.sqrt(
-    1.5 * REFERENCES["hertz"]["normal_force"] / math.pi
-    / REFERENCES["hertz"]["max_contact_pressure"]
-)  # fmt: skip
+COEFFICIENT = 0.6
 
 COLOURS = {"P1": "#c0392b", "Q1": "#e67e22", "P2": "#2e86c1", "Q2": "#1b2631"}
 MARKERS = {"P1": "^", "Q1": "s", "P2": "v", "Q2": "o"}
 TARGETS = (1e-2, 1e-3)
 
 
-def hertz(element: str, mesh: str, size: float) -> Scene:
+@dataclasses.dataclass(frozen=True)
+class Case:
+    """A contact that is computed with all elements on finer and finer meshes.
+
+    Attributes:
+        name: In rows and file names.
+        title: Of the picture.
+        scene: By kind of mesh and size of the cells.
+        meshes: The kinds of mesh.
+        levels: The first and the last i of the sizes 1/2^i, with degree 2 on uniform meshes.
+        references: By quantity.
+    """
+
+    name: str
+    title: str
+    scene: Callable[[str, float], Scene]
+    meshes: tuple[str, ...]
+    levels: tuple[int, int]
+    references: dict[str, float]
+
+    def series(self, quick: bool) -> list[tuple[str, list[Scene]]]:
+        """Method and scenes from coarse to fine; what costs less goes one further."""
+        first, last = self.levels
+        found = []
+        for element, (_, degree) in ELEMENTS.items():
+            for mesh in self.meshes:
+                finest = last + (degree == 1) + (mesh == "graded") - quick
+                sizes = [0.5**i for i in range(first, finest + 1)]
+                scenes = [of_element(self.scene(mesh, size), element) for size in sizes]
+                found.append((f"{element} {mesh}", scenes))
+        return found
+
+
+def slab(mesh: str, size: float) -> Scene:
+    """Example 1: 8 by 1."""
+    return slab_scene(cells=(round(8 / size), round(1 / size)))
+
+
+def hertz(mesh: str, size: float) -> Scene:
     """Hertz's contact with cells of a given size in it."""
     extra = 1 if mesh == "uniform" else 0  # the geometry's ratio becomes 1 with one more
-    scene = half_space_scene(
+    return half_space_scene(
         Obstacle("paraboloid", radius=8, indentation=1),
         extent=EXTENT,
         fine=FINE,
         size=size,
         cells_outside=round(OUTSIDE[mesh] / size) + extra,
     )
-    return of_element(scene, element)
-
-
-def slab(element: str, size: float) -> Scene:
-    """Example 1 with cells of a given size: 8 by 1."""
-    return of_element(slab_scene(cells=(round(8 / size), round(1 / size))), element)
 
 
 def of_element(scene: Scene, element: str) -> Scene:
@@ -85,38 +107,59 @@ def of_element(scene: Scene, element: str) -> Scene:
     )
 
 
-def series(quick: bool) -> list[tuple[str, str, list[Scene]]]:
-    """Case, method and scenes from coarse to fine; degree 1 goes one further, like its cost."""
-    found = []
-    for element, (_, degree) in ELEMENTS.items():
-        finer = 1 if degree == 1 else 0
-        levels = (4 if quick else 5) + finer
-        found.append(
-            ("slab", f"{element} uniform", [slab(element, 0.5**i) for i in range(1, levels)])
-        )
-        for mesh in ("uniform", "graded"):
-            levels = (3 if quick else 4) + finer + (mesh == "graded")
-            scenes = [hertz(element, mesh, 0.5**i) for i in range(levels)]
-            found.append(("hertz", f"{element} {mesh}", scenes))
-    return found
+def cases(settings: SolverSettings) -> list[Case]:
+    """All cases, with how friction and pressure are brought together."""
+
+    def rough(mesh: str, size: float) -> Scene:
+        scene = with_friction(hertz(mesh, size), COEFFICIENT)
+        return dataclasses.replace(scene, solver=settings)
+
+    # Slab: Q2 512 × 64; the energy extrapolated at second order from 256 × 32 and 512 × 64.
+    # Hertz: Q2 graded at h = 1/32 and 1/48, which agree to 1e-5 in force and peak. They are .17 %
+    # and .08 % below the formulas of the half-space, which is the domain's error. The radius is
+    # that of an ellipsoid of pressure with this force and peak, F = 2/3 π a² p₀.
+    # Friction: Q2 graded at h = 1/64. That at 1/32 and 1/48 agrees to 1e-5 in force, 2e-5 in peak
+    # and 4e-4 in stick radius, of which smaller errors say nothing.
+    force, peak = 4137.01, 247.140
+    radius = math.sqrt(1.5 * force / math.pi / peak)
+    kinds = ("uniform", "graded")
+    return [
+        Case(
+            "slab",
+            "Slab",
+            slab,
+            ("uniform",),
+            (1, 4),
+            {"friction_force": 209.9750961, "strain_energy": 352.713039},
+        ),
+        Case(
+            "hertz",
+            "Hertz",
+            hertz,
+            kinds,
+            (0, 3),
+            {"normal_force": force, "max_contact_pressure": peak, "contact_radius": radius},
+        ),
+        Case(
+            "friction",
+            f"Hertz with friction, μ = {COEFFICIENT}",
+            rough,
+            kinds,
+            (0, 2),
+            {"normal_force": 4229.41, "max_contact_pressure": 268.059, "stick_radius": 2.1186},
+        ),
+    ]
 
 
-def quantities(case: str, result: Result) -> dict[str, float]:
-    """Those of ``REFERENCES``."""
-    found = result.quantities
-    if case == "slab":
-        return {
-            "friction_force": found["friction_force"][0],
-            "strain_energy": found["strain_energy"],
-        }
-    return {
-        "normal_force": found["normal_force"],
-        "max_contact_pressure": found["max_contact_pressure"],
-        "contact_radius": contact_radius(result),
-    }
+def value_of(quantity: str, result: Result) -> float:
+    """A quantity of the references; radii are those of the circle that has the area."""
+    if quantity.endswith("_radius"):
+        return math.sqrt(result.quantities[quantity.replace("radius", "area")] / math.pi)
+    found = result.quantities[quantity]
+    return found[0] if quantity == "friction_force" else found
 
 
-def measured(case: str, method: str, scene: Scene, repeat: int) -> list[dict[str, Any]]:
+def measured(case: Case, method: str, scene: Scene, repeat: int) -> list[dict[str, Any]]:
     """A row a quantity, with the least time of several runs."""
     results = [solved(scene) for _ in range(repeat)]
     seconds = min(
@@ -124,13 +167,14 @@ def measured(case: str, method: str, scene: Scene, repeat: int) -> list[dict[str
         for result in results
     )
     rows = []
-    for quantity, value in quantities(case, results[0]).items():
-        reference = REFERENCES[case][quantity]
+    for quantity, reference in case.references.items():
+        value = value_of(quantity, results[0])
         rows.append(
             {
-                "case": case,
+                "case": case.name,
                 "method": method,
                 "dofs": results[0].model["dofs"],
+                "newton_iterations": results[0].steps[-1]["newton_iterations"],
                 "seconds": seconds,
                 "quantity": quantity,
                 "value": value,
@@ -152,32 +196,52 @@ def reached(rows: list[dict[str, Any]], target: float) -> str:
     return f"{rows[first]['seconds']:.2f} s, {rows[first]['dofs']}"
 
 
-def select(rows: list[dict[str, Any]], **keys: str) -> list[dict[str, Any]]:
+def select(rows: list[dict[str, Any]], **keys: Any) -> list[dict[str, Any]]:
     """Rows with given entries."""
     return [row for row in rows if all(row[key] == value for key, value in keys.items())]
 
 
-def print_table(rows: list[dict[str, Any]]) -> None:
+def methods(rows: list[dict[str, Any]]) -> list[str]:
+    """Those of some rows, each once."""
+    return list(dict.fromkeys(row["method"] for row in rows))
+
+
+def print_table(case: Case, rows: list[dict[str, Any]]) -> None:
     """What every method takes to the targets."""
-    table = Table("case", "quantity", "method", *(f"to {target:.1%}" for target in TARGETS))
-    for case, references in REFERENCES.items():
-        for quantity in references:
-            chosen = select(rows, case=case, quantity=quantity)
-            for method in dict.fromkeys(row["method"] for row in chosen):
-                one = select(chosen, method=method)
-                table.add_row(case, quantity, method, *(reached(one, t) for t in TARGETS))
+    table = Table("quantity", "method", *(f"to {t:.1%}" for t in TARGETS), title=case.title)
+    for quantity in case.references:
+        chosen = select(rows, case=case.name, quantity=quantity)
+        for method in methods(chosen):
+            one = select(chosen, method=method)
+            table.add_row(quantity, method, *(reached(one, target) for target in TARGETS))
     Console().print(table)
 
 
-def plot(rows: list[dict[str, Any]], case: str, title: str, path: Path) -> None:
+def print_cost(rows: list[dict[str, Any]]) -> None:
+    """What friction costs on the finest mesh of every method."""
+    table = Table("method", "dofs", "smooth", "rough", "ratio", title="Friction costs")
+    for method in methods(select(rows, case="friction")):
+        rough = select(rows, case="friction", method=method)[-1]
+        smooth = select(rows, case="hertz", method=method, dofs=rough["dofs"])[0]
+        table.add_row(
+            method,
+            str(rough["dofs"]),
+            *(f"{r['seconds']:.2f} s, {r['newton_iterations']} steps" for r in (smooth, rough)),
+            f"{rough['seconds'] / smooth['seconds']:.1f}",
+        )
+    Console().print(table)
+
+
+def plot(case: Case, rows: list[dict[str, Any]], path: Path) -> None:
     """A panel a quantity: error against seconds."""
     from matplotlib.ticker import LogLocator
 
-    names = list(REFERENCES[case])
-    figure, panels = new_figure(title, (3.6 * len(names), 4.4), ncols=len(names), sharey=True)
+    names = list(case.references)
+    figure, panels = new_figure("", (3.6 * len(names), 4.6), ncols=len(names), sharey=True)
+    figure.suptitle(case.title, fontsize=11)
     for panel, quantity in zip(panels, names, strict=True):
-        chosen = select(rows, case=case, quantity=quantity)
-        for method in dict.fromkeys(row["method"] for row in chosen):
+        chosen = select(rows, case=case.name, quantity=quantity)
+        for method in methods(chosen):
             element, mesh = method.split()
             graded = mesh == "graded"
             one = select(chosen, method=method)
@@ -211,20 +275,25 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="coarser: about a minute")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
     parser.add_argument("--plot", type=Path, metavar="DIR", help="draw, with matplotlib")
+    parser.add_argument("--strategy", default="auto", metavar="NAME", help="for friction")
     options = parser.parse_args()
+    measured_cases = cases(SolverSettings(strategy=options.strategy))
     rows: list[dict[str, Any]] = []
-    for case, method, scenes in series(options.quick):
-        solved(scenes[0])  # compiles the forms
-        for scene in scenes:
-            rows += measured(case, method, scene, repeat=2 if options.quick else 3)
-        print(f"{case:6} {method:11} to {rows[-1]['dofs']:6} dofs", flush=True)
-    print_table(rows)
+    for case in measured_cases:
+        for method, scenes in case.series(options.quick):
+            solved(scenes[0])  # compiles the forms
+            for scene in scenes:
+                rows += measured(case, method, scene, repeat=2 if options.quick else 3)
+            print(f"{case.name:8} {method:11} to {rows[-1]['dofs']:6} dofs", flush=True)
+    for case in measured_cases:
+        print_table(case, rows)
+    print_cost(rows)
     if options.json:
         options.json.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
     if options.plot:
         options.plot.mkdir(parents=True, exist_ok=True)
-        for case, title in (("hertz", "Hertz"), ("slab", "Slab")):
-            plot(rows, case, title, options.plot / f"work_precision_{case}.png")
+        for case in measured_cases:
+            plot(case, rows, options.plot / f"work_precision_{case.name}.png")
 
 
 if __name__ == "__main__":
