@@ -118,8 +118,8 @@ def cases(settings: SolverSettings) -> list[Case]:
     # Hertz: Q2 graded at h = 1/32 and 1/48, which agree to 1e-5 in force and peak. They are .17 %
     # and .08 % below the formulas of the half-space, which is the domain's error. The radius is
     # that of an ellipsoid of pressure with this force and peak, F = 2/3 π a² p₀.
-    # Friction: Q2 graded at h = 1/64. That at 1/32 and 1/48 agrees to 1e-5 in force, 2e-5 in peak
-    # and 4e-4 in stick radius, of which smaller errors say nothing.
+    # Friction: Q2 graded at h = 1/64, monolithic. 1/32 and 1/48 agree with it to 1e-5 in force,
+    # 2e-5 in peak and 4e-4 in stick radius: smaller errors say nothing.
     force, peak = 4137.01, 247.140
     radius = math.sqrt(1.5 * force / math.pi / peak)
     kinds = ("uniform", "graded")
