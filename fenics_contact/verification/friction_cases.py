@@ -11,8 +11,8 @@ from math import hypot, sqrt
 from typing import Any, Literal
 
 from fenics_contact.result import Result
-from fenics_contact.scene import Load, MeshSource, Scene, SolverSettings, Steps, Support
-from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
+from fenics_contact.scene import MeshSource, Scene, SolverSettings, Steps, Support
+from fenics_contact.scene_contact import Contact, Obstacle
 from fenics_contact.scene_material import Material
 from fenics_contact.scene_values import Path
 from fenics_contact.verification import formulas
@@ -26,6 +26,8 @@ from fenics_contact.verification.point_cases import (
     YOUNGS_MODULUS,
     half_space_scene,
 )
+from fenics_contact.verification.punch_cases import annulus_scene
+from fenics_contact.verification.slab_cases import winkler_scene
 
 _COEFFICIENT = 0.6
 # Static law: forces at the same indentation, peaks at the same force, stick over contact radius.
@@ -131,34 +133,12 @@ def _block(quick: bool) -> Iterator[Finding]:
 
 
 def _annulus(quick: bool) -> Iterator[Finding]:
-    scene = Scene(
-        kinematics="axisymmetric",
-        mesh=MeshSource(
-            mesh_file("annular_punch.geo"), cell="quadrilateral", parameters={"extent": 1000}
-        ),
-        material=MATERIAL,
-        symmetry=("axis",),
-        half_space=HalfSpace(("outer",)),
-        contact=(Contact("contact", obstacle=Obstacle(indentation=0.01)),),
-    )
-    ratio, _ = _ratio(scene, _ANNULUS_COEFFICIENT, "normal_force")
+    ratio, _ = _ratio(annulus_scene(), _ANNULUS_COEFFICIENT, "normal_force")
     yield Finding("force, with / without friction", ratio, _ANNULUS_RATIO, 1e-3, absolute=True)
 
 
 def _winkler(quick: bool) -> Iterator[Finding]:
-    scene = Scene(
-        kinematics="plane stress",
-        mesh=MeshSource(
-            mesh_file("foundation_slab.geo"),
-            cell="quadrilateral",
-            parameters={"cells_along": 160, "cells_across": 16},
-        ),
-        material=MATERIAL,
-        symmetry=("left",),
-        load=(Load("patch", traction=(0, -10)),),
-        contact=(Contact("bottom", foundation_stiffness=100),),
-    )
-    result = solved(with_friction(scene, 1.0))
+    result = solved(with_friction(winkler_scene(100), 1.0))
     quantities = result.quantities
     assert result.points is not None
     yield Finding("w(0)", -float(result.points.gap[0]), _DEFLECTION, 1e-2)

@@ -31,8 +31,9 @@ def _annulus(quick: bool) -> Iterator[Finding]:
     )
 
 
-def _force(kind: Literal["unilateral", "bonded"]) -> float:
-    scene = Scene(
+def annulus_scene(kind: Literal["unilateral", "bonded"] = "unilateral") -> Scene:
+    """A flat annular punch driven into a half-space."""
+    return Scene(
         kinematics="axisymmetric",
         mesh=MeshSource(
             mesh_file("annular_punch.geo"),
@@ -44,7 +45,10 @@ def _force(kind: Literal["unilateral", "bonded"]) -> float:
         half_space=HalfSpace(("outer",)),
         contact=(Contact("contact", contact=kind, obstacle=Obstacle(indentation=_INDENTATION)),),
     )
-    return float(solved(scene).quantities["normal_force"])
+
+
+def _force(kind: Literal["unilateral", "bonded"]) -> float:
+    return float(solved(annulus_scene(kind)).quantities["normal_force"])
 
 
 CASES: tuple[Case, ...] = (

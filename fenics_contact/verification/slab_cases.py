@@ -65,7 +65,7 @@ def _last_sticking(result: Result) -> float:
     return float(points.coordinates[points.status == "STICK", 0].max(initial=0.0))
 
 
-def _winkler_scene(stiffness: float) -> Scene:
+def winkler_scene(stiffness: float) -> Scene:
     """Example 2 without friction: half a slab on springs, with a patch of pressure on top."""
     return Scene(
         kinematics="plane stress",
@@ -84,7 +84,7 @@ def _winkler_scene(stiffness: float) -> Scene:
 def _winkler(quick: bool) -> Iterator[Finding]:
     deflections = {100.0: _DEFLECTION[100.0]} if quick else _DEFLECTION
     for stiffness, expected in deflections.items():
-        result = solved(_winkler_scene(stiffness))
+        result = solved(winkler_scene(stiffness))
         assert result.points is not None
         yield Finding(f"w(0), k = {stiffness:g}", -float(result.points.gap[0]), expected, 1e-2)
         if stiffness == 100.0:
