@@ -74,7 +74,7 @@ def equilibrium(problem: Problem, solution: Solution, reactions: Array) -> Check
     spaces = problem.spaces
     forces = problem.load + reactions
     for contact, force in zip(problem.contacts, solution.contact_force, strict=True):
-        forces[contact.nodes] += force
+        forces += contact.trace.on_body(force)
     forces = forces[: spaces.owned_nodes]
     size = total(problem.comm, np.abs(forces).sum()) or 1.0
     limit = _ROUND_OFF + 2 * solution.imbalance_limit / size

@@ -67,6 +67,18 @@ def exterior_facets(mesh: Any) -> NDArray[np.int32]:
     return dolfinx.mesh.exterior_facet_indices(mesh.topology)
 
 
+def create_submesh(
+    mesh: Any, dimension: int, entities: NDArray[np.int32]
+) -> tuple[Any, NDArray[np.int32]]:
+    """A mesh of some entities, and the entity that each of its cells is."""
+    submesh, entity_map = dolfinx.mesh.create_submesh(mesh, dimension, entities)[:2]
+    if not isinstance(entity_map, np.ndarray):
+        cells = submesh.topology.index_map(dimension)
+        numbers = np.arange(cells.size_local + cells.num_ghosts, dtype=np.int32)
+        entity_map = entity_map.sub_topology_to_topology(numbers, False)
+    return submesh, np.asarray(entity_map)
+
+
 def boundary_entities(topology: Any, facets: NDArray[np.int32]) -> NDArray[np.int32]:
     """(cell, local facet) pairs of the owned exterior facets, as measures take them."""
     kind = fem.IntegralType.exterior_facet

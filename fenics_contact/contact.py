@@ -18,7 +18,7 @@ from fenics_contact.contact_kinematics import ContactKinematics
 from fenics_contact.contact_terms import FrictionTerm, NormalTerm
 from fenics_contact.errors import InputError
 from fenics_contact.normal_contact import prescribed_pressure_energy
-from fenics_contact.parallel import largest, smallest
+from fenics_contact.parallel import largest, smallest, total
 from fenics_contact.scene_contact import Contact, Obstacle
 from fenics_contact.scene_values import Value
 from fenics_contact.spaces import Spaces
@@ -77,7 +77,7 @@ class ContactSurface:
         kinematics: Jump, gap and slip against the obstacle.
         plane_strain_modulus: E/(1 − ν²) of the body, about (stress).
         penalty_parameter: ε₁ as used (length/stress), 0 without a penalty.
-        pressure_load: Compiled linear form of a prescribed pressure's work, or None.
+        pressure_load: Compiled linear form of a prescribed pressure's work on the surface, or None.
         force: That drives the obstacle at present, None where none does (force).
         dissipated: Work of friction in the load steps that are done (force × length).
         is_scaled: Whether ε has been set, for which a pressure must be known.
@@ -98,13 +98,13 @@ class ContactSurface:
         self.label = contact.label
         self.spaces = spaces
         self.group = spaces.body.boundary(contact.on, f"{key}.on")
-        self.trace = Trace(spaces, self.group, supports.flat_sides)
-        self.nodes = self.trace.nodes
-        self.owned_nodes = spaces.is_owned(self.nodes)
-        if largest(spaces.comm, self.trace.weights) <= 0:
+        if total(spaces.comm, len(spaces.facets(self.group))) == 0:
             raise InputError(
                 f"{key}.on = '{contact.on}': no facet of it is on the boundary of the body"
             )
+        self.trace = Trace(spaces, self.group, supports.flat_sides)
+        self.nodes = self.trace.nodes
+        self.owned_nodes = self.trace.owned[: len(self.nodes)]
         self.supports = SurfaceSupports(self.trace, constrained)
         self.plane_strain_modulus = elastic.plane_strain_modulus
         self._given_pressure = self._given(contact.pressure or 0.0, f"{key}.pressure")
@@ -273,11 +273,10 @@ class ContactSurface:
 
     def _pressure_form(self) -> Any:
         """The work f on Γ_C as a linear form: minus the derivative of ∫ p v_n."""
-        spaces = self.spaces
-        if largest(spaces.comm, self._given_pressure) == 0:
+        if largest(self.spaces.comm, self._given_pressure) == 0:
             return None
         pressure = self.trace.coefficient(self._given_pressure)
-        test = ufl.TestFunction(spaces.displacement_space)
+        test = ufl.TestFunction(self.trace.surface.space)
         work = -prescribed_pressure_energy(
             test, self.trace.normal, pressure, self.trace.weight, self.trace.measure
         )

@@ -45,7 +45,7 @@ class ContactKinematics:
     def __init__(self, trace: Trace, obstacle: Obstacle | None, key: str) -> None:
         self.trace = trace
         self._spaces = trace.spaces
-        self.jump = fem.Function(self._spaces.displacement_space)
+        self.jump = fem.Function(trace.surface.space)
         self.indentation = 0.0
         self.brought_up = 0.0
         self.displacement = np.zeros(self._spaces.components)
@@ -136,7 +136,7 @@ class ContactKinematics:
         """Set the jump.
 
         Args:
-            displacement: Nodal displacements of this rank, shape (nodes, components).
+            displacement: At all nodes of the surface, shape (nodes, components) (length).
             indentation: How far the obstacle is driven; by default as before (length).
         """
         if indentation is not None:

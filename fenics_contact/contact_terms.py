@@ -1,7 +1,7 @@
 """The energy terms of one contact, compiled: penalty or glue across it, friction along it.
 
 A term is derived in the jump (the displacement relative to the obstacle), a function of
-the displacement space; its forces on the body are minus the residual.
+a space on the surface; its forces on the body are minus the residual.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class NormalTerm:
         """Pressures at the points and −∫ p v_n, compiled when asked."""
         trace = self._trace
         function = trace.function(np.zeros(len(self.stiffness)))
-        test = ufl.TestFunction(trace.spaces.displacement_space)
+        test = ufl.TestFunction(trace.surface.space)
         work = prescribed_pressure_energy(
             test, trace.normal, function.ufl, trace.weight, trace.measure
         )
@@ -92,10 +92,10 @@ class NormalTerm:
         self._gap.set(np.where(finite, gap, self._far))
 
     def force(self) -> Array:
-        """Forces on the body at all nodes of this rank, (nodes, components); collective."""
+        """Forces on the body at all nodes of the surface, (nodes, components); collective."""
         if self._held is not None:
             return self._held
-        return -self._trace.spaces.assemble(self.residual)
+        return -self._trace.surface.assemble(self.residual)
 
     def hold(self, pressure: Array) -> None:
         """Press with a given pressure from now on, whatever the jump; collective.
@@ -105,7 +105,7 @@ class NormalTerm:
         """
         function, work = self._pressures
         function.set(pressure)
-        self._held = self._trace.spaces.assemble(work)
+        self._held = self._trace.surface.assemble(work)
 
     def release(self) -> None:
         """Follow the jump again."""
@@ -160,21 +160,21 @@ class FrictionTerm:
         self.mode: Literal["law", "coupled", "status", "held", "off"] = "law"
         self._trace, self._jump, self._normal = trace, jump, normal
         self._coefficient = coefficient
-        spaces = trace.spaces
+        surface = trace.surface
         count = len(trace.weights)
-        self._reference = np.zeros((count, spaces.components))
+        self._reference = np.zeros((count, surface.components))
         self._accepted = trace.function(self._reference) if incremental else None
         slipped = jump if self._accepted is None else jump - self._accepted.ufl
         self.bound = np.zeros(count)
         self._bound = trace.function(self.bound)
-        self._epsilon = fem.Constant(spaces.body.mesh, 1.0)
-        self._share = fem.Constant(spaces.body.mesh, 1.0)
+        self._epsilon = fem.Constant(surface.mesh, 1.0)
+        self._share = fem.Constant(surface.mesh, 1.0)
         self._slip = np.zeros_like(self._reference)
         self._dual = np.zeros_like(self._reference)
         self._direction = trace.function(self._dual)
         # Not 0 anywhere: it divides, also where the weight is 0.
         self._length = trace.function(np.ones(count), empty=1.0)
-        self._test = ufl.TestFunction(spaces.displacement_space)
+        self._test = ufl.TestFunction(surface.space)
         self.energy = friction_energy(
             slipped, trace.normal, self._bound.ufl, self._epsilon, trace.weight, trace.measure
         )
@@ -263,11 +263,10 @@ class FrictionTerm:
         self._tractions[0].set(traction)
 
     def force(self) -> Array:
-        """Forces on the body at all nodes of this rank, (nodes, components); collective."""
-        spaces = self._trace.spaces
-        assemble = spaces.assemble
+        """Forces on the body at all nodes of the surface, (nodes, components); collective."""
+        assemble = self._trace.surface.assemble
         if self.mode == "off":
-            return np.zeros((len(spaces.coordinates), spaces.components))
+            return np.zeros((len(self._trace.all_nodes), self._slip.shape[1]))
         if self.mode == "held":
             return assemble(self._tractions[1])
         if self.mode == "status":

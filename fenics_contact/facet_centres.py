@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem, la
+from dolfinx import fem
+from dolfinx.mesh import compute_midpoints
 from numpy.typing import NDArray
 
-from fenics_contact.mesh import Group
-from fenics_contact.spaces import Spaces
+from fenics_contact.surface_space import SurfaceSpace
 
 Array = NDArray[np.float64]
 
@@ -50,33 +50,37 @@ class FacetCentres:
     at all nodes of degree 2: it carries the seventh value.
     """
 
-    def __init__(self, spaces: Spaces, group: Group) -> None:
-        self._spaces = spaces
-        mesh = spaces.body.mesh
-        facets = spaces.facets(group)
-        quadratic = spaces.displacement_space.dofmap
+    def __init__(self, surface: SurfaceSpace) -> None:
+        self._surface = surface
+        mesh = surface.mesh
         self.scalar_space = fem.functionspace(mesh, ("Lagrange", 3))
         self.vector_space = fem.functionspace(mesh, ("Lagrange", 3, (3,)))
-        self.nodes = _facet_dofs(quadratic, facets, closure=True).reshape(-1, 6)
-        self._scalar_dofs = _facet_dofs(self.scalar_space.dofmap, facets, closure=False)
-        self._vector_dofs = _facet_dofs(self.vector_space.dofmap, facets, closure=False)
+        self.nodes = surface.facet_nodes
+        self._scalar_dofs = _centre_dofs(self.scalar_space)
+        self._vector_dofs = _centre_dofs(self.vector_space)
         self.coordinates = self.scalar_space.tabulate_dof_coordinates()[self._scalar_dofs]
-        measure = spaces.boundary(group, custom_rule(_CENTRE, np.array([_MIDDLE])))
-        weights = self._assemble(self.scalar_space, 1.0, measure)
-        self.weights = weights[self._scalar_dofs, 0]
-        normals = self._assemble(self.vector_space, ufl.FacetNormal(mesh), measure)
-        normals = normals[self._vector_dofs]
-        self.normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+        measure = surface.measure(custom_rule(_CENTRE, np.array([_MIDDLE])))
+        test = ufl.TestFunction(self.scalar_space)
+        weights = fem.assemble_vector(fem.form(test * measure))
+        self.weights = np.array(weights.array[self._scalar_dofs])
+        self.normals = self._outward_normals()
         # From equal weights on the six nodes to those of the rule.
-        self.node_factor = np.full(len(spaces.coordinates), 12 * _MIDPOINT)
-        vertices = np.zeros(len(spaces.coordinates))
+        self.node_factor = np.full(len(surface.coordinates), 12 * _MIDPOINT)
+        vertices = np.zeros(len(surface.coordinates))
         vertices[self.nodes[:, :3]] = 1.0
-        self.node_factor[self._reduced(vertices) > 0] = 12 * _VERTEX
+        self.node_factor[surface.summed(vertices) > 0] = 12 * _VERTEX
 
-    def _assemble(self, space: Any, integrand: Any, measure: Any) -> Array:
-        test = ufl.TestFunction(space)
-        vector = fem.assemble_vector(fem.form(ufl.inner(integrand, test) * measure))
-        return vector.array.reshape(-1, space.dofmap.bs)
+    def _outward_normals(self) -> Array:
+        """Unit normals at the centres, away from the cells behind the facets."""
+        surface = self._surface
+        jacobian = ufl.Jacobian(surface.mesh)
+        across = ufl.cross(jacobian[:, 0], jacobian[:, 1])
+        facets = np.arange(len(self.nodes), dtype=np.int32)
+        normals = fem.Expression(across, _CENTRE).eval(surface.mesh, facets).reshape(-1, 3)
+        cells = np.ascontiguousarray(surface.parents[:, 0])
+        behind = compute_midpoints(surface.spaces.body.mesh, 3, cells)
+        outward = np.sign(np.einsum("ij,ij->i", normals, self.coordinates - behind))
+        return np.asarray(normals * (outward / np.linalg.norm(normals, axis=1))[:, None])
 
     def interpolate(self, nodal: Array) -> Array:
         """Values at the centres of a function given at all nodes."""
@@ -84,17 +88,9 @@ class FacetCentres:
 
     def spread(self, values: Array) -> Array:
         """Σ |N_i| × values over the centres, at all nodes of this rank; collective."""
-        nodal = np.zeros(len(self._spaces.coordinates))
+        nodal = np.zeros(len(self._surface.coordinates))
         np.add.at(nodal, self.nodes, values[:, None] * np.abs(_AT_CENTRE))
-        return self._reduced(nodal)
-
-    def _reduced(self, nodal: Array) -> Array:
-        """Contributions of all ranks added up at shared nodes; collective."""
-        vector = la.vector(self._spaces.displacement_space.dofmap.index_map, 1)
-        vector.array[:] = nodal
-        vector.scatter_reverse(la.InsertMode.add)
-        vector.scatter_forward()
-        return vector.array.copy()
+        return self._surface.summed(nodal)
 
     def vector_correction(self, nodal: Any, values: Array) -> Any:
         """A cubic function that brings a quadratic one to given values at the centres."""
@@ -108,15 +104,11 @@ class FacetCentres:
             present = self.interpolate(nodal.x.array.reshape(-1, 3))
             bubble.x.array.reshape(-1, 3)[self._vector_dofs] = values - present
         else:
-            node_values = self._spaces.nodal_values(nodal)
-            bubble.x.array[self._scalar_dofs] = values - self.interpolate(node_values)
+            present = self.interpolate(self._surface.scalars(nodal))
+            bubble.x.array[self._scalar_dofs] = values - present
 
 
-def _facet_dofs(dofmap: Any, facets: NDArray[np.int32], closure: bool) -> NDArray[np.int32]:
-    """Dofs of facets: with their vertices and edges (in this order), or their own alone."""
-    layout = dofmap.dof_layout
-    of_facet = layout.entity_closure_dofs if closure else layout.entity_dofs
-    positions = np.array([of_facet(2, facet) for facet in range(4)])
-    return dofmap.list[facets[:, 0]][np.arange(len(facets))[:, None], positions[facets[:, 1]]][
-        :, slice(None) if closure else 0
-    ]
+def _centre_dofs(space: Any) -> NDArray[np.int32]:
+    """The dof of each facet that lies inside it."""
+    position = space.dofmap.dof_layout.entity_dofs(2, 0)[0]
+    return np.asarray(space.dofmap.list[:, position])

@@ -84,6 +84,9 @@ def _reaction_pressure(problem: Problem, solution: Solution) -> list[Any]:
     if not pushing:
         return []
     spaces = problem.spaces
-    nodal = sum(reaction_pressure(problem, solution, number) for number in pushing)
+    nodal = sum(
+        problem.contacts[number].trace.surface.on_body(reaction_pressure(problem, solution, number))
+        for number in pushing
+    )
     every = np.arange(len(spaces.coordinates), dtype=np.int32)
     return [spaces.nodal_function("reaction_pressure", np.asarray(nodal), every)]

@@ -8,9 +8,10 @@ import numpy as np
 from dolfinx.fem import petsc as fem_petsc
 from numpy.typing import NDArray
 from petsc4py import PETSc
+from scipy.sparse import coo_matrix
 
-from fenics_contact.contact import ContactSurface
 from fenics_contact.problem import Problem
+from fenics_contact.surface_matrix import SurfaceMatrix
 
 Array = NDArray[np.float64]
 
@@ -25,6 +26,7 @@ class LinearSystem:
     Attributes:
         stiffness: K, or [[K, Bᵀ], [B, −C]] with a mean stress; zeros for the scalars.
         scalars: Number of scalar unknowns.
+        surfaces: The tangents of the contacts.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -34,7 +36,9 @@ class LinearSystem:
         self.scalars = len(self._unknowns)
         spaces = problem.spaces
         self._owned = spaces.owned_nodes * spaces.components
+        self.surfaces = [SurfaceMatrix(contact) for contact in problem.contacts]
         displacement = _assembled(problem.elastic.stiffness)
+        self._first = displacement.getOwnershipRange()[0]
         self._nested = self._mixed is not None or self.scalars > 0
         if not self._nested:
             self.stiffness = displacement
@@ -97,10 +101,10 @@ class LinearSystem:
     def _border_dofs(self, number: int) -> NDArray[np.int64]:
         """Owned displacement dofs that a scalar unknown may be coupled with."""
         unknown = self._unknowns[number]
-        components = self._problem.spaces.components
-        nodes = unknown.contact.trace.all_nodes.astype(np.int64)
-        dofs = (nodes[:, None] * components + np.arange(components)).ravel()
-        coupled = dofs[dofs < self._owned]
+        contact = next(s for s in self.surfaces if s.contact is unknown.contact)
+        first = self._first
+        inside = (contact.dofs >= first) & (contact.dofs < first + self._owned)
+        coupled = contact.dofs[inside] - first
         far_field = self._problem.far_field
         if unknown.column is not None and far_field is not None:
             outer = far_field.dofs[far_field.dofs < self._owned]
@@ -126,51 +130,27 @@ class LinearSystem:
         forces.destroy()
         return result
 
-    def add_contact(self, tangent: Any, contact: ContactSurface) -> None:
-        """Add the tangent of a contact's terms to a matrix of the size of K; collective."""
-        for form in [form for term in contact.terms for form in term.tangents]:
-            if not self._nested:
-                fem_petsc.assemble_matrix(tangent, form)
-                continue
-            matrix = _assembled(form)
-            first, columns, values = matrix.getValuesCSR()
-            # The rank's rows below those of displacements get nothing.
-            rows = tangent.getLocalSize()[0]
-            first = np.append(first, np.full(rows + 1 - len(first), first[-1]))
-            tangent.setValuesCSR(
-                first.astype(PETSc.IntType),
-                self._column_of(columns).astype(PETSc.IntType),
-                values,
-                addv=PETSc.InsertMode.ADD_VALUES,
-            )
-            for number, unknown in enumerate(self._unknowns):
-                if unknown.contact is contact:
-                    self._add_border(tangent, number, matrix)
-            matrix.destroy()
-
-    def _add_border(self, tangent: Any, number: int, matrix: Any) -> None:
-        """Rows and columns of one scalar from a contact's tangent K_c."""
-        unknown = self._unknowns[number]
-        components = self._problem.spaces.components
-        motion, image = matrix.createVecs()
-        with motion as array:
-            array.reshape(-1, components)[:] = unknown.contact.kinematics.direction
-        dofs = self._border_dofs(number)
-        rows = self._rows(tangent, dofs)
-        scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
+    def add_contacts(self, tangent: Any) -> None:
+        """Add the tangents of all contacts' terms to a matrix of the size of K; collective."""
         add = PETSc.InsertMode.ADD_VALUES
-        matrix.multTranspose(motion, image)
-        across = np.asarray(image.array_r)[dofs]
-        if unknown.kind == "indentation":
-            tangent.setValues(scalar, rows, -across, addv=add)
-            corner = np.asarray(image.array_r) @ np.asarray(motion.array_r)
-            tangent.setValues(scalar, scalar, [corner], addv=add)
-            matrix.mult(motion, image)
-            tangent.setValues(rows, scalar, -np.asarray(image.array_r)[dofs], addv=add)
-        else:  # the row of R + m · r_c(u) = 0
-            tangent.setValues(scalar, rows, across, addv=add)
-        motion.destroy()
-        image.destroy()
+        for surface in self.surfaces:
+            rows, columns, values = surface.entries()
+            _add_entries(tangent, self._matrix_rows(rows), self._matrix_rows(columns), values)
+            direction = surface.contact.kinematics.direction
+            for number, unknown in enumerate(self._unknowns):
+                if unknown.contact is not surface.contact:
+                    continue
+                scalar = np.full(1, self._scalar_row(tangent, number), dtype=PETSc.IntType)
+                along = [direction[dofs % len(direction)] for dofs in (rows, columns)]
+                driven = unknown.kind == "indentation"
+                every = np.broadcast_to(scalar, values.shape)
+                # Of a resultant, the row of R + m · r_c(u) = 0.
+                across = values * along[0] * (-1.0 if driven else 1.0)
+                _add_entries(tangent, every, self._matrix_rows(columns), across)
+                if driven:
+                    _add_entries(tangent, self._matrix_rows(rows), every, -values * along[1])
+                    corner = float(np.sum(along[0] * values * along[1]))
+                    tangent.setValues(scalar, scalar, [corner], addv=add)
 
     def add_far_field(self, tangent: Any) -> None:
         """Add what resultants do to the body through its outer boundary; collective.
@@ -215,6 +195,10 @@ class LinearSystem:
         function.x.array[:owned] = state.array_r[self._owned : self._owned + owned]
         function.x.scatter_forward()
 
+    def _matrix_rows(self, dofs: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Rows of displacements by their global numbers."""
+        return self._column_of(dofs) if self._nested else dofs
+
     def _rows(self, tangent: Any, dofs: NDArray[np.int64]) -> Any:
         return (tangent.getOwnershipRange()[0] + dofs).astype(PETSc.IntType)
 
@@ -232,6 +216,19 @@ class LinearSystem:
             return columns + shifts[owners]
 
         return column_of
+
+
+def _add_entries(matrix: Any, rows: Any, columns: Any, values: Array) -> None:
+    """Add entries anywhere in a matrix whose pattern has them."""
+    used, index = np.unique(rows, return_inverse=True)
+    compact = coo_matrix((values, (index, columns)), shape=(len(used), matrix.getSize()[1])).tocsr()
+    matrix.setValuesIJV(
+        compact.indptr.astype(PETSc.IntType),
+        compact.indices.astype(PETSc.IntType),
+        compact.data,
+        addv=PETSc.InsertMode.ADD_VALUES,
+        rowmap=used.astype(PETSc.IntType),
+    )
 
 
 def _assembled(form: Any) -> Any:

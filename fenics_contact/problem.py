@@ -233,10 +233,15 @@ class Problem:
     def _assemble_loads(self) -> list[tuple[NDArray[np.float64], Path]]:
         """Nodal forces of every load with its path; prescribed pressures act from the start."""
         constant = Path(time=(0.0,), factor=(1.0,))
-        return [
-            (self.spaces.assemble(term.forms[0]), constant if term.path is None else term.path)
+        pressures = [
+            (contact.trace.surface.on_body(contact.trace.surface.assemble(form)), constant)
+            for contact in self.contacts
+            if (form := contact.pressure_load) is not None
+        ]
+        return pressures + [
+            (self.spaces.assemble(term.forms[0]), term.path)
             for term in self.terms
-            if len(term.forms) == 1 and term.forms[0].rank == 1
+            if term.path is not None
         ]
 
 

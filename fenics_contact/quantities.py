@@ -80,7 +80,7 @@ def support_reactions(problem: Problem, solution: Solution) -> tuple[Array, list
     """
     contacts = np.zeros_like(problem.load)
     for contact, force in zip(problem.contacts, solution.contact_force, strict=True):
-        contacts[contact.nodes] += force
+        contacts += contact.trace.on_body(force)
     needed = (solution.internal_force - problem.load - contacts).reshape(-1)
     reactions = np.zeros_like(needed)
     counted = np.zeros(len(needed), dtype=bool)

@@ -100,7 +100,7 @@ class RigidMotions:
 
     def _jumps(self, contact: ContactSurface) -> Array:
         """Jumps at the points of a contact in each motion, (points, components, count)."""
-        moved = contact.trace.at_points(self._fields) @ self._body
+        moved = contact.trace.at_points(self._fields[contact.trace.all_nodes]) @ self._body
         return np.asarray(moved + self._of_obstacles(contact, len(moved)) @ self._obstacles)
 
     def slips(self, coulomb: bool = False) -> tuple[Array, Array]:

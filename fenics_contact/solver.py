@@ -183,7 +183,7 @@ class Newton:
         displacement, indentations = starting_point(self.problem)
         owned = self.problem.constrained < self.owned_size
         for contact, indentation in zip(self.problem.contacts, indentations, strict=True):
-            contact.kinematics.move(displacement, indentation)
+            contact.kinematics.move(displacement[contact.trace.all_nodes], indentation)
             if contact.friction is not None:
                 contact.friction.stick_all()
         self._started = displacement.reshape(-1).copy()
@@ -222,10 +222,11 @@ class Newton:
         displacement = self._nodal_displacement()
         scalars = self._scalars(state)
         for contact in self.problem.contacts:
-            contact.kinematics.move(displacement)
+            contact.kinematics.move(displacement[contact.trace.all_nodes])
         for unknown, value in zip(self.problem.unknowns, scalars, strict=True):
             if unknown.kind == "indentation":
-                unknown.contact.kinematics.move(displacement, value)
+                at_surface = displacement[unknown.contact.trace.all_nodes]
+                unknown.contact.kinematics.move(at_surface, value)
         for contact in self.problem.contacts:
             contact.follow_pressure()
 
@@ -242,11 +243,13 @@ class Newton:
         return array.reshape(-1, self.problem.spaces.components)
 
     def _contact_forces(self, terms: str) -> list[NDArray[np.float64]]:
-        """Forces on the body at all nodes by a kind of term, one array a contact."""
-        spaces = self.problem.spaces
-        none = np.zeros((len(spaces.coordinates), spaces.components))
-        found = [getattr(contact, terms) for contact in self.problem.contacts]
-        return [none if term is None else term.force() for term in found]
+        """Forces on the body at the nodes of each surface, by a kind of term."""
+        found = []
+        for contact in self.problem.contacts:
+            term = getattr(contact, terms)
+            none = np.zeros((len(contact.trace.all_nodes), self.problem.spaces.components))
+            found.append(none if term is None else term.force())
+        return found
 
     def _set_residual(self, snes: Any, state: Any, residual: Any) -> None:
         with self.timings.phase("assemble"):
@@ -254,15 +257,17 @@ class Newton:
             self.system.stiffness.mult(state, residual)
             normal, friction = self._contact_forces("normal"), self._contact_forces("friction")
             by_contact = [a + b for a, b in zip(normal, friction, strict=True)]
-            owned = slice(0, self.problem.spaces.owned_nodes)
+            surfaces = [contact.trace.surface for contact in self.problem.contacts]
+            pushed = [s.on_body(f).reshape(-1) for s, f in zip(surfaces, by_contact, strict=True)]
             with residual as array:
-                for force in by_contact:
-                    array[: self.owned_size] -= force[owned].reshape(-1)
+                for force in pushed:
+                    array[: self.owned_size] -= force[: self.owned_size]
                 array[: self.owned_size] -= self.problem.load.reshape(-1)[: self.owned_size]
                 held = np.abs(array[self.owned_constrained]).sum()
                 array[self.owned_constrained] = 0.0  # they hold their values exactly
                 self._set_scalar_residuals(state, array, by_contact)
-            held += sum(np.abs(force[owned]).sum() for force in by_contact)
+            for surface, force in zip(surfaces, by_contact, strict=True):
+                held += np.abs(force[: surface.owned_nodes]).sum()
             self.held_norm = total(self.comm, held)
 
     def _set_scalar_residuals(
@@ -270,10 +275,10 @@ class Newton:
     ) -> None:
         """N − F for an obstacle that a force F drives, R − N for a resultant R."""
         values = self._scalars(state)
-        owned = slice(0, self.problem.spaces.owned_nodes)
         for number, unknown in enumerate(self.problem.unknowns):
             contact = unknown.contact
-            force = by_contact[self.problem.contacts.index(contact)][owned]
+            force = by_contact[self.problem.contacts.index(contact)]
+            force = force[: contact.trace.surface.owned_nodes]
             pushed = total(self.comm, force.sum(axis=0)) @ contact.kinematics.direction
             if self.comm.rank == 0:
                 driven = unknown.kind == "indentation"
@@ -286,7 +291,7 @@ class Newton:
             self.system.stiffness.copy(tangent, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
             for contact in self.problem.contacts:
                 contact.follow()
-                self.system.add_contact(tangent, contact)
+            self.system.add_contacts(tangent)
             self.system.add_far_field(tangent)
             tangent.assemble()
             first, _ = tangent.getOwnershipRange()
@@ -372,7 +377,7 @@ class Newton:
         for contact in self.problem.contacts:
             if contact.force == 0 and contact.normal is None:
                 contact.kinematics.touch()
-        nodes = [contact.nodes for contact in self.problem.contacts]
+        nodes = [contact.trace.numbers for contact in self.problem.contacts]
         normal, friction = self._contact_forces("normal"), self._contact_forces("friction")
         return Solution(
             displacement=self._nodal_displacement().copy(),

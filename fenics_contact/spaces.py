@@ -31,6 +31,7 @@ class Spaces:
         coordinates: Nodes of this rank, owned then ghost, shape (nodes, 3).
         owned_nodes: How many of them this rank owns.
         weight: UFL factor of every integral (2πr where axisymmetric).
+        thickness: As the scene says.
     """
 
     def __init__(self, scene: Scene, body: Body) -> None:
@@ -78,11 +79,11 @@ class Spaces:
         """What the weight, 2πr or a varying thickness, adds to an integrand."""
         if self.kinematics == "axisymmetric":
             return 1
-        return self.degree if self._thickness_varies else 0
+        return self.degree if callable(self.thickness) else 0
 
     def _thickness(self, scene: Scene) -> Any:
         """The scene's thickness as a coefficient, or None."""
-        self._thickness_varies = callable(scene.thickness)
+        self.thickness = scene.thickness
         if scene.thickness is None:
             return None
         nodes = np.arange(len(self.coordinates), dtype=np.int32)

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact import compat
-from fenics_contact.mesh import Group
-from fenics_contact.spaces import Spaces
+from fenics_contact.surface_space import SurfaceSpace
 
 Array = NDArray[np.float64]
 
@@ -23,42 +22,32 @@ class SurfacePieces:
         weights: Factor of the integral at the corners (2πr where axisymmetric), (pieces, corners).
     """
 
-    def __init__(self, spaces: Spaces, group: Group, contact_nodes: NDArray[np.int32]) -> None:
-        nodes = _facet_pieces(spaces, spaces.facets(group))
-        point_of = np.full(len(spaces.coordinates), -1)
+    def __init__(self, surface: SurfaceSpace, contact_nodes: NDArray[np.int64]) -> None:
+        nodes = _facet_pieces(surface)
+        point_of = np.full(len(surface.coordinates), -1)
         point_of[contact_nodes] = np.arange(len(contact_nodes))
         points = point_of[nodes]
         self.points = np.where(points < 0, points.max(axis=1, initial=0)[:, None], points)
-        self.corners = spaces.coordinates[nodes]
+        self.corners = surface.coordinates[nodes]
         edges = self.corners[:, 1:] - self.corners[:, :1]
         if edges.shape[1] == 1:
             self.areas = np.linalg.norm(edges[:, 0], axis=1)
         else:
             self.areas = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
         radii = self.corners[:, :, 0]
-        axisymmetric = spaces.kinematics == "axisymmetric"
+        axisymmetric = surface.spaces.kinematics == "axisymmetric"
         self.weights = 2 * np.pi * radii if axisymmetric else np.ones_like(radii)
 
 
-def _facet_pieces(spaces: Spaces, facets: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Nodes of the segments or triangles of facets, (pieces, corners)."""
+def _facet_pieces(surface: SurfaceSpace) -> NDArray[np.int32]:
+    """Nodes of the segments or triangles of all facets, (pieces, corners)."""
     from scipy.spatial import Delaunay
 
-    layout = spaces.displacement_space.dofmap.dof_layout
-    reference = compat.interpolation_points(spaces.scalar_space.element)
-    dimension = spaces.body.dimension
-    found = [np.zeros((0, dimension), dtype=np.int32)]
-    for facet in np.unique(facets[:, 1]):
-        dofs = np.array(layout.entity_closure_dofs(dimension - 1, int(facet)))
-        points = reference[dofs] - reference[dofs].mean(axis=0)
-        # Coordinates within the facet: its principal directions.
-        inside = points @ np.linalg.svd(points)[2][: dimension - 1].T
-        if dimension == 2:
-            order = np.argsort(inside[:, 0])
-            pieces = np.stack([order[:-1], order[1:]], axis=1)
-        else:
-            pieces = Delaunay(inside).simplices
-        cells = facets[facets[:, 1] == facet, 0]
-        nodes = spaces.displacement_space.dofmap.list[cells][:, dofs]
-        found.append(nodes[:, pieces].reshape(-1, dimension))
-    return np.concatenate(found)
+    points = compat.interpolation_points(surface.scalar_space.element)
+    dimension = points.shape[1]
+    if dimension == 1:
+        order = np.argsort(points[:, 0])
+        pieces = np.stack([order[:-1], order[1:]], axis=1)
+    else:
+        pieces = Delaunay(points).simplices
+    return np.asarray(surface.facet_nodes[:, pieces].reshape(-1, dimension + 1))

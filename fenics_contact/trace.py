@@ -21,6 +21,7 @@ from fenics_contact.mesh import Group
 from fenics_contact.parallel import gather_rows, largest, smallest, total
 from fenics_contact.spaces import Spaces
 from fenics_contact.surface_pieces import SurfacePieces
+from fenics_contact.surface_space import SurfaceSpace
 
 Array = NDArray[np.float64]
 
@@ -34,8 +35,10 @@ class Trace:
     Attributes:
         measure: Measure whose quadrature points these are.
         weight: UFL factor of integrals by it (2πr where axisymmetric).
-        nodes: Nodes among the points (local, owned and ghost): the first of them.
-        all_nodes: Nodes of the surface, also on the axis of revolution.
+        surface: The space of functions on it.
+        numbers: Nodes of the surface among the points: the first of them.
+        nodes: The same, by the body's local numbers.
+        all_nodes: The body's numbers of all nodes of the surface, also on the axis of revolution.
         coordinates: Of the points, shape (points, 3) (length).
         weights: Area that each stands for, > 0, shape (points,).
         normals: Outward unit normals, single-valued at shared nodes, (points, components).
@@ -47,24 +50,25 @@ class Trace:
     ) -> None:
         self.spaces = spaces
         self.group = group
+        self.surface = SurfaceSpace(spaces, group)
         self._pieces: SurfacePieces | None = None
-        self._centres = FacetCentres(spaces, group) if _needs_centres(spaces) else None
-        nodes = spaces.nodes(group)
-        self.weight = self._point_weight(nodes)
-        weights, normals = self._at_nodes(nodes)
-        self._mirror(nodes, normals, flat_sides)
+        self._centres = FacetCentres(self.surface) if _needs_centres(spaces) else None
+        self.weight = self._point_weight()
+        weights, normals = self._at_nodes()
+        self._mirror(normals, flat_sides)
         heaviest = largest(spaces.comm, weights)
         # A point on the axis of revolution stands for no area.
-        counted = weights > 1e-12 * heaviest
-        self.all_nodes = nodes
-        self.nodes = nodes[counted]
-        self.weights, self.normals = weights[counted], normals[counted]
-        self.coordinates = spaces.coordinates[self.nodes]
-        self.owned = spaces.is_owned(self.nodes)
+        self.numbers = np.flatnonzero(weights > 1e-12 * heaviest)
+        self.all_nodes = self.surface.body_nodes
+        self.nodes = self.all_nodes[self.numbers]
+        self.weights, self.normals = weights[self.numbers], normals[self.numbers]
+        self.coordinates = self.surface.coordinates[self.numbers]
+        self.owned = self.numbers < self.surface.owned_nodes
+        # Zero-weight nodes count in quadrature sums, times zero: their normals must exist.
+        self.normal = self.surface.vector_function(normals, "normal")
         if self._centres is not None:
             self._append(self._centres)
-        # Zero-weight nodes count in quadrature sums, times zero: their normals must exist.
-        self.normal = self._function_on(nodes, normals, "normal")
+            self.normal += self._centres.vector_correction(self.normal, self._centres.normals)
 
     def _append(self, centres: FacetCentres) -> None:
         self.weights = np.concatenate([self.weights, centres.weights])
@@ -76,7 +80,7 @@ class Trace:
     def measure(self) -> Any:
         """Measure with the points of this trace."""
         rule = self._nodal_rule() if self._centres is None else SEVEN_POINTS
-        return self.spaces.boundary(self.group, rule)
+        return self.surface.measure(rule)
 
     def _nodal_rule(self) -> dict[str, Any]:
         """A rule with positive weights on the nodes alone."""
@@ -86,49 +90,48 @@ class Trace:
         degree = 1 if self.spaces.degree == 1 else 3
         return {"quadrature_rule": "vertex" if triangles else "GLL", "quadrature_degree": degree}
 
-    def _point_weight(self, nodes: NDArray[np.int32]) -> Any:
+    def _point_weight(self) -> Any:
         """The integrals' factor at the points.
 
         On linear facets of an axisymmetric model it is that which gives every vertex its
         part of the area, ∫ 2πr N_i: the vertex rule with 2πr itself would leave none to the
         axis, and its first neighbour would carry the axis' load too (+8 % pressure there).
         """
-        spaces = self.spaces
+        surface, spaces = self.surface, self.spaces
         if spaces.kinematics != "axisymmetric" or spaces.degree != 1:
-            return spaces.weight
-        test = ufl.TestFunction(spaces.displacement_space)
-        along = ufl.as_vector([1.0] * spaces.components)
-        measure = spaces.boundary(self.group)
-        area = spaces.assemble(fem.form(spaces.weight * ufl.dot(along, test) * measure))[:, 0]
-        length = spaces.assemble(fem.form(ufl.dot(along, test) * measure))[:, 0]
-        return spaces.nodal_function("weight", area[nodes] / length[nodes], nodes)
+            return surface.weight
+        measure = surface.measure()
+        area = self._integrals(surface.weight, measure)
+        return surface.scalar_function(area / self._integrals(1.0, measure), "weight")
 
-    def _at_nodes(self, nodes: NDArray[np.int32]) -> tuple[Array, Array]:
-        """Areas and averaged normals of nodes, from integrals of their shape functions."""
+    def _integrals(self, weight: Any, measure: Any) -> Array:
+        """∫ N_i of the shape function of every node; collective."""
+        test = ufl.TestFunction(self.surface.space)
+        along = ufl.as_vector([1.0] * self.surface.components)
+        return self.surface.assemble(fem.form(weight * ufl.dot(along, test) * measure))[:, 0]
+
+    def _at_nodes(self) -> tuple[Array, Array]:
+        """Areas and averaged normals of all nodes, from integrals of their shape functions."""
         spaces = self.spaces
+        measure = self.surface.measure(self._nodal_rule())
+        area, bare = self._integrals(self.weight, measure), self._integrals(1.0, measure)
         test = ufl.TestFunction(spaces.displacement_space)
-        measure = spaces.boundary(self.group, self._nodal_rule())
-        ones = ufl.as_vector([1.0] * spaces.components)
-        area = spaces.assemble(fem.form(self.weight * ufl.dot(ones, test) * measure))[:, 0]
-        facet_normal = ufl.FacetNormal(spaces.body.mesh)
-        averaged = spaces.assemble(fem.form(ufl.dot(facet_normal, test) * measure))
-        bare = spaces.assemble(fem.form(ufl.dot(ones, test) * measure))[:, 0]
+        outward = ufl.dot(ufl.FacetNormal(spaces.body.mesh), test)
+        boundary = spaces.boundary(self.group, self._nodal_rule())
+        averaged = spaces.assemble(fem.form(outward * boundary))[self.surface.body_nodes]
         lengths = np.linalg.norm(averaged, axis=1)
-        normals = averaged / np.where(lengths > 0, lengths, 1.0)[:, None]
         # 1 on a flat surface; the cosine of half the angle at an edge between two facets.
-        self._flatness = (lengths / np.where(bare > 0, bare, 1.0))[nodes]
+        self._flatness = lengths / np.where(bare > 0, bare, 1.0)
         if self._centres is not None:
-            area *= self._centres.node_factor
-        return area[nodes], normals[nodes]
+            area = area * self._centres.node_factor
+        return area, averaged / np.where(lengths > 0, lengths, 1.0)[:, None]
 
-    def _mirror(
-        self, nodes: NDArray[np.int32], normals: Array, flat_sides: Sequence[tuple[int, float]]
-    ) -> None:
+    def _mirror(self, normals: Array, flat_sides: Sequence[tuple[int, float]]) -> None:
         """In a plane of symmetry, or on the axis, normals have no part across it.
 
         The average over one side alone would be tilted where the surface is curved.
         """
-        points = self.spaces.coordinates[nodes]
+        points = self.surface.coordinates
         size = self.extent()
         for axis, at in flat_sides:
             inside = np.abs(points[:, axis] - at) <= 1e-9 * size
@@ -139,7 +142,7 @@ class Trace:
     def sharp_corner(self) -> Array | None:
         """A point where facets meet at more than 45°, the same on every rank; or None."""
         sharp = (self._flatness < _SHARP) & (self._flatness > 0)
-        rows = gather_rows(self.spaces.comm, self.spaces.coordinates[self.all_nodes[sharp]])
+        rows = gather_rows(self.spaces.comm, self.surface.coordinates[sharp])
         return rows[np.lexsort(rows.T)[0]] if len(rows) else None
 
     @property
@@ -148,8 +151,8 @@ class Trace:
         return self._centres is None
 
     def at_points(self, nodal: Array) -> Array:
-        """Values at the points of a function given at all nodes of this rank."""
-        values = nodal[self.nodes]
+        """Values at the points of a function given at all nodes of the surface."""
+        values = nodal[self.numbers]
         if self._centres is None:
             return values
         return np.concatenate([values, self._centres.interpolate(nodal)])
@@ -159,13 +162,19 @@ class Trace:
         if self._centres is None:
             return values
         count = len(self.nodes)
-        return values[:count] + self._centres.spread(values[count:])[self.nodes]
+        return values[:count] + self._centres.spread(values[count:])[self.numbers]
+
+    def on_body(self, values: Array) -> Array:
+        """Values at ``nodes`` as an array of the body's nodes, 0 elsewhere; collective."""
+        nodal = np.zeros((len(self.all_nodes), *values.shape[1:]))
+        nodal[self.numbers] = values
+        return self.surface.on_body(nodal)
 
     def coefficient(self, values: Array) -> Any:
         """Scalars at the points in UFL: a constant where they are, else a function."""
         least = smallest(self.spaces.comm, values)
         if least == largest(self.spaces.comm, values):
-            return fem.Constant(self.spaces.body.mesh, least)
+            return fem.Constant(self.surface.mesh, least)
         return self.function(values).ufl
 
     def function(self, values: Array, empty: float = 0.0) -> TraceFunction:
@@ -174,13 +183,6 @@ class Trace:
         function.set(values)
         return function
 
-    def _function_on(self, nodes: NDArray[np.int32], values: Array, name: str) -> Any:
-        """A vector function of values at all nodes of the group, and the points' centres."""
-        function = self.spaces.vector_function(name, values, nodes)
-        if self._centres is None:
-            return function
-        return function + self._centres.vector_correction(function, self._centres.normals)
-
     def integral(self, values: Array) -> Any:
         """∫ of values at the points, first axis (points), by the trace's rule; collective."""
         weighted = np.tensordot(self.weights[self.owned], values[self.owned], axes=(0, 0))
@@ -188,15 +190,14 @@ class Trace:
 
     def extent(self) -> float:
         """Diagonal of the box around the surface (length); collective."""
-        comm = self.spaces.comm
-        points = self.spaces.coordinates[self.spaces.nodes(self.group)].T
+        comm, points = self.spaces.comm, self.surface.coordinates.T
         return float(np.linalg.norm([largest(comm, x) - smallest(comm, x) for x in points]))
 
     def relative_facet_size(self) -> float:
         """Largest facet over the extent of the surface; collective."""
-        mesh = self.spaces.body.mesh
-        facets = self.spaces.body.entities(self.group)
-        return largest(self.spaces.comm, mesh.h(mesh.topology.dim - 1, facets)) / self.extent()
+        mesh = self.surface.mesh
+        facets = np.arange(len(self.surface.facet_nodes), dtype=np.int32)
+        return largest(self.spaces.comm, mesh.h(mesh.topology.dim, facets)) / self.extent()
 
     def smallest_edge(self) -> float:
         """Shortest edge of the cells at the surface (length): flat ones are stiff."""
@@ -205,7 +206,7 @@ class Trace:
         topology.create_entities(1)
         topology.create_connectivity(topology.dim, 1)
         topology.create_connectivity(1, topology.dim)  # which `h` asks for
-        cells = np.unique(self.spaces.facets(self.group)[:, 0])
+        cells = np.unique(self.surface.parents[:, 0])
         links = topology.connectivity(topology.dim, 1)
         edges = [np.zeros(0, dtype=np.int32), *(links.links(cell) for cell in cells)]
         return smallest(self.spaces.comm, mesh.h(1, np.unique(np.concatenate(edges))))
@@ -214,7 +215,7 @@ class Trace:
     def pieces(self) -> SurfacePieces:
         """This rank's facets in segments or triangles between neighbouring nodes."""
         if self._pieces is None:
-            self._pieces = SurfacePieces(self.spaces, self.group, self.nodes)
+            self._pieces = SurfacePieces(self.surface, self.numbers)
         return self._pieces
 
 
@@ -227,31 +228,27 @@ class TraceFunction:
 
     def __init__(self, trace: Trace, is_vector: bool, empty: float = 0.0) -> None:
         self._trace = trace
-        spaces, centres = trace.spaces, trace._centres
-        no_values, no_nodes = np.zeros(0), np.zeros(0, dtype=np.int32)
-        if is_vector:
-            self._nodal = fem.Function(spaces.displacement_space)
-            self._bubble = fem.Function(centres.vector_space) if centres else None
-        else:
-            self._nodal = spaces.nodal_function("values", no_values, no_nodes, empty)
-            self._bubble = fem.Function(centres.scalar_space) if centres else None
-        self.ufl = self._nodal if self._bubble is None else self._nodal + self._bubble
+        surface, centres = trace.surface, trace._centres
+        shape = (len(trace.all_nodes), surface.components) if is_vector else len(trace.all_nodes)
+        self._values = np.full(shape, empty)
+        space = surface.space if is_vector else surface.scalar_space
+        self._nodal = fem.Function(space)
+        self._bubble: Any = None
+        if centres is not None:
+            self._bubble = fem.Function(centres.vector_space if is_vector else centres.scalar_space)
+        self.ufl = self._nodal if centres is None else self._nodal + self._bubble
 
     def set(self, values: Array) -> None:
         """Give it values at the points."""
         trace = self._trace
         count = len(trace.nodes)
-        components = trace.spaces.components
+        self._values[trace.numbers] = values[:count]
         if values.ndim == 2:
-            array = self._nodal.x.array.reshape(-1, components)
-            array[trace.nodes] = values[:count]
+            self._nodal.x.array[:] = self._values.reshape(-1)
         else:
-            trace.spaces.set_nodal(self._nodal, values[:count], trace.nodes)
-        if self._bubble is None:
-            return
-        centres = trace._centres
-        assert centres is not None
-        centres.set_correction(self._nodal, self._bubble, values[count:])
+            trace.surface.set_scalars(self._nodal, self._values)
+        if trace._centres is not None:
+            trace._centres.set_correction(self._nodal, self._bubble, values[count:])
 
 
 def _needs_centres(spaces: Spaces) -> bool:

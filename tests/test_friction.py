@@ -52,8 +52,8 @@ def pad(dimension, coefficient=0.4):
 
 def set_state(problem, x):
     """Stick (|u_T| < ε) on one half, slip on the other, far from the kink at ε."""
-    points = problem.spaces.coordinates
-    state = np.zeros((len(points), problem.spaces.components))
+    points = problem.contacts[0].trace.surface.coordinates
+    state = np.zeros((len(points), problem.contacts[0].trace.surface.components))
     state[:, 0] = np.where(points[:, 0] < 0.4, 0.02, 0.6) + 0.01 * points[:, 1]
     state[:, 1] = np.where(points[:, 0] < 0.4, 0.03, -0.5)
     problem.contacts[0].kinematics.move(
@@ -68,16 +68,24 @@ def test_taylor_residual_and_tangent(dimension):
     problem = pad(dimension)
     contact = problem.contacts[0]
     energy, residual = fem.form(contact.friction.energy), contact.friction.residual
-    coordinates = problem.spaces.coordinates
+    coordinates = problem.contacts[0].trace.surface.coordinates
     direction = np.stack(
-        [np.sin(3 * coordinates[:, 0] + i) for i in range(problem.spaces.components)], axis=1
+        [
+            np.sin(3 * coordinates[:, 0] + i)
+            for i in range(problem.contacts[0].trace.surface.components)
+        ],
+        axis=1,
     ).ravel()
-    owned = slice(0, problem.spaces.owned_nodes * problem.spaces.components)
+    owned = slice(
+        0,
+        problem.contacts[0].trace.surface.owned_nodes
+        * problem.contacts[0].trace.surface.components,
+    )
 
     def evaluate(step):
         set_state(problem, step * direction)
         value = COMM.allreduce(fem.assemble_scalar(energy))
-        return value, problem.spaces.assemble(residual).ravel()
+        return value, problem.contacts[0].trace.surface.assemble(residual).ravel()
 
     value, slope = evaluate(0.0)
     # Where q is the direction of the slip, the primal-dual tangent is Newton's own.
@@ -128,7 +136,7 @@ def test_tangent_on_the_way_is_positive():
     contact.kinematics.move(0.4 * set_state(problem, 0.0))
     contact.follow()
     dense = fem.assemble_matrix(contact.friction.tangent).to_dense()
-    tangential = contact.nodes[:, None] * 3 + np.arange(2)
+    tangential = contact.trace.numbers[:, None] * 3 + np.arange(2)
     rows = np.sort(tangential.ravel())
     block = dense[np.ix_(rows, rows)]
     assert np.linalg.eigvalsh(block + block.T).min() > -1e-10
@@ -136,16 +144,18 @@ def test_tangent_on_the_way_is_positive():
 
 def test_friction_resists_slip_and_ignores_normal_motion():
     problem = pad(3)
-    components = problem.spaces.components
+    components = problem.contacts[0].trace.surface.components
     residual = problem.contacts[0].friction.residual
-    normal_only = np.zeros((len(problem.spaces.coordinates), components))
+    normal_only = np.zeros((len(problem.contacts[0].trace.surface.coordinates), components))
     normal_only[:, 2] = 0.7
     problem.contacts[0].kinematics.move(normal_only)
-    assert np.abs(problem.spaces.assemble(residual)).max() == 0
+    assert np.abs(problem.contacts[0].trace.surface.assemble(residual)).max() == 0
     sliding = np.zeros_like(normal_only)
     sliding[:, 0] = 0.7
     problem.contacts[0].kinematics.move(sliding)
-    force = -problem.spaces.assemble(residual)[: problem.spaces.owned_nodes]
+    force = -problem.contacts[0].trace.surface.assemble(residual)[
+        : problem.contacts[0].trace.surface.owned_nodes
+    ]
     total = COMM.allreduce(force.sum(axis=0))
     # ∫ μ (2 + x) over the unit square of the bottom
     assert total == pytest.approx([-0.4 * 2.5, 0, 0], abs=1e-12)

@@ -27,8 +27,9 @@ def pad(dimension, kind="unilateral", degree=2, **keys):
 
 def set_state(problem, x):
     """Closed on one half of the surface, open on the other, away from the kink."""
-    points = problem.spaces.coordinates
-    state = np.zeros((len(points), problem.spaces.components))
+    surface = problem.contacts[0].trace.surface
+    points = surface.coordinates
+    state = np.zeros((len(points), surface.components))
     state[:, -1] = np.where(points[:, 0] < 0.4, -0.3, 0.2)
     state[:, 0] = 0.1 * points[:, 0]
     problem.contacts[0].kinematics.move(state + np.reshape(x, (-1, state.shape[1])))
@@ -42,8 +43,8 @@ def test_residual_and_tangent_are_derivatives_of_the_energy(dimension, degree, k
     if kind != "winkler":
         keys["penalty_parameter"] = 0.25
     problem = pad(dimension, kind, degree, **keys)
-    contact, spaces = problem.contacts[0], problem.spaces
-    trace = contact.trace
+    contact = problem.contacts[0]
+    trace, spaces = contact.trace, contact.trace.surface
     stiffness = trace.coefficient(contact.normal.stiffness)
     if kind == "bonded":
         energy = bonded_energy(contact.kinematics.jump, stiffness, trace.weight, trace.measure)
@@ -196,4 +197,6 @@ def test_forms_know_neither_the_facets_normal_nor_the_volume():
     jump = contact.kinematics.jump
     energy = penetration_energy(jump, trace.normal, 0.0, 1.0, trace.weight, trace.measure)
     assert not ufl.algorithms.analysis.extract_type(energy, ufl.classes.FacetNormal)
-    assert [integral.integral_type() for integral in energy.integrals()] == ["exterior_facet"]
+    assert [integral.integral_type() for integral in energy.integrals()] == [
+        "cell"
+    ]  # of the surface

@@ -22,6 +22,7 @@ from tests.scenes import box_body, slab
 
 COMM = MPI.COMM_WORLD
 BOUNDARY, CELL = "exterior_facet", "cell"
+SURFACE = CELL  # of the contact surface, a mesh of its own
 
 FRICTIONLESS = slab(coefficient=0.0)
 FRICTION = slab()
@@ -44,8 +45,8 @@ TWO_LOADS = dataclasses.replace(
             {
                 "elastic energy": [CELL],
                 "traction on right": [BOUNDARY],
-                "contact pressure on top": [BOUNDARY],
-                "regularised friction on top": [BOUNDARY] * 2,
+                "contact pressure on top": [SURFACE],
+                "regularised friction on top": [SURFACE] * 2,
             },
         ),
         (
@@ -53,7 +54,7 @@ TWO_LOADS = dataclasses.replace(
             {
                 "elastic energy": [CELL],
                 "traction on right": [BOUNDARY],
-                "contact pressure on top": [BOUNDARY],
+                "contact pressure on top": [SURFACE],
             },
         ),
         (NO_PRESSURE, {"elastic energy": [CELL], "traction on right": [BOUNDARY]}),
@@ -63,8 +64,8 @@ TWO_LOADS = dataclasses.replace(
                 "elastic energy": [CELL],
                 "pressure on right": [BOUNDARY],
                 "body force on slab": [CELL],
-                "contact pressure on top": [BOUNDARY],
-                "regularised friction on top": [BOUNDARY] * 2,
+                "contact pressure on top": [SURFACE],
+                "regularised friction on top": [SURFACE] * 2,
             },
         ),
     ],

@@ -1,0 +1,148 @@
+"""The finite element space on a contact surface: a mesh of its facets, and where it lies.
+
+Contact and friction live here, so that what they cost grows with the surface alone.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem, la
+from numpy.typing import NDArray
+
+from fenics_contact import compat
+from fenics_contact.elasticity import measure_weight
+from fenics_contact.mesh import Group
+from fenics_contact.parallel import largest, smallest
+from fenics_contact.spaces import Spaces
+
+Array = NDArray[np.float64]
+
+
+class SurfaceSpace:
+    """Blocked Lagrange space of the body's degree on the facets of a boundary group.
+
+    A facet belongs to one rank; nodes at the seam between ranks are shared, as in the body.
+    A node's owner here may be another rank than its owner in the body.
+
+    Attributes:
+        spaces: Those of the body.
+        mesh: The facets, a mesh of their own.
+        space: Displacements on it.
+        scalar_space: One component.
+        coordinates: Nodes of this rank, owned then ghost, (nodes, 3) (length).
+        body_nodes: The body's local number of each node.
+        owned_nodes: How many of the nodes this rank owns.
+        weight: UFL factor of integrals (2πr where axisymmetric).
+    """
+
+    def __init__(self, spaces: Spaces, group: Group) -> None:
+        self.spaces = spaces
+        self.comm = spaces.comm
+        self.components = spaces.components
+        parents = spaces.facets(group)
+        body = spaces.body.mesh
+        dimension = body.topology.dim
+        facets = body.topology.connectivity(dimension, dimension - 1).array
+        facets = facets.reshape(body.topology.index_map(dimension).size_local
+                                + body.topology.index_map(dimension).num_ghosts, -1)  # fmt: skip
+        chosen = np.unique(facets[parents[:, 0], parents[:, 1]])
+        self.mesh, order = compat.create_submesh(body, dimension - 1, chosen)
+        # (cell, local facet) in the body of every facet here.
+        self.parents = parents[np.argsort(facets[parents[:, 0], parents[:, 1]])]
+        self.parents = self.parents[np.searchsorted(chosen, order)]
+        self.space = fem.functionspace(self.mesh, ("Lagrange", spaces.degree, (self.components,)))
+        self.scalar_space = fem.functionspace(self.mesh, ("Lagrange", spaces.degree))
+        self.coordinates = self.space.tabulate_dof_coordinates()
+        self.owned_nodes = self.space.dofmap.index_map.size_local
+        self.facet_nodes = self.space.dofmap.list
+        self._scalar_of_node = np.empty(len(self.coordinates), dtype=np.int64)
+        self._scalar_of_node[self.facet_nodes] = self.scalar_space.dofmap.list
+        self.body_nodes = self._nodes_in_body()
+        self.position = ufl.SpatialCoordinate(self.mesh)
+        self.weight = measure_weight(spaces.kinematics, self.position, self._thickness())
+
+    def _nodes_in_body(self) -> NDArray[np.int32]:
+        """The body's node at the place of each node here, facet by facet."""
+        spaces = self.spaces
+        dofmap = spaces.displacement_space.dofmap
+        closures = [
+            dofmap.dof_layout.entity_closure_dofs(self.mesh.topology.dim, facet)
+            for facet in range(self.parents[:, 1].max(initial=-1) + 1)
+        ]
+        found = np.zeros(len(self.coordinates), dtype=np.int32)
+        if len(self.parents) == 0:
+            return found
+        local = np.array(closures)[self.parents[:, 1]]
+        candidates = dofmap.list[self.parents[:, :1], local]
+        here, there = self.coordinates[self.facet_nodes], spaces.coordinates[candidates]
+        distances = np.linalg.norm(here[:, :, None] - there[:, None], axis=-1)
+        nearest = distances.argmin(axis=2)
+        found[self.facet_nodes] = np.take_along_axis(candidates, nearest, axis=1)
+        return found
+
+    def _thickness(self) -> Any:
+        """The scene's thickness on the surface, or None."""
+        value = self.spaces.thickness
+        if value is None:
+            return None
+        return self.coefficient(self.spaces.evaluate_at(value, self.coordinates.T, "thickness"))
+
+    def measure(self, metadata: dict[str, Any] | None = None) -> Any:
+        """Measure of the surface."""
+        return ufl.Measure("dx", domain=self.mesh, metadata=metadata)
+
+    def coefficient(self, values: Array) -> Any:
+        """Scalars at the nodes in UFL: a constant where they are, else a function; collective."""
+        least = smallest(self.comm, values)
+        if least == largest(self.comm, values):
+            return fem.Constant(self.mesh, least)
+        return self.scalar_function(values)
+
+    def scalar_function(self, values: Array, name: str = "values") -> Any:
+        """A scalar function with values at all nodes."""
+        function = fem.Function(self.scalar_space, name=name)
+        self.set_scalars(function, values)
+        return function
+
+    def set_scalars(self, function: Any, values: Array) -> None:
+        """Set a scalar function at all nodes."""
+        function.x.array[self._scalar_of_node] = values
+
+    def scalars(self, function: Any) -> Array:
+        """A scalar function's values at all nodes."""
+        return np.asarray(function.x.array[self._scalar_of_node])
+
+    def vector_function(self, values: Array, name: str = "values") -> Any:
+        """A vector function with values (nodes, components)."""
+        function = fem.Function(self.space, name=name)
+        function.x.array[:] = values.reshape(-1)
+        return function
+
+    def assemble(self, form: Any) -> Array:
+        """A compiled linear form on ``space`` at the nodes, (nodes, components); collective."""
+        vector = fem.assemble_vector(form)
+        vector.scatter_reverse(la.InsertMode.add)
+        vector.scatter_forward()
+        return np.array(vector.array).reshape(-1, self.components)
+
+    def summed(self, nodal: Array) -> Array:
+        """Contributions of all ranks added up at shared nodes; collective."""
+        return _summed(self.space.dofmap.index_map, nodal)
+
+    def on_body(self, nodal: Array) -> Array:
+        """Values at the nodes as an array of the body's nodes, 0 elsewhere; collective."""
+        found = np.zeros((len(self.spaces.coordinates), *nodal.shape[1:]))
+        mine = slice(0, self.owned_nodes)
+        found[self.body_nodes[mine]] = nodal[mine]
+        return _summed(self.spaces.displacement_space.dofmap.index_map, found)
+
+
+def _summed(index_map: Any, nodal: Array) -> Array:
+    vector = la.vector(index_map, int(np.prod(nodal.shape[1:])))
+    vector.array[:] = nodal.reshape(-1)
+    vector.scatter_reverse(la.InsertMode.add)
+    vector.scatter_forward()
+    return np.array(vector.array).reshape(nodal.shape)
