@@ -32,6 +32,8 @@ class SurfaceSpace:
         mesh: The facets, a mesh of their own.
         space: Displacements on it.
         scalar_space: One component.
+        parents: (cell, local facet) in the body of every facet here.
+        facet_nodes: Nodes of every facet.
         coordinates: Nodes of this rank, owned then ghost, (nodes, 3) (length).
         body_nodes: The body's local number of each node.
         owned_nodes: How many of the nodes this rank owns.
@@ -45,14 +47,13 @@ class SurfaceSpace:
         parents = spaces.facets(group)
         body = spaces.body.mesh
         dimension = body.topology.dim
+        cells = body.topology.index_map(dimension)
         facets = body.topology.connectivity(dimension, dimension - 1).array
-        facets = facets.reshape(body.topology.index_map(dimension).size_local
-                                + body.topology.index_map(dimension).num_ghosts, -1)  # fmt: skip
-        chosen = np.unique(facets[parents[:, 0], parents[:, 1]])
+        width = len(facets) // max(cells.size_local + cells.num_ghosts, 1)
+        numbers = facets[parents[:, 0] * width + parents[:, 1]]
+        chosen, first = np.unique(numbers, return_index=True)
         self.mesh, order = compat.create_submesh(body, dimension - 1, chosen)
-        # (cell, local facet) in the body of every facet here.
-        self.parents = parents[np.argsort(facets[parents[:, 0], parents[:, 1]])]
-        self.parents = self.parents[np.searchsorted(chosen, order)]
+        self.parents = parents[first][np.searchsorted(chosen, order)]
         self.space = fem.functionspace(self.mesh, ("Lagrange", spaces.degree, (self.components,)))
         self.scalar_space = fem.functionspace(self.mesh, ("Lagrange", spaces.degree))
         self.coordinates = self.space.tabulate_dof_coordinates()
