@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 
 from fenics_contact.anderson import Anderson
 from fenics_contact.errors import NotConvergedError
+from fenics_contact.full_system import FullSystem
+from fenics_contact.newton import Newton
 from fenics_contact.parallel import largest
 from fenics_contact.problem import Problem
 from fenics_contact.rigid import RigidMotions
 from fenics_contact.solution import Solution
-from fenics_contact.solver import Newton
 from fenics_contact.timings import Timings
 
 logger = logging.getLogger(__name__)
@@ -61,7 +62,9 @@ def solve(
     Raises:
         NotConvergedError: In words, with the history of the force imbalance.
     """
-    newton = Newton(problem, timings or Timings())
+    timings = timings or Timings()
+    system = FullSystem(problem, timings)
+    newton = Newton(problem, system, timings)
     times = problem.scene.steps.all_times
     try:
         for number, time in enumerate(times):
@@ -81,7 +84,7 @@ def solve(
                     contact.accept()
         return found
     finally:
-        newton.destroy()
+        system.destroy()
 
 
 def solve_step(newton: Newton) -> Solution:

@@ -1,0 +1,261 @@
+"""Newton's method by PETSc's SNES (paper, Section 4)."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fenics_contact.errors import NotConvergedError
+from fenics_contact.parallel import largest, smallest
+from fenics_contact.problem import Problem
+from fenics_contact.solution import Solution
+from fenics_contact.start import starting_point
+from fenics_contact.system import System
+from fenics_contact.timings import Timings
+
+logger = logging.getLogger(__name__)
+
+# What the user sets with it (PETSC_OPTIONS, or petsc4py's Options) wins over our defaults.
+OPTIONS_PREFIX = "fenics_contact_"
+
+# Full steps are best from the adhesive start with the primal-dual tangent, where searches only
+# cost steps or stall in round-off. One-sided contact needs a search on the energy: for a point
+# along the step where its derivative vanishes, which takes no difference of nearly equal energies.
+FULL_STEPS = {"snes_linesearch_type": "basic"}
+# Its absolute tolerance would be in the user's units, and end a solve behind our back.
+ENERGY_SEARCH = {
+    "snes_linesearch_type": "cp",
+    "snes_linesearch_max_it": 3,
+    "snes_linesearch_atol": 1e-300,
+}
+
+# Share of the applied forces above which a round-off floor is not believed: the
+# floor grows with |u|, and a body that runs away must not pass for an answer.
+_LARGEST_FLOOR = 1e-6
+
+_RUNAWAY = 1e3  # of the body's size
+
+_NOT_A_NUMBER = -4  # the reason's name differs between PETSc's versions
+_REASONS = {
+    -3: "the linear system could not be solved (a singular matrix: is the body held?)",
+    _NOT_A_NUMBER: "the forces became infinite or not a number",
+    -5: "the Newton steps allowed were used up",
+    -6: "the line search found no step",
+    -9: "the force imbalance grows",
+}
+
+
+class Newton:
+    """SNES on a system of a problem; solves follow each other from where the last ended.
+
+    Attributes:
+        history: Force imbalance before every Newton step and at the end, of all solves (force).
+        steps: Newton steps of all solves.
+        limit: Imbalance that the last solve accepted as converged (force).
+    """
+
+    def __init__(self, problem: Problem, system: System, timings: Timings) -> None:
+        self.problem = problem
+        self.system = system
+        self.timings = timings
+        self.comm = problem.comm
+        self.history: list[float] = []
+        self.steps = 0
+        self.limit = 0.0
+        self._one_sided = any(contact.is_one_sided for contact in problem.contacts)
+        self._tiny = 0.0
+        self._before = 0
+        self._own_options: list[str] = []
+
+    def run(self, search_energy: bool = True) -> None:
+        """Solve from the present state, with the modes that the contacts' terms have.
+
+        Args:
+            search_energy: Search along the steps where a contact is one-sided; else full steps.
+
+        Raises:
+            NotConvergedError: In words, with the history of the force imbalance.
+        """
+        self._before = len(self.history)
+        self.limit = 0.0
+        with self.timings.phase("solve"):
+            log = _FactorisationLog()
+            snes = self._create_snes(search_energy)
+            snes.solve(None, self.system.state)
+            reason = snes.getConvergedReason()
+            self.system.take(self.system.state)
+            snes.destroy()
+            for name in self._own_options:  # the database is global: the next may want others
+                PETSc.Options().delValue(name)
+            self._own_options.clear()
+            self.timings.move("solve", "factorise", log.seconds())
+        self.steps += self._steps_of_this_run
+        accepted = len(self.history) > self._before and self.history[-1] <= self.limit
+        if reason < 0 or not accepted:
+            raise NotConvergedError(self._failure(reason), tuple(self.history))
+        self._refuse_runaway()
+
+    @property
+    def _steps_of_this_run(self) -> int:
+        return max(len(self.history) - self._before - 1, 0)
+
+    def _refuse_runaway(self) -> None:
+        """No answer of linear elasticity is a thousand times the body away from its start."""
+        columns = self.problem.spaces.coordinates.T
+        size = max(largest(self.comm, x) - smallest(self.comm, x) for x in columns)
+        if self._one_sided and self.system.moved() > _RUNAWAY * size:
+            raise NotConvergedError(
+                "the body runs away: displacements are more than a thousand times its size; is it "
+                "held, and are loads and stiffness in the same units?",
+                tuple(self.history),
+            )
+
+    def save(self) -> NDArray[np.float64]:
+        """The state of this rank, to go back to."""
+        return np.array(self.system.state.array_r)
+
+    def restore(self, saved: NDArray[np.float64]) -> None:
+        """Go back to a saved state; collective."""
+        with self.system.state as array:
+            array[:] = saved
+        self.system.take(self.system.state)
+
+    def _create_snes(self, search_energy: bool) -> Any:
+        system = self.system
+        snes = PETSc.SNES().create(self.comm)
+        snes.setOptionsPrefix(OPTIONS_PREFIX)
+        snes.setFunction(self._set_residual, system.residual)
+        snes.setJacobian(self._set_tangent, system.tangent)
+        options = PETSc.Options()
+        search = ENERGY_SEARCH if self._one_sided and search_energy else FULL_STEPS
+        for name, value in (system.options | search).items():
+            if not options.hasName(OPTIONS_PREFIX + name):
+                options.setValue(OPTIONS_PREFIX + name, value)
+                self._own_options.append(OPTIONS_PREFIX + name)
+        most = self.problem.scene.solver.max_iterations
+        snes.setTolerances(rtol=0.0, atol=0.0, stol=0.0, max_it=most)
+        system.prepare(snes)
+        snes.setFromOptions()
+        snes.setConvergenceTest(self._converged)
+        return snes
+
+    def _set_residual(self, snes: Any, state: Any, residual: Any) -> None:
+        with self.timings.phase("assemble"):
+            self.system.balance(state, residual)
+
+    def _set_tangent(self, snes: Any, state: Any, tangent: Any, preconditioner: Any) -> None:
+        with self.timings.phase("assemble"):
+            self.system.linearise(state)
+
+    def forget(self) -> None:
+        """Count steps and keep the history anew, for another load step."""
+        self.history.clear()
+        self.steps = 0
+
+    def start(self) -> None:
+        """Nothing has slipped, supports stand at their values, loose parts touch; collective."""
+        displacement, indentations = starting_point(self.problem)
+        for contact, indentation in zip(self.problem.contacts, indentations, strict=True):
+            contact.kinematics.move(displacement[contact.trace.all_nodes], indentation)
+        self.system.begin(displacement)
+        self._stick_all()
+
+    def continue_start(self) -> None:
+        """From the state of the last load step, supports at their new values; collective."""
+        self.system.follow_supports()
+        self._stick_all()
+
+    def _stick_all(self) -> None:
+        for contact in self.problem.frictional:
+            assert contact.friction is not None
+            contact.friction.stick_all()
+
+    def _converged(self, snes: Any, iteration: int, norms: tuple[float, float, float]) -> Any:
+        """Stop when the force imbalance is small against the forces, or is round-off.
+
+        The 1-norm bounds the error of any resultant. PETSc's relative tolerance is
+        not used: its reference, the first residual, is no physical force.
+        """
+        imbalance = self.system.imbalance()
+        self.history.append(imbalance)
+        forces = self.system.forces
+        if iteration == 0:
+            self._tiny = _LARGEST_FLOOR * imbalance if self._one_sided else 0.0
+        logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
+        if not np.isfinite(imbalance):
+            return _NOT_A_NUMBER
+        self.limit = self.problem.scene.solver.tolerance * forces
+        # A body that a motion of its supports takes along has no forces to compare with; that
+        # it does not run away is then tested at the end.
+        cap = np.inf if self._one_sided else _LARGEST_FLOOR * forces
+        # The floor may cost a matrix copy, so it is asked for only where it may decide.
+        if iteration > 0 and self.limit < imbalance <= max(_LARGEST_FLOOR * forces, self._tiny):
+            self.limit = max(self.limit, min(self.system.round_off(), cap))
+        if imbalance <= self.limit and not self._mean_stress_is_missing(iteration):
+            return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
+        return PETSc.SNES.ConvergedReason.CONVERGED_ITERATING
+
+    def _mean_stress_is_missing(self, iteration: int) -> bool:
+        """Whether a mean stress is yet to be found, be there no free displacement at all."""
+        return iteration == 0 and self.problem.elastic.mixed is not None
+
+    def _failure(self, reason: int) -> str:
+        words = _REASONS.get(reason, f"PETSc's reason {reason}")
+        known = len(self.history) > self._before
+        left = f"{self.history[-1]:.2e}" if known else "unknown"
+        forces = self.system.forces
+        advice = "Try a larger solver.max_iterations, or a finer mesh at the contact"
+        if self.problem.frictional:
+            advice = "Try a larger solver.max_iterations, or a larger regularisation_parameter"
+        if known and self.history[-1] <= 1e3 * _LARGEST_FLOOR * forces:
+            advice = (
+                "So small a rest may be round-off: is a penalty_parameter too small, or the "
+                "contrast of stiffnesses extreme?"
+            )
+        return (
+            f"not converged after {self._steps_of_this_run} Newton steps: {words}; the force "
+            f"imbalance is {left} of {forces:.3g}. {advice}"
+        )
+
+    def solution(self, outer_iterations: int = 0, strategy: str = "") -> Solution:
+        """What was found; collective."""
+        with self.timings.phase("solve"):
+            displacement, internal = self.system.finish()
+        for contact in self.problem.contacts:
+            if contact.force == 0 and contact.normal is None:
+                contact.kinematics.touch()
+        nodes = [contact.trace.numbers for contact in self.problem.contacts]
+        normal = self.system.contact_forces("normal")
+        friction = self.system.contact_forces("friction")
+        return Solution(
+            displacement=displacement,
+            internal_force=internal,
+            normal_force=[force[n] for force, n in zip(normal, nodes, strict=True)],
+            friction_force=[force[n] for force, n in zip(friction, nodes, strict=True)],
+            states=[contact.state() for contact in self.problem.contacts],
+            residual_history=tuple(self.history),
+            newton_iterations=self.steps,
+            outer_iterations=outer_iterations,
+            strategy=strategy,
+            imbalance_limit=self.limit,
+        )
+
+
+class _FactorisationLog:
+    """Seconds that PETSc spends on factorisations from now on."""
+
+    _EVENTS = ("MatLUFactorSym", "MatLUFactorNum")
+
+    def __init__(self) -> None:
+        PETSc.Log.begin()
+        self._before = self._read()
+
+    def _read(self) -> float:
+        return sum(PETSc.Log.Event(name).getPerfInfo()["time"] for name in self._EVENTS)
+
+    def seconds(self) -> float:
+        return self._read() - self._before
