@@ -134,7 +134,8 @@ class LinearSystem:
         """Add the tangents of all contacts' terms to a matrix of the size of K; collective."""
         add = PETSc.InsertMode.ADD_VALUES
         for surface in self.surfaces:
-            rows, columns, values = surface.entries()
+            *places, values = surface.entries()
+            rows, columns = (surface.dofs[place] for place in places)
             _add_entries(tangent, self._matrix_rows(rows), self._matrix_rows(columns), values)
             direction = surface.contact.kinematics.direction
             for number, unknown in enumerate(self._unknowns):

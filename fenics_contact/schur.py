@@ -1,9 +1,8 @@
 """The bulk condensed onto the contact dofs: one factorisation, then dense matrices only.
 
-On one rank MUMPS makes the Schur complement while it factorises. PETSc's Python does not wrap
-the four calls that ask for it, so they go through its C library. On several ranks, where such a
-factor cannot solve, K with springs on the contact dofs is factorised, and the complement is the
-inverse of its compliance there, less the springs.
+Each rank condenses its own cells onto what it shares with others and with the contacts, by MUMPS'
+Schur complement; rank 0 adds these up and condenses what ranks share (substructuring). PETSc's
+Python does not wrap the four calls that ask MUMPS for it, so they go through its C library.
 """
 
 from __future__ import annotations
@@ -14,8 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
+from scipy.linalg import lu_factor, lu_solve
 
 from fenics_contact.errors import FenicsContactError
+from fenics_contact.local_stiffness import LocalStiffness
 
 Array = NDArray[np.float64]
 
@@ -23,142 +24,191 @@ _WITHOUT_SCHUR_DOFS = 0  # MUMPS' ICNTL(26): solve with K_II alone
 
 
 class CondensedBulk:
-    """S = K_CC − K_CI K_II⁻¹ K_IC of a matrix K, and the way back.
+    """S = K_CC − K_CI K_II⁻¹ K_IC of K, and the way back.
 
     Args:
-        matrix: K, symmetric or nearly so, with identity rows where displacements are held.
-        dofs: Global rows of the contact dofs, sorted, the same on every rank.
+        stiffness: K by ranks.
+        held: Which of this rank's unknowns supports hold.
+        contact: Numbers of the contact dofs over all ranks, sorted, none held.
 
     Attributes:
-        schur: S, (dofs, dofs), on every rank (force/length).
-        factorisations: How often a matrix of the bulk was factorised.
+        comm: Communicator.
+        count: Number of contact dofs.
+        schur: S, (contact, contact) (force/length); on rank 0, else None.
     """
 
-    def __init__(self, matrix: Any, dofs: NDArray[np.int64]) -> None:
-        self._matrix = matrix
-        self.dofs = dofs
-        self._comm = matrix.comm.tompi4py()
-        start, end = matrix.getOwnershipRange()
-        self._mine = np.flatnonzero((dofs >= start) & (dofs < end))
-        self._local = dofs[self._mine] - start
-        self._alone = self._comm.size == 1 and len(dofs) > 0
-        self._work = [matrix.createVecRight() for _ in range(2)]
-        self.factorisations = 1
-        if self._alone:
-            self._factor, self.schur = _factor_with_schur(matrix, dofs)
+    def __init__(
+        self, stiffness: LocalStiffness, held: NDArray[np.bool_], contact: NDArray[np.int64]
+    ) -> None:
+        self.comm = stiffness.comm
+        at_contact = np.isin(stiffness.numbers, contact) & ~held
+        self._kept = np.flatnonzero((stiffness.shared & ~held) | at_contact)
+        self._inside = LocalFactor(stiffness.matrix, held, self._kept)
+        self._numbers = stiffness.numbers[self._kept]
+        every = self.comm.allgather(self._numbers)
+        union = np.unique(np.concatenate(every))
+        between = np.setdiff1d(union, contact)
+        # Contact dofs first, then those between ranks.
+        order = np.argsort(np.concatenate([contact, between]), kind="stable")
+        self._places = [order[np.searchsorted(union, numbers)] for numbers in every]
+        self.count = len(contact)
+        self._size = len(union)
+        self.schur = self._sum_and_condense(self._inside.schur)
+
+    def _sum_and_condense(self, local: Array) -> Array | None:
+        """S of all ranks together, on rank 0."""
+        parts = self.comm.gather(local)
+        if parts is None:
+            return None
+        if len(parts) == 1:
+            whole = parts[0][np.ix_(self._places[0].argsort(), self._places[0].argsort())]
         else:
-            self._factor_with_springs()
+            whole = np.zeros((self._size, self._size))
+            for places, part in zip(self._places, parts, strict=True):
+                whole[np.ix_(places, places)] += part
+        contact, between = slice(0, self.count), slice(self.count, None)
+        self._between = lu_factor(whole[between, between]) if self._size > self.count else None
+        self._carried = np.zeros((0, self.count))
+        if self._between is None:
+            return np.asarray(whole)
+        self._carried = lu_solve(self._between, whole[between, contact])
+        return np.asarray(whole[contact, contact] - whole[contact, between] @ self._carried)
 
-    def condense(self, load: Any) -> Array:
-        """f_C − K_CI K_II⁻¹ f_I of a global vector, on every rank; collective."""
-        if len(self.dofs) == 0:
-            return np.zeros(0)
-        solved, image = self._work
-        self._factor.solve(load, solved)
-        if not self._alone:
-            return np.asarray(self._stiff @ self._gather(solved))
-        with solved as array:
-            array[self._local] = 0.0
-        self._matrix.mult(solved, image)
-        return self._gather(load) - self._gather(image)
-
-    def expand(self, load: Any, condensed: Array, x: Array, solution: Any) -> None:
-        """The solution for a load where the contact dofs are x; collective.
+    def condense(self, load: Array) -> Array:
+        """f_C − K_CI K_II⁻¹ f_I, on rank 0; collective.
 
         Args:
-            load: Global vector f.
-            condensed: What ``condense`` made of it.
-            x: Values of the contact dofs.
-            solution: Global vector that receives it.
+            load: This rank's share of the forces on its unknowns; values where held.
         """
-        right, image = self._work
-        load.copy(right)
-        if self._alone:
-            solution.set(0.0)
-            self._set(solution, x)
-            self._matrix.mult(solution, image)
-            right.axpy(-1.0, image)
-            self._factor.solve(right, solution)
-            self._set(solution, x)
-            return
-        if len(self.dofs):
-            springs = self._stiff @ x - condensed
-            with right as array:
-                array[self._local] += springs[self._mine]
-        self._factor.solve(right, solution)
+        solved = self._inside.solve(load)
+        left = (load - self._inside.matrix @ solved)[self._kept]
+        parts = self.comm.gather(left)
+        self._load = np.zeros(self._size)
+        for places, part in zip(self._places, parts or (), strict=False):
+            self._load[places] += part
+        contact, between = self._load[: self.count], self._load[self.count :]
+        if parts is None:
+            return np.zeros(self.count)
+        return np.asarray(contact - self._carried.T @ between)
+
+    def expand(self, load: Array, x: Array) -> Array:
+        """This rank's unknowns where the contact dofs are x (on rank 0); collective.
+
+        Args:
+            load: As given to ``condense`` (length where held).
+            x: Displacements of the contact dofs; used on rank 0.
+        """
+        if self._size > self.count:
+            self.condense(load)
+        values = np.zeros(self._size)
+        if self.comm.rank == 0:
+            values[: self.count] = x
+            if self._between is not None:
+                loads = self._load[self.count :]
+                values[self.count :] = lu_solve(self._between, loads) - self._carried @ x
+        values = self.comm.bcast(values)
+        kept = np.zeros(len(load))
+        kept[self._kept] = values[self._places[self.comm.rank]]
+        found = self._inside.solve(load - self._inside.matrix @ kept)
+        found[self._kept] = kept[self._kept]
+        return found
 
     def destroy(self) -> None:
         """Free PETSc's objects."""
-        for thing in (self._factor, *self._work):
-            thing.destroy()
-
-    def _set(self, vector: Any, x: Array) -> None:
-        with vector as array:
-            array[self._local] = x[self._mine]
-
-    def _gather(self, vector: Any) -> Array:
-        """Values at the contact dofs, on every rank."""
-        return np.concatenate(self._comm.allgather(np.array(vector.array_r[self._local])))
-
-    def _factor_with_springs(self) -> None:
-        """Compliance of the contact dofs, by solves with sparse right-hand sides."""
-        matrix = self._matrix.copy()
-        diagonal = self._matrix.getDiagonal()
-        size = float(diagonal.max()[1]) if self._matrix.getSize()[0] else 1.0
-        springs = diagonal.duplicate()
-        springs.set(0.0)
-        with springs as array:
-            array[self._local] = size
-        matrix.setDiagonal(diagonal + springs)
-        self._factor = _plain_factor(matrix)
-        columns = [self._column(number, diagonal) for number in range(len(self.dofs))]
-        compliance = np.array(columns).reshape(len(self.dofs), -1).T
-        self._stiff = np.linalg.inv(compliance) if len(columns) else np.zeros((0, 0))
-        self.schur = self._stiff - size * np.eye(len(self.dofs))
-
-    def _column(self, number: int, like: Any) -> Array:
-        unit, solved = self._work
-        unit.set(0.0)
-        with unit as array:
-            array[self._local[self._mine == number]] = 1.0
-        self._factor.solve(unit, solved)
-        return self._gather(solved)
+        self._inside.destroy()
 
 
-def _plain_factor(matrix: Any) -> Any:
-    factorisation = PETSc.PC().create(matrix.comm)
-    factorisation.setOperators(matrix)
-    factorisation.setType("lu")
-    factorisation.setFactorSolverType("mumps")
-    factorisation.setUp()
-    return _Solver(factorisation)
+class LocalFactor:
+    """MUMPS' factor of the inside of this rank's cells, and their Schur complement.
+
+    Args:
+        matrix: Sparse and symmetric.
+        held: Unknowns that do not follow forces: identity rows take their place.
+        kept: Unknowns to condense onto.
+
+    Attributes:
+        matrix: PETSc's, without what is held, as a sparse one.
+        schur: Dense, (kept, kept).
+    """
+
+    def __init__(self, matrix: Any, held: NDArray[np.bool_], kept: NDArray[np.int64]) -> None:
+        self.matrix = _without(matrix, held)
+        self._kept = kept
+        self._preconditioner: Any = None
+        self.schur = np.zeros((len(kept), len(kept)))
+        count = self.matrix.shape[0]
+        if count == len(kept):
+            self.schur = self.matrix[kept][:, kept].toarray()
+            return
+        index = PETSc.IntType
+        csr = (self.matrix.indptr.astype(index), self.matrix.indices.astype(index))
+        operator = PETSc.Mat().createAIJ(
+            (count, count), csr=(*csr, self.matrix.data), comm=PETSc.COMM_SELF
+        )
+        self._right, self._solved = operator.createVecs()
+        self._preconditioner = _lu(operator)
+        operator.destroy()  # the preconditioner keeps it
+        if len(kept):
+            self._factor_with_schur()
+        else:
+            self._preconditioner.setUp()
+
+    def solve(self, right: Array) -> Array:
+        """K_II⁻¹ f_I at all unknowns, 0 at those that are kept."""
+        if self._preconditioner is None:
+            return np.zeros(len(right))
+        with self._right as array:
+            array[:] = right
+        self._preconditioner.apply(self._right, self._solved)
+        found = np.array(self._solved.array_r)
+        found[self._kept] = 0.0
+        return found
+
+    def destroy(self) -> None:
+        """Free PETSc's objects."""
+        if self._preconditioner is not None:
+            for thing in (self._preconditioner, self._right, self._solved):
+                thing.destroy()
+
+    def _factor_with_schur(self) -> None:
+        preconditioner, size = self._preconditioner, len(self._kept)
+        preconditioner.setFactorSetUpSolverType()
+        factor = preconditioner.getFactorMatrix()
+        rows = PETSc.IS().createGeneral(self._kept.tolist(), comm=PETSc.COMM_SELF)
+        library = ctypes.CDLL(PETSc.__file__)
+        _call(library.MatFactorSetSchurIS, factor, rows)
+        preconditioner.setUp()
+        pointer = ctypes.c_void_p()
+        _call(library.MatFactorGetSchurComplement, factor, ctypes.byref(pointer), None)
+        schur = PETSc.Mat().createDense((size, size), comm=PETSc.COMM_SELF)
+        schur.setUp()
+        schur.assemble()
+        same = 0  # MatStructure's SAME_NONZERO_PATTERN
+        _call(library.MatCopy, pointer, schur, ctypes.c_int(same))
+        _call(
+            library.MatFactorRestoreSchurComplement, factor, ctypes.byref(pointer), ctypes.c_int(0)
+        )
+        self.schur = np.array(schur.getDenseArray())
+        factor.setMumpsIcntl(26, _WITHOUT_SCHUR_DOFS)
+        schur.destroy()
+        rows.destroy()
 
 
-def _factor_with_schur(matrix: Any, dofs: NDArray[np.int64]) -> tuple[Any, Array]:
-    """MUMPS' factor of K_II, and S."""
-    preconditioner = PETSc.PC().create(matrix.comm)
-    preconditioner.setOperators(matrix)
+def _without(matrix: Any, held: NDArray[np.bool_]) -> Any:
+    """A sparse matrix with identity rows and columns where displacements are held."""
+    found = matrix.copy()
+    rows = np.repeat(np.arange(found.shape[0]), np.diff(found.indptr))
+    gone = held[rows] | held[found.indices]
+    found.data[gone] = np.where(rows[gone] == found.indices[gone], 1.0, 0.0)
+    return found
+
+
+def _lu(operator: Any) -> Any:
+    preconditioner = PETSc.PC().create(PETSc.COMM_SELF)
+    preconditioner.setOperators(operator)
     preconditioner.setType("lu")
     preconditioner.setFactorSolverType("mumps")
-    preconditioner.setFactorSetUpSolverType()
-    factor = preconditioner.getFactorMatrix()
-    rows = PETSc.IS().createGeneral(dofs.astype(PETSc.IntType), comm=matrix.comm)
-    library = ctypes.CDLL(PETSc.__file__)
-    _call(library.MatFactorSetSchurIS, factor, rows)
-    preconditioner.setUp()
-    pointer = ctypes.c_void_p()
-    _call(library.MatFactorGetSchurComplement, factor, ctypes.byref(pointer), None)
-    schur = PETSc.Mat().createDense((len(dofs), len(dofs)), comm=matrix.comm)
-    schur.setUp()
-    schur.assemble()
-    same = 0  # MatStructure's SAME_NONZERO_PATTERN
-    _call(library.MatCopy, pointer, schur, ctypes.c_int(same))
-    _call(library.MatFactorRestoreSchurComplement, factor, ctypes.byref(pointer), ctypes.c_int(0))
-    found = np.array(schur.getDenseArray())
-    factor.setMumpsIcntl(26, _WITHOUT_SCHUR_DOFS)
-    schur.destroy()
-    rows.destroy()
-    return _Solver(preconditioner), found
+    return preconditioner
 
 
 def _call(function: Any, *arguments: Any) -> None:
@@ -169,16 +219,3 @@ def _call(function: Any, *arguments: Any) -> None:
     code = function(*passed)
     if code:
         raise FenicsContactError(f"PETSc's error {code} in {function.__name__}")
-
-
-class _Solver:
-    """Solves with a factor."""
-
-    def __init__(self, preconditioner: Any) -> None:
-        self._preconditioner = preconditioner
-
-    def solve(self, right: Any, solution: Any) -> None:
-        self._preconditioner.apply(right, solution)
-
-    def destroy(self) -> None:
-        self._preconditioner.destroy()

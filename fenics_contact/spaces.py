@@ -212,3 +212,12 @@ class Spaces:
         vector.scatter_reverse(la.InsertMode.add)
         vector.scatter_forward()
         return vector.array.reshape(-1, self.components).copy()
+
+
+def summed_over_ranks(index_map: Any, nodal: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Contributions of all ranks, first axis nodes, added up at shared ones; collective."""
+    vector = la.vector(index_map, int(np.prod(nodal.shape[1:])))
+    vector.array[:] = nodal.reshape(-1)
+    vector.scatter_reverse(la.InsertMode.add)
+    vector.scatter_forward()
+    return np.array(vector.array).reshape(nodal.shape)

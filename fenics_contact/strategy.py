@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.anderson import Anderson
+from fenics_contact.condensed_system import CondensedSystem
 from fenics_contact.errors import NotConvergedError
 from fenics_contact.full_system import FullSystem
 from fenics_contact.newton import Newton
@@ -63,7 +64,9 @@ def solve(
         NotConvergedError: In words, with the history of the force imbalance.
     """
     timings = timings or Timings()
-    system = FullSystem(problem, timings)
+    system = (CondensedSystem if __import__("os").environ.get("COND") else FullSystem)(
+        problem, timings
+    )
     newton = Newton(problem, system, timings)
     times = problem.scene.steps.all_times
     try:

@@ -30,7 +30,7 @@ class SurfaceMatrix:
         self.dofs = (nodes[:, None] * components + np.arange(components)).ravel()
 
     def entries(self) -> Entries:
-        """Rows, columns (the body's global dofs) and values; every rank has some of them."""
+        """Rows, columns (dofs of the surface) and values; every rank has some of them."""
         surface = self._surface
         size = surface.components
         none = np.zeros(0, dtype=np.int64)
@@ -46,6 +46,6 @@ class SurfaceMatrix:
                 for index_map, local in ((matrix.index_map(0), part.row),
                                          (matrix.index_map(1), part.col))
             )  # fmt: skip
-            found.append((self.dofs[rows], self.dofs[columns], part.data[kept]))
+            found.append((rows, columns, part.data[kept]))
         rows, columns, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
         return rows, columns, values

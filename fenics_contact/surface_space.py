@@ -16,7 +16,7 @@ from fenics_contact import compat
 from fenics_contact.elasticity import measure_weight
 from fenics_contact.mesh import Group
 from fenics_contact.parallel import largest, smallest
-from fenics_contact.spaces import Spaces
+from fenics_contact.spaces import Spaces, summed_over_ranks
 
 Array = NDArray[np.float64]
 
@@ -131,19 +131,11 @@ class SurfaceSpace:
 
     def summed(self, nodal: Array) -> Array:
         """Contributions of all ranks added up at shared nodes; collective."""
-        return _summed(self.space.dofmap.index_map, nodal)
+        return summed_over_ranks(self.space.dofmap.index_map, nodal)
 
     def on_body(self, nodal: Array) -> Array:
         """Values at the nodes as an array of the body's nodes, 0 elsewhere; collective."""
         found = np.zeros((len(self.spaces.coordinates), *nodal.shape[1:]))
         mine = slice(0, self.owned_nodes)
         found[self.body_nodes[mine]] = nodal[mine]
-        return _summed(self.spaces.displacement_space.dofmap.index_map, found)
-
-
-def _summed(index_map: Any, nodal: Array) -> Array:
-    vector = la.vector(index_map, int(np.prod(nodal.shape[1:])))
-    vector.array[:] = nodal.reshape(-1)
-    vector.scatter_reverse(la.InsertMode.add)
-    vector.scatter_forward()
-    return np.array(vector.array).reshape(nodal.shape)
+        return summed_over_ranks(self.spaces.displacement_space.dofmap.index_map, found)

@@ -8,6 +8,7 @@ only those of the contact surfaces.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -135,16 +136,17 @@ class System(ABC):
         self._contact_norm = float(total(self.comm, own))
         return found
 
-    def move_contacts(self, displacements: list[Array], scalars: Array) -> None:
-        """Set the jumps from displacements at all nodes of each surface."""
+    def move_contacts(self, displacements: Sequence[Array | None], scalars: Array) -> None:
+        """Set the jumps from displacements at all nodes of each surface; none where not known."""
         driven = {
             unknown.contact: float(value)
             for unknown, value in zip(self.problem.unknowns, scalars, strict=True)
             if unknown.kind == "indentation"
         }
         for contact, displacement in zip(self.problem.contacts, displacements, strict=True):
-            contact.kinematics.move(displacement, driven.get(contact))
-            contact.follow_pressure()
+            if displacement is not None:
+                contact.kinematics.move(displacement, driven.get(contact))
+                contact.follow_pressure()
 
     def pushed(self, contact: ContactSurface, forces: list[Array]) -> float:
         """Force that a contact's obstacle takes along its direction; collective."""

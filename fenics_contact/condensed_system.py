@@ -1,0 +1,315 @@
+"""The problem condensed onto its contacts: what is nonlinear, and nothing else.
+
+Unknowns are the displacements of the contact surfaces that no support holds, then the scalars;
+rank 0 has all of them. The bulk is factorised once, and solved for once a load step, at its end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from petsc4py import PETSc
+from scipy.sparse import csr_matrix
+
+from fenics_contact.condensed_loads import CondensedLoads
+from fenics_contact.contact_tangent import ContactTangent
+from fenics_contact.local_stiffness import LocalStiffness
+from fenics_contact.problem import Problem
+from fenics_contact.schur import CondensedBulk
+from fenics_contact.surface_matrix import SurfaceMatrix
+from fenics_contact.system import System
+from fenics_contact.timings import Timings
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class _Jump:
+    """The jump w = B y + c of one contact over the unknowns y; rows are dofs of its surface.
+
+    Attributes:
+        surface: Tangent in the jump.
+        places: Of every dof of the surface among the contact dofs.
+        local: Of those of this rank, (nodes, components).
+        motion: B: free displacements, an obstacle's motion, the far field of resultants.
+        work: L: rows of the balance that its forces enter, Lᵀ: as B, without the far field,
+            and m for a resultant.
+    """
+
+    surface: SurfaceMatrix
+    places: NDArray[np.int64]
+    local: NDArray[np.int64]
+    motion: csr_matrix
+    work: csr_matrix
+
+
+class CondensedSystem(System):
+    """Balance A y − b − Σ Lᵀ r_c(B y + c), with A the Schur complement and the scalars' rows.
+
+    The other attributes are those of ``System``.
+    """
+
+    name = "condensed"
+    options: ClassVar = {"ksp_type": "preonly"}
+
+    def __init__(self, problem: Problem, timings: Timings) -> None:
+        super().__init__(problem)
+        with timings.phase("assemble"):
+            self.stiffness = LocalStiffness(problem)
+            surfaces = [SurfaceMatrix(c) if c.terms else None for c in problem.contacts]
+        self._contact_dofs(surfaces)
+        with timings.phase("factorise"):
+            self._bulk = CondensedBulk(self.stiffness, self._held_unknowns(), self._free_dofs)
+        self.factorisations = 1
+        self._loads = CondensedLoads(self._bulk)
+        self._far_loads = [self._far_load(unknown.column) for unknown in problem.unknowns]
+        self._jumps = [None if s is None else self._jump(s) for s in surfaces]
+        self._size = len(self._free_dofs) + self.scalars
+        with timings.phase("factorise"):
+            self._dense = self._dense_tangent()
+        self._create_vectors()
+
+    def _contact_dofs(self, surfaces: list[SurfaceMatrix | None]) -> None:
+        """Numbers of all contact dofs, sorted (so by ranks, too), and which of them are free."""
+        problem, comm = self.problem, self.comm
+        index_map = problem.spaces.displacement_space.dofmap.index_map
+        components = problem.spaces.components
+        first, last = (number * components for number in index_map.local_range)
+        every = [surface.dofs for surface in surfaces if surface is not None]
+        self._dofs = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *every]))
+        self._mine = self._dofs[(self._dofs >= first) & (self._dofs < last)] - first
+        held = np.zeros(len(problem.load) * components, dtype=bool)
+        held[problem.constrained] = True
+        self._constrained = held
+        self._free = ~self._gathered(held.astype(float)).astype(bool)
+        self._free_dofs = self._dofs[self._free]
+        self._root = comm.rank == 0
+
+    def _gathered(self, values: Array) -> Array:
+        """Values at this rank's displacement dofs, at all contact dofs; collective."""
+        return np.concatenate(self.comm.allgather(values[self._mine]))
+
+    def _held_unknowns(self) -> NDArray[np.bool_]:
+        held = np.zeros(len(self.stiffness.numbers), dtype=bool)
+        held[: len(self.stiffness.displacements)] = self._constrained[self.stiffness.displacements]
+        return held
+
+    def _supported(self, at_constrained: Array) -> Array:
+        """Displacements (nodes, components) of what is constrained, 0 elsewhere."""
+        found = np.zeros(self._constrained.shape)
+        found[self.problem.constrained] = at_constrained
+        return found.reshape(-1, self.problem.spaces.components)
+
+    def _bulk_load(self, nodal: Array, supported: Array) -> Array:
+        """This rank's share of the load, with what supports at given displacements add."""
+        moved = self.stiffness.at_unknowns(supported)
+        load = self.stiffness.share(nodal)
+        if moved.any():
+            load -= self.stiffness.matrix @ moved
+        held = self._held_unknowns()
+        load[held] = moved[held]
+        return load
+
+    def _far_load(self, column: Array | None) -> tuple[Array, Array]:
+        """What a unit resultant does to the bulk, and to the contact dofs that it holds."""
+        displacements = np.zeros(self._constrained.shape)
+        far_field = self.problem.far_field
+        if column is not None and far_field is not None:
+            displacements[far_field.dofs] = column
+        nodal = displacements.reshape(-1, self.problem.spaces.components)
+        return self._bulk_load(np.zeros_like(nodal), nodal), self._gathered(displacements)
+
+    def _jump(self, surface: SurfaceMatrix) -> _Jump:
+        places = np.searchsorted(self._dofs, surface.dofs)
+        free = np.flatnonzero(self._free[places])
+        unknown_of = np.cumsum(self._free) - 1
+        shape = (len(places), len(self._free_dofs) + self.scalars)
+        points = csr_matrix(
+            (np.ones(len(free)), (free, unknown_of[places[free]])), shape=shape
+        ).tolil()
+        motion, work = points.copy(), points
+        direction = np.resize(surface.contact.kinematics.direction, len(places))
+        for number, unknown in enumerate(self.problem.unknowns):
+            column = len(self._free_dofs) + number
+            if unknown.column is not None:
+                motion[:, column] = self._far_loads[number][1][places][:, None]
+            if unknown.contact is surface.contact:
+                driven = unknown.kind == "indentation"
+                work[:, column] = (-direction if driven else direction)[:, None]
+                if driven:
+                    motion[:, column] = -direction[:, None]
+        space = surface.contact.trace.surface.space.dofmap
+        count = space.index_map.size_local + space.index_map.num_ghosts
+        nodes = space.index_map.local_to_global(np.arange(count, dtype=np.int32))
+        components = self.problem.spaces.components
+        local = places.reshape(-1, components)[nodes]
+        return _Jump(surface, places, local, csr_matrix(motion), csr_matrix(work))
+
+    def _dense_tangent(self) -> ContactTangent | None:
+        """A on rank 0, with what resultants do to the contact dofs through the bulk."""
+        condensed = [self._bulk.condense(load) for load, _ in self._far_loads]
+        schur, self._bulk.schur = self._bulk.schur, None
+        if schur is None:
+            return None
+        columns = -np.array(condensed).reshape(self.scalars, len(self._free_dofs)).T
+        resultant = [float(unknown.kind == "resultant") for unknown in self.problem.unknowns]
+        return ContactTangent(schur, columns, np.array(resultant))
+
+    def _create_vectors(self) -> None:
+        own = self._size if self._root else 0
+        sizes = (own, self._size)
+        self.state = PETSc.Vec().createMPI(sizes, comm=self.comm)
+        self.residual = self.state.duplicate()
+        operator = _Operator(self._dense)
+        self.tangent = PETSc.Mat().createPython((sizes, sizes), operator, comm=self.comm)
+        self.tangent.setUp()
+
+    def destroy(self) -> None:
+        """Free PETSc's objects."""
+        self._bulk.destroy()
+        for thing in (self.tangent, self.state, self.residual):
+            thing.destroy()
+
+    def prepare(self, snes: Any) -> None:
+        """Solve with the dense tangent."""
+        preconditioner = snes.getKSP().getPC()
+        preconditioner.setType("python")
+        preconditioner.setPythonContext(_Operator(self._dense))
+
+    def begin(self, displacement: Array) -> None:
+        """Start from nodal displacements, supports at their values; collective."""
+        self.follow_loads()
+        at_contacts = self._gathered(displacement.reshape(-1))
+        with self.state as array:
+            if self._root:
+                array[:] = np.concatenate([at_contacts[self._free], self.starting_scalars()])
+        self._started = self._displacements(self._values(self.state))
+        self.take(self.state)
+
+    def follow_loads(self) -> None:
+        """Loads and supports at their present values; collective."""
+        problem = self.problem
+        supported = self._supported(problem.prescribed)
+        self._load = self._bulk_load(problem.load, supported)
+        self._held_values = self._gathered(supported.reshape(-1))
+        self._condensed = self._loads.condense(self._load)
+
+    def follow_supports(self) -> None:
+        """Bring supports and loads to their present values; collective."""
+        self.follow_loads()
+        self.take(self.state)
+
+    def _values(self, state: Any) -> Array:
+        """All unknowns, on every rank; collective."""
+        return np.asarray(self.comm.bcast(np.array(state.array_r) if self._root else None))
+
+    def _displacements(self, values: Array) -> Array:
+        """Of all contact dofs."""
+        found = self._held_values.copy()
+        found[self._free] = values[: len(self._free_dofs)]
+        for value, (_, far) in zip(self._scalars_of(values), self._far_loads, strict=True):
+            found += value * far
+        return found
+
+    def _scalars_of(self, values: Array) -> Array:
+        return values[len(self._free_dofs) :]
+
+    def take(self, state: Any) -> None:
+        """A vector of unknowns into the jumps; collective."""
+        values = self._values(state)
+        self._present = self._displacements(values)
+        at_surfaces = [None if jump is None else self._present[jump.local] for jump in self._jumps]
+        self.move_contacts(at_surfaces, self._scalars_of(values))
+
+    def balance(self, state: Any, residual: Any) -> None:
+        """A y − b − Σ Lᵀ r_c; collective."""
+        self.take(state)
+        forces = self.all_contact_forces()
+        parts = [self._of_all(jump, force) for jump, force in zip(self._jumps, forces, strict=True)]
+        if self._dense is None:
+            return
+        driving = [
+            unknown.contact.force or 0.0 if unknown.kind == "indentation" else 0.0
+            for unknown in self.problem.unknowns
+        ]
+        left = self._dense.constant_part(np.array(state.array_r))
+        left -= np.concatenate([self._condensed, driving])
+        for jump, force in zip(self._jumps, parts, strict=True):
+            if jump is not None:
+                left -= jump.work.T @ force
+        with residual as array:
+            array[:] = left
+
+    def _of_all(self, jump: _Jump | None, force: Array) -> Array:
+        """Forces at all dofs of a surface, on rank 0; collective."""
+        if jump is None:
+            return np.zeros(0)
+        surface = jump.surface.contact.trace.surface
+        parts = self.comm.gather(force[: surface.owned_nodes].reshape(-1))
+        return np.zeros(0) if parts is None else np.concatenate(parts)
+
+    def linearise(self, state: Any) -> None:
+        """W = Σ Lᵀ K_c B; collective."""
+        self.take(state)
+        whole = csr_matrix((self._size, self._size))
+        for jump in self._jumps:
+            if jump is None:
+                continue
+            jump.surface.contact.follow()
+            parts = self.comm.gather(jump.surface.entries())
+            if parts is not None:
+                rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
+                count = len(jump.places)
+                tangent = csr_matrix((values, (rows, columns)), shape=(count, count))
+                whole = whole + jump.work.T @ tangent @ jump.motion
+        if self._dense is not None:
+            self._dense.set(csr_matrix(whole))
+
+    def imbalance(self) -> float:
+        """1-norm of the last residual (force); collective."""
+        return float(self.comm.bcast(float(np.abs(self.residual.array_r).sum())))
+
+    def round_off(self) -> float:
+        """20 × machine epsilon × ‖|M| |y|‖₁; collective."""
+        left = 0.0 if self._dense is None else self._dense.magnitude(np.array(self.state.array_r))
+        return float(self.comm.bcast(20 * np.finfo(float).eps * left))
+
+    def moved(self) -> float:
+        """Largest displacement of the contacts since the start (length)."""
+        return float(np.abs(self._present - self._started).max(initial=0.0))
+
+    def finish(self) -> tuple[Array, Array]:
+        """Displacement and K u at the nodes; the functions follow; collective."""
+        values = self._values(self.state)
+        load = self._load.copy()
+        for value, (far, _) in zip(self._scalars_of(values), self._far_loads, strict=True):
+            load += value * far
+        found = self._bulk.expand(load, values[: len(self._free_dofs)])
+        self.stiffness.set_functions(found)
+        components = self.problem.spaces.components
+        displacement = self.problem.displacement.x.array.reshape(-1, components).copy()
+        at_surfaces = [displacement[contact.trace.all_nodes] for contact in self.problem.contacts]
+        self.move_contacts(at_surfaces, self._scalars_of(values))
+        return displacement, self.stiffness.forces(found)
+
+
+class _Operator:
+    """The dense tangent as PETSc sees it; only rank 0 has one, and all rows."""
+
+    def __init__(self, dense: ContactTangent | None) -> None:
+        self._dense = dense
+
+    def mult(self, matrix: Any, values: Any, result: Any) -> None:
+        """M y."""
+        if self._dense is not None:
+            with result as array:
+                array[:] = self._dense.multiply(np.array(values.array_r))
+
+    def apply(self, preconditioner: Any, right: Any, solution: Any) -> None:
+        """M⁻¹ r."""
+        if self._dense is not None:
+            with solution as array:
+                array[:] = self._dense.solve(np.array(right.array_r))

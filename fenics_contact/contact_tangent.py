@@ -1,0 +1,93 @@
+"""The condensed tangent, solved only where contacts act.
+
+M = A + W has a dense part A that never changes, and a sparse one W that has entries only at
+points in contact. With A⁻¹ found once, a Newton step costs a dense solve of their number.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, lapack, lu_factor, lu_solve
+from scipy.sparse import csr_matrix, diags
+
+Array = NDArray[np.float64]
+
+# A pivot of this share of the largest diagonal entry belongs to a rigid motion. Where it does
+# not, the spring that it gets is taken out again just as exactly.
+_SINGULAR = 1e-9
+
+
+class ContactTangent:
+    """M = A + W.
+
+    Args:
+        schur: Symmetric and positive semi-definite: S of the displacements, first in A.
+        columns: What the scalars do to those rows, (displacements, scalars).
+        corner: Diagonal of the scalars, after the displacements.
+    """
+
+    def __init__(self, schur: Array, columns: Array, corner: Array) -> None:
+        count, scalars = columns.shape
+        self._count = count
+        self._constant = np.zeros((count + scalars, count + scalars))
+        self._constant[:count, :count] = 0.5 * (schur + schur.T)
+        self._constant[:count, count:] = columns
+        self._constant[range(count, count + scalars), range(count, count + scalars)] = corner
+        self._added = np.zeros(count + scalars)
+        self._added[count:] = 1.0 - corner
+        self._inverse = np.eye(count + scalars)
+        self._inverse[:count, :count] = self._compliance()
+        self._inverse[:count, count:] = -self._inverse[:count, :count] @ columns
+        self.set(csr_matrix(self._constant.shape))
+
+    def _compliance(self) -> Array:
+        """Inverse of S, with springs where it lets the body move."""
+        count = self._count
+        schur = self._constant[:count, :count]
+        if count == 0:
+            return schur
+        factor, info = lapack.dpotrf(schur, lower=1)
+        stiffest = schur.diagonal().max()
+        if info or factor.diagonal().min() ** 2 <= _SINGULAR * stiffest:
+            _, order, rank, _ = lapack.dpstrf(schur, tol=_SINGULAR * stiffest, lower=1)
+            self._added[order[rank:] - 1] = stiffest
+            factor, _ = cho_factor(schur + np.diag(self._added[:count]), lower=True)
+        inverse, _ = lapack.dpotri(factor, lower=1)
+        return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)
+
+    def set(self, sparse: Any) -> None:
+        """Set W."""
+        self._sparse = sparse
+        extra = csr_matrix(sparse - diags(self._added))
+        extra.eliminate_zeros()
+        rows = np.diff(extra.indptr) > 0
+        rows[extra.indices] = True
+        self._active = np.flatnonzero(rows)
+        self._extra = extra[self._active][:, self._active]
+        inverse = self._inverse[np.ix_(self._active, self._active)]
+        matrix = np.eye(len(self._active)) + (self._extra.T @ inverse.T).T
+        self._factor = lu_factor(matrix, check_finite=False) if len(self._active) else None
+
+    def solve(self, right: Array) -> Array:
+        """M⁻¹ r."""
+        free = self._inverse @ right
+        if self._factor is None:
+            return np.asarray(free)
+        active = lu_solve(self._factor, free[self._active], check_finite=False)
+        return np.asarray(free - self._inverse[:, self._active] @ (self._extra @ active))
+
+    def multiply(self, values: Array) -> Array:
+        """M y."""
+        return np.asarray(self._constant @ values + self._sparse @ values)
+
+    def constant_part(self, values: Array) -> Array:
+        """A y."""
+        return np.asarray(self._constant @ values)
+
+    def magnitude(self, values: Array) -> float:
+        """Σ |M| |y| over all rows."""
+        size = np.abs(values)
+        return float((np.abs(self._constant) @ size).sum() + (abs(self._sparse) @ size).sum())
