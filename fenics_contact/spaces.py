@@ -206,6 +206,14 @@ class Spaces:
             self._scalar = (space, scalar_of_node)
         return self._scalar
 
+    def summed(self, nodal: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Contributions of all ranks added up at shared nodes, (nodes, columns); collective."""
+        vector = la.vector(self.displacement_space.dofmap.index_map, nodal.shape[1])
+        vector.array[:] = nodal.reshape(-1)
+        vector.scatter_reverse(la.InsertMode.add)
+        vector.scatter_forward()
+        return np.array(vector.array).reshape(nodal.shape)
+
     def assemble(self, form: Any) -> NDArray[np.float64]:
         """A compiled linear form as nodal values, shape (nodes, components); collective."""
         vector = fem.assemble_vector(form)
