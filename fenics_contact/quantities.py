@@ -54,12 +54,16 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
 
 
 def _undecided(contact: ContactSurface, state: ContactState) -> dict[str, int]:
-    """How many points slip by ε within a factor of two: ε decides whether they stick."""
+    """How many points slip by less than 2ε: with an ε twice as large they may stick.
+
+    A point that sticks creeps by ε times the share of its bound that it carries, whatever ε:
+    that it creeps by nearly ε says that friction is nearly used up, not that ε decides.
+    """
     if contact.friction is None:
         return {}
     slip = np.linalg.norm(contact.friction.counted(state.slip), axis=1)
-    share = slip / contact.regularisation_parameter
-    near = contact.trace.owned & (share > 0.5) & (share < 2) & (state.contact_pressure > 0)
+    slips = contact.trace.owned & (state.status == SLIP) & (contact.friction_bound > 0)
+    near = slips & (slip < 2 * contact.regularisation_parameter)
     return {"undecided_points": int(total(contact.spaces.comm, near.sum()))}
 
 
