@@ -12,11 +12,13 @@ import numpy as np
 from dolfinx import plot
 from numpy.typing import NDArray
 
-from fenics_contact.parallel import on_root
+from fenics_contact.parallel import on_root, raise_together
 
 Array = NDArray[np.float64]
 
 _ORDER = {"little": "LittleEndian", "big": "BigEndian"}[sys.byteorder]
+# Before 2.1 the nodes of hexahedra of degree 2 had another order.
+_VERSION = "2.2"
 _TYPES = {"float64": "Float64", "int64": "Int64", "uint8": "UInt8"}
 
 
@@ -27,14 +29,17 @@ def write_vtu(path: Path, space: Any, fields: Mapping[str, Array]) -> None:
         path: Its name ends in ``.pvd``; the pieces' names begin with its stem.
         space: Lagrange space whose nodes are the grid's points.
         fields: Values at the nodes of this rank, (nodes,) or (nodes, components).
+
+    Raises:
+        OSError: On every rank.
     """
     comm, stem = space.mesh.comm, path.stem
     pieces = [f"{stem}_p{rank}_000000.vtu" for rank in range(comm.size)]
     cells, kinds, points = plot.vtk_mesh(space)
     # Cells that this rank owns, and only the nodes that these have.
-    cells = cells.reshape(len(kinds), -1)[:, 1:]
-    used, cells = np.unique(cells, return_inverse=True)
-    ends = (np.arange(len(kinds)) + 1) * (cells.size // max(len(kinds), 1))
+    width = space.dofmap.dof_layout.num_dofs
+    used, cells = np.unique(cells.reshape(-1, width + 1)[:, 1:], return_inverse=True)
+    ends = (np.arange(len(kinds)) + 1) * width
     topology = {
         "connectivity": cells.reshape(-1).astype(np.int64),
         "offsets": ends.astype(np.int64),
@@ -47,7 +52,12 @@ def write_vtu(path: Path, space: Any, fields: Mapping[str, Array]) -> None:
         + _block("PointData", {name: values[used] for name, values in fields.items()})
         + "</Piece>\n"
     )
-    (path.parent / pieces[comm.rank]).write_text(_file("UnstructuredGrid", body), encoding="ascii")
+    error: OSError | None = None
+    try:
+        _write(path.parent / pieces[comm.rank], "UnstructuredGrid", body)
+    except OSError as caught:
+        error = caught
+    raise_together(comm, error)  # the collection is written when all pieces are
     on_root(comm, lambda: _write_collection(path, pieces, fields))
 
 
@@ -57,16 +67,17 @@ def _write_collection(path: Path, pieces: list[str], fields: Mapping[str, Array]
     names = "".join(f'<Piece Source="{piece}"/>\n' for piece in pieces)
     empty = {name: values[:0] for name, values in fields.items()}
     kinds = _block("PPoints", {"points": np.zeros((0, 3))}) + _block("PPointData", empty)
-    (path.parent / grid).write_text(_file("PUnstructuredGrid", kinds + names), encoding="ascii")
+    _write(path.parent / grid, "PUnstructuredGrid", kinds + names)
     entry = f'<DataSet timestep="0" part="0" file="{grid}"/>\n'
-    path.write_text(_file("Collection", entry), encoding="ascii")
+    _write(path, "Collection", entry)
 
 
-def _file(kind: str, content: str) -> str:
-    return (
-        f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="1.0" byte_order="{_ORDER}" '
+def _write(path: Path, kind: str, content: str) -> None:
+    text = (
+        f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="{_VERSION}" byte_order="{_ORDER}" '
         f'header_type="UInt64">\n<{kind}>\n{content}</{kind}>\n</VTKFile>\n'
     )
+    path.write_text(text, encoding="ascii")
 
 
 def _block(name: str, arrays: Mapping[str, NDArray[Any]]) -> str:
