@@ -125,12 +125,11 @@ def _edges(
 
 
 def _asymptotic_edges(stress: Array, distance: Array, modulus: float, length: Array) -> Array:
-    """Solve stress² = C² δ and (3 E* distance / 4C)^(2/3) = L − δ for δ/L, by bisection."""
-    low, high = np.zeros_like(length), length
-    carries = np.where(stress > 0, stress, 1.0)
-    for _ in range(60):
-        inside = 0.5 * (low + high)
-        outside = (0.75 * modulus * distance * np.sqrt(inside) / carries) ** (2 / 3)
-        beyond = (stress <= 0) | (inside + outside > length)
-        low, high = np.where(beyond, low, inside), np.where(beyond, inside, high)
-    return np.asarray(0.5 * (low + high) / length)
+    """Solve stress² = C² δ and (3 E* distance / 4C)^(2/3) = L − δ for δ/L.
+
+    A cubic in t = (δ/L)^(1/3), t³ + κ t = 1, with one real root.
+    """
+    carries = stress > 0
+    kappa = (0.75 * modulus * distance / (np.where(carries, stress, 1.0) * length)) ** (2 / 3)
+    root = 2 * np.sqrt(kappa / 3) * np.sinh(np.arcsinh(1.5 / kappa * np.sqrt(3 / kappa)) / 3)
+    return np.where(carries, root**3, 0.0)
