@@ -15,6 +15,7 @@ from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
 from fenics_contact.condensed_loads import CondensedLoads
+from fenics_contact.contact_dofs import ContactDofs
 from fenics_contact.contact_tangent import ContactTangent
 from fenics_contact.local_stiffness import LocalStiffness
 from fenics_contact.problem import Problem
@@ -32,8 +33,7 @@ class _Jump:
 
     Attributes:
         surface: Tangent in the jump.
-        places: Of every dof of the surface among the contact dofs.
-        local: Of those of this rank, (nodes, components).
+        places: Of this rank's nodes among the contact dofs, (nodes, components).
         motion: B: free displacements, an obstacle's motion, the far field of resultants.
         work: L: rows of the balance that its forces enter, Lᵀ: as B, without the far field,
             and m for a resultant.
@@ -41,7 +41,6 @@ class _Jump:
 
     surface: SurfaceMatrix
     places: NDArray[np.int64]
-    local: NDArray[np.int64]
     motion: csr_matrix
     work: csr_matrix
 
@@ -49,7 +48,10 @@ class _Jump:
 class CondensedSystem(System):
     """Balance A y − b − Σ Lᵀ r_c(B y + c), with A the Schur complement and the scalars' rows.
 
-    The other attributes are those of ``System``.
+    Attributes:
+        stiffness: That of each rank's cells.
+        dofs: The contact dofs.
+        held: Which of this rank's unknowns of the stiffness supports hold.
     """
 
     name = "condensed"
@@ -60,46 +62,25 @@ class CondensedSystem(System):
         with timings.phase("assemble"):
             self.stiffness = LocalStiffness(problem)
             surfaces = [SurfaceMatrix(c) if c.terms else None for c in problem.contacts]
-        self._contact_dofs(surfaces)
+        self._root = self.comm.rank == 0
+        self.dofs = ContactDofs(problem, [s for s in surfaces if s is not None])
+        self.held = np.zeros(len(self.stiffness.numbers), dtype=bool)
+        displacements = self.stiffness.displacements
+        self.held[: len(displacements)] = self.dofs.constrained[displacements]
         with timings.phase("factorise"):
-            self._bulk = CondensedBulk(self.stiffness, self._held_unknowns(), self._free_dofs)
+            self._bulk = CondensedBulk(self.stiffness, self.held, self.dofs.free)
         self.factorisations = 1
         self._loads = CondensedLoads(self._bulk)
         self._far_loads = [self._far_load(unknown.column) for unknown in problem.unknowns]
+        self._size = len(self.dofs.free) + self.scalars
         self._jumps = [None if s is None else self._jump(s) for s in surfaces]
-        self._size = len(self._free_dofs) + self.scalars
         with timings.phase("factorise"):
             self._dense = self._dense_tangent()
         self._create_vectors()
 
-    def _contact_dofs(self, surfaces: list[SurfaceMatrix | None]) -> None:
-        """Numbers of all contact dofs, sorted (so by ranks, too), and which of them are free."""
-        problem, comm = self.problem, self.comm
-        index_map = problem.spaces.displacement_space.dofmap.index_map
-        components = problem.spaces.components
-        first, last = (number * components for number in index_map.local_range)
-        every = [surface.dofs for surface in surfaces if surface is not None]
-        self._dofs = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *every]))
-        self._mine = self._dofs[(self._dofs >= first) & (self._dofs < last)] - first
-        held = np.zeros(len(problem.load) * components, dtype=bool)
-        held[problem.constrained] = True
-        self._constrained = held
-        self._free = ~self._gathered(held.astype(float)).astype(bool)
-        self._free_dofs = self._dofs[self._free]
-        self._root = comm.rank == 0
-
-    def _gathered(self, values: Array) -> Array:
-        """Values at this rank's displacement dofs, at all contact dofs; collective."""
-        return np.concatenate(self.comm.allgather(values[self._mine]))
-
-    def _held_unknowns(self) -> NDArray[np.bool_]:
-        held = np.zeros(len(self.stiffness.numbers), dtype=bool)
-        held[: len(self.stiffness.displacements)] = self._constrained[self.stiffness.displacements]
-        return held
-
     def _supported(self, at_constrained: Array) -> Array:
         """Displacements (nodes, components) of what is constrained, 0 elsewhere."""
-        found = np.zeros(self._constrained.shape)
+        found = np.zeros(self.dofs.constrained.shape)
         found[self.problem.constrained] = at_constrained
         return found.reshape(-1, self.problem.spaces.components)
 
@@ -109,44 +90,36 @@ class CondensedSystem(System):
         load = self.stiffness.share(nodal)
         if moved.any():
             load -= self.stiffness.matrix @ moved
-        held = self._held_unknowns()
-        load[held] = moved[held]
+        load[self.held] = moved[self.held]
         return load
 
     def _far_load(self, column: Array | None) -> tuple[Array, Array]:
         """What a unit resultant does to the bulk, and to the contact dofs that it holds."""
-        displacements = np.zeros(self._constrained.shape)
+        displacements = np.zeros(self.dofs.constrained.shape)
         far_field = self.problem.far_field
         if column is not None and far_field is not None:
             displacements[far_field.dofs] = column
         nodal = displacements.reshape(-1, self.problem.spaces.components)
-        return self._bulk_load(np.zeros_like(nodal), nodal), self._gathered(displacements)
+        return self._bulk_load(np.zeros_like(nodal), nodal), self.dofs.gathered(displacements)
 
     def _jump(self, surface: SurfaceMatrix) -> _Jump:
-        places = np.searchsorted(self._dofs, surface.dofs)
-        free = np.flatnonzero(self._free[places])
-        unknown_of = np.cumsum(self._free) - 1
-        shape = (len(places), len(self._free_dofs) + self.scalars)
-        points = csr_matrix(
-            (np.ones(len(free)), (free, unknown_of[places[free]])), shape=shape
-        ).tolil()
+        places = self.dofs.places(surface)
+        free = np.flatnonzero(self.dofs.is_free[places])
+        unknown_of = np.cumsum(self.dofs.is_free) - 1
+        entries = (np.ones(len(free)), (free, unknown_of[places[free]]))
+        points = csr_matrix(entries, shape=(len(places), self._size)).tolil()
         motion, work = points.copy(), points
-        direction = np.resize(surface.contact.kinematics.direction, len(places))
+        direction = np.resize(surface.contact.kinematics.direction, len(places))[:, None]
         for number, unknown in enumerate(self.problem.unknowns):
-            column = len(self._free_dofs) + number
+            column = len(self.dofs.free) + number
             if unknown.column is not None:
                 motion[:, column] = self._far_loads[number][1][places][:, None]
-            if unknown.contact is surface.contact:
-                driven = unknown.kind == "indentation"
-                work[:, column] = (-direction if driven else direction)[:, None]
-                if driven:
-                    motion[:, column] = -direction[:, None]
-        space = surface.contact.trace.surface.space.dofmap
-        count = space.index_map.size_local + space.index_map.num_ghosts
-        nodes = space.index_map.local_to_global(np.arange(count, dtype=np.int32))
-        components = self.problem.spaces.components
-        local = places.reshape(-1, components)[nodes]
-        return _Jump(surface, places, local, csr_matrix(motion), csr_matrix(work))
+            if unknown.contact is surface.contact and unknown.kind == "indentation":
+                motion[:, column] = work[:, column] = -direction
+            elif unknown.contact is surface.contact:
+                work[:, column] = direction
+        local = self.dofs.local_places(surface)
+        return _Jump(surface, local, csr_matrix(motion), csr_matrix(work))
 
     def _dense_tangent(self) -> ContactTangent | None:
         """A on rank 0, with what resultants do to the contact dofs through the bulk."""
@@ -154,7 +127,7 @@ class CondensedSystem(System):
         schur, self._bulk.schur = self._bulk.schur, None
         if schur is None:
             return None
-        columns = -np.array(condensed).reshape(self.scalars, len(self._free_dofs)).T
+        columns = -np.array(condensed).reshape(self.scalars, len(self.dofs.free)).T
         resultant = [float(unknown.kind == "resultant") for unknown in self.problem.unknowns]
         return ContactTangent(schur, columns, np.array(resultant))
 
@@ -182,10 +155,10 @@ class CondensedSystem(System):
     def begin(self, displacement: Array) -> None:
         """Start from nodal displacements, supports at their values; collective."""
         self.follow_loads()
-        at_contacts = self._gathered(displacement.reshape(-1))
+        at_contacts = self.dofs.gathered(displacement.reshape(-1))
         with self.state as array:
             if self._root:
-                array[:] = np.concatenate([at_contacts[self._free], self.starting_scalars()])
+                array[:] = np.concatenate([at_contacts[self.dofs.is_free], self.starting_scalars()])
         self._started = self._displacements(self._values(self.state))
         self.take(self.state)
 
@@ -194,7 +167,7 @@ class CondensedSystem(System):
         problem = self.problem
         supported = self._supported(problem.prescribed)
         self._load = self._bulk_load(problem.load, supported)
-        self._held_values = self._gathered(supported.reshape(-1))
+        self._held_values = self.dofs.gathered(supported.reshape(-1))
         self._condensed = self._loads.condense(self._load)
 
     def follow_supports(self) -> None:
@@ -209,19 +182,19 @@ class CondensedSystem(System):
     def _displacements(self, values: Array) -> Array:
         """Of all contact dofs."""
         found = self._held_values.copy()
-        found[self._free] = values[: len(self._free_dofs)]
+        found[self.dofs.is_free] = values[: len(self.dofs.free)]
         for value, (_, far) in zip(self._scalars_of(values), self._far_loads, strict=True):
             found += value * far
         return found
 
     def _scalars_of(self, values: Array) -> Array:
-        return values[len(self._free_dofs) :]
+        return values[len(self.dofs.free) :]
 
     def take(self, state: Any) -> None:
         """A vector of unknowns into the jumps; collective."""
         values = self._values(state)
         self._present = self._displacements(values)
-        at_surfaces = [None if jump is None else self._present[jump.local] for jump in self._jumps]
+        at_surfaces = [None if jump is None else self._present[jump.places] for jump in self._jumps]
         self.move_contacts(at_surfaces, self._scalars_of(values))
 
     def balance(self, state: Any, residual: Any) -> None:
@@ -262,7 +235,7 @@ class CondensedSystem(System):
             parts = self.comm.gather(jump.surface.entries())
             if parts is not None:
                 rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
-                count = len(jump.places)
+                count = len(jump.surface.dofs)
                 tangent = csr_matrix((values, (rows, columns)), shape=(count, count))
                 whole = whole + jump.work.T @ tangent @ jump.motion
         if self._dense is not None:
@@ -287,7 +260,7 @@ class CondensedSystem(System):
         load = self._load.copy()
         for value, (far, _) in zip(self._scalars_of(values), self._far_loads, strict=True):
             load += value * far
-        found = self._bulk.expand(load, values[: len(self._free_dofs)])
+        found = self._bulk.expand(load, values[: len(self.dofs.free)])
         self.stiffness.set_functions(found)
         components = self.problem.spaces.components
         displacement = self.problem.displacement.x.array.reshape(-1, components).copy()

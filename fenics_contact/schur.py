@@ -157,7 +157,7 @@ class LocalFactor:
         operator = PETSc.Mat().createAIJ(
             (count, count), csr=(*csr, self.matrix.data), comm=PETSc.COMM_SELF
         )
-        self._right, self._solved = operator.createVecs()
+        self._right, self._solved = operator.createVecRight(), operator.createVecLeft()
         self._preconditioner = _lu(operator)
         self._preconditioner.getFactorMatrix().setMumpsIcntl(7, ordering)
         operator.destroy()  # the preconditioner keeps it

@@ -214,11 +214,11 @@ def test_schur_complement_against_dense_elimination(nu):
     index_map = problem.spaces.displacement_space.dofmap.index_map
     nodes = index_map.local_to_global((problem.constrained // 2).astype(np.int32))
     held = np.unique(np.concatenate(COMM.allgather(2 * nodes + problem.constrained % 2)))
-    contact = system._free_dofs
+    contact = system.dofs.free
     inside = np.setdiff1d(np.arange(len(whole)), np.union1d(held, contact))
     left = np.linalg.solve(whole[np.ix_(inside, inside)], whole[np.ix_(inside, contact)])
     expected = whole[np.ix_(contact, contact)] - whole[np.ix_(contact, inside)] @ left
-    bulk = CondensedBulk(stiffness, system._held_unknowns(), contact)
+    bulk = CondensedBulk(stiffness, system.held, contact)
     if COMM.rank == 0:
         assert np.abs(bulk.schur - expected).max() <= 1e-11 * np.abs(expected).max()
     else:
