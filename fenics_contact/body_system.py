@@ -31,7 +31,7 @@ class BodySystem(System):
 
     @abstractmethod
     def internal_forces(self, state: Any, forces: Any) -> None:
-        """K u, also where supports hold; collective."""
+        """K u, also where supports hold; 0 in the scalars' rows; collective."""
 
     @property
     def forces(self) -> float:
@@ -80,19 +80,25 @@ class BodySystem(System):
         """K u − f − r_c(u), and the scalars' rows; collective."""
         self.take(state)
         self.internal_forces(state, residual)
-        forces = self.all_contact_forces()
-        surfaces = [contact.trace.surface for contact in self.problem.contacts]
-        pushed = [s.on_body(f).reshape(-1) for s, f in zip(surfaces, forces, strict=True)]
-        imbalances = self.scalar_imbalances(self.scalar_values(state), forces)
+        contacts = self.contact_residual(state)
         with residual as array:
-            for force in pushed:
-                array[: self._owned_size] -= force[: self._owned_size]
+            array += contacts
             array[: self._owned_size] -= self.problem.load.reshape(-1)[: self._owned_size]
             held = np.abs(array[self._owned_constrained]).sum()
             array[self._owned_constrained] = 0.0  # they hold their values exactly
-            if self.comm.rank == 0 and self.scalars:
-                array[-self.scalars :] = imbalances
         self._reactions = float(total(self.comm, held))
+
+    def contact_residual(self, state: Any) -> Array:
+        """−r_c(u) and the scalars' rows at the jumps last taken, rows of this rank; collective."""
+        forces = self.all_contact_forces()
+        imbalances = self.scalar_imbalances(self.scalar_values(state), forces)
+        found = np.zeros(state.getLocalSize())
+        for contact, force in zip(self.problem.contacts, forces, strict=True):
+            pushed = contact.trace.surface.on_body(force).reshape(-1)
+            found[: self._owned_size] -= pushed[: self._owned_size]
+        if self.comm.rank == 0 and self.scalars:
+            found[-self.scalars :] = imbalances
+        return found
 
     def imbalance(self) -> float:
         """1-norm of the last residual, without rows of mean stresses (force); collective."""
