@@ -47,7 +47,7 @@ class EliminatingNewton:
         self._system = system
         self._comm = system.comm
         self._zone = system.zone
-        self._tolerance = system.problem.scene.solver.tolerance
+        self._tolerance = 0.0
         self._is_nonlinear = any(
             contact.is_one_sided or contact.friction is not None
             for contact in system.problem.contacts
@@ -56,6 +56,7 @@ class EliminatingNewton:
     def solve(self, snes: Any, right: Any, state: Any) -> None:
         """Solve from a state; PETSc calls this."""
         searched = _is_searched(snes)
+        self._tolerance = snes.getTolerances()[0]
         residual = snes.getFunction()[0]
         step, left = state.duplicate(), state.duplicate()
         snes.computeFunction(state, residual)

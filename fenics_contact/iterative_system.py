@@ -29,7 +29,7 @@ from fenics_contact.timings import Timings
 Array = NDArray[np.float64]
 
 # K's entries are looked at in so many parts, as Python would copy all of them.
-_PARTS = 16
+_PARTS = 128
 
 
 class IterativeSystem(BodySystem):
