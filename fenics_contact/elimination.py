@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 # Forces that the first linear solve leaves, over those it starts with; later ones leave
 # this times the last reduction to this power.
 _FIRST_REST = 0.1
-_FACTOR, _POWER = 0.9, 1.5
+_FACTOR, _POWER = 0.9, 2
 # The last one is to end the Newton steps.
-_BELOW_TOLERANCE = 0.2
+_BELOW_TOLERANCE = 0.5
 # The zone is settled to this share of the imbalance outside it.
 _ZONE_SHARE = 1e-2
 _MOST_ZONE_STEPS = 15
@@ -103,6 +103,7 @@ class EliminatingNewton:
         step.set(0.0)
         with step as array:
             array[zone.places] = inside
+        self._system.tie(step)
         tangent.mult(step, left)
         left.aypx(-1.0, -residual)
         solver.setOperators(tangent)
@@ -154,6 +155,7 @@ class EliminatingNewton:
             if not size > enough:
                 break
         inside.keep_best()
+        system.follow_supports()  # a half-space's outer boundary, as its resultants have changed
         snes.computeFunction(state, residual)
 
     def _norm(self, forces: Array) -> float:

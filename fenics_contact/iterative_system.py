@@ -45,6 +45,7 @@ class IterativeSystem(BodySystem):
     """
 
     name = "iterative"
+    first_way = "monolithic"  # a loop's every pass would take a linear solve
     options: ClassVar = {
         "ksp_type": "fgmres",
         "ksp_gmres_restart": 30,
@@ -191,9 +192,8 @@ class IterativeSystem(BodySystem):
         with self._inner as array:
             array[:] = right.array_r[: self._owned_size]
         self.multigrid.apply(self._inner, self._outer)
-        held = self._owned_constrained
-        with self._outer as array:  # exactly: the balance of forces does not see these rows
-            array[held] = self._inner.array_r[held] / self._diagonal
+        with self._outer as array:
+            array[self._owned_constrained] = 0.0
         with solution as array:
             array[:] = 0.0
             array[: self._owned_size] = self._outer.array_r
@@ -201,6 +201,24 @@ class IterativeSystem(BodySystem):
         correction = self.zone.solve(left)
         with solution as array:
             array[self.zone.places] += correction
+        self.tie(solution)
+
+    def tie(self, change: Any) -> None:
+        """Let constrained dofs change as the resultants say, or not at all; collective.
+
+        Exactly, as the balance of forces does not see their rows.
+        """
+        far_field = self.problem.far_field
+        values = np.zeros(self._owned_size)
+        if far_field is not None:
+            mine = far_field.dofs < self._owned_size
+            scalars = self.scalar_values(change)
+            for unknown, value in zip(self.problem.unknowns, scalars, strict=True):
+                if unknown.column is not None:
+                    values[far_field.dofs[mine]] += value * unknown.column[mine]
+        held = self._owned_constrained
+        with change as array:
+            array[held] = values[held]
 
     def _forces_in_zone(self, solution: Any) -> Array:
         """(K + K_c) times displacements of ``_outer``, in the zone."""

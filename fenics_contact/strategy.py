@@ -126,7 +126,9 @@ class _CoulombLoop:
             "monolithic": self._monolithic,
             "continuation": self._continuation,
         }
-        chosen = list(ways) if strategy == "auto" else [strategy]
+        chosen = [strategy]
+        if strategy == "auto":
+            chosen = sorted(ways, key=lambda way: way != self.newton.system.first_way)
         if strategy == "auto" and RigidMotions(self.problem).count > 0:
             chosen.remove("campos")
         for number, way in enumerate(chosen):
