@@ -13,31 +13,36 @@ from fenics_contact.contact_matrix import ContactMatrix
 from fenics_contact.problem import Problem
 
 Array = NDArray[np.float64]
+Nodes = NDArray[np.bool_]
 
 # What the user sets with it wins over our defaults.
 OPTIONS_PREFIX = "fenics_contact_zone_"
 
 
 class ContactZone:
-    """Free displacements of all cells that touch a contact, and the scalars.
+    """Free displacements of the cells that touch nodes of contacts, and the scalars.
 
     The penalty makes K + K_c as stiff as 1/ε₁ there, where no multigrid would follow; a sparse
     factor of the zone does, and grows with the surface alone.
 
     Attributes:
-        places: Of the zone's unknowns among those of this rank.
-        contact_dofs: Owned free dofs of the contacts' own nodes.
+        nodes: This rank's nodes of contacts, owned and ghost, whose cells are in it.
+        places: Of its unknowns among those of this rank.
 
     Args:
         problem: The problem.
         stiffness: K with supports cleared.
-        contacts: K_c, empty so far.
+        contacts: K_c.
+        nodes: See the attributes.
     """
 
-    def __init__(self, problem: Problem, stiffness: Any, contacts: ContactMatrix) -> None:
+    def __init__(
+        self, problem: Problem, stiffness: Any, contacts: ContactMatrix, nodes: Nodes
+    ) -> None:
         self._contacts = contacts
+        self.nodes = nodes
         scalars = contacts.scalars if problem.comm.rank == 0 else 0
-        self.contact_dofs, dofs = _zone_dofs(problem)
+        dofs = free_dofs(problem, beside(problem, nodes))
         owned = stiffness.getLocalSize()[0]
         self._count = len(dofs)
         self.places = np.concatenate([dofs, owned + np.arange(scalars)])
@@ -116,26 +121,45 @@ class ContactZone:
             thing.destroy()
 
 
-def _zone_dofs(problem: Problem) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Owned free dofs of contacts, and of all cells that touch a node of one; collective."""
-    spaces = problem.spaces
-    dofmap = spaces.displacement_space.dofmap
-    marks = la.vector(dofmap.index_map, 1)
-
-    def marked() -> NDArray[np.int64]:
-        marks.scatter_reverse(la.InsertMode.add)
-        marks.scatter_forward()
-        nodes = np.flatnonzero(marks.array[: spaces.owned_nodes])
-        dofs = nodes[:, None] * spaces.components + np.arange(spaces.components)
-        return np.setdiff1d(dofs.ravel(), problem.constrained)
-
+def touching(problem: Problem) -> Nodes:
+    """Nodes at which forces of contacts depend on displacements at present; collective."""
+    found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
     for contact in (contact for contact in problem.contacts if contact.terms):
-        marks.array[contact.trace.all_nodes] = 1.0
-    contacts = marked()
-    touching = dofmap.list[marks.array[dofmap.list].any(axis=1)]
-    marks.array[:] = 0.0
-    marks.array[touching] = 1.0
-    return contacts, marked()
+        acts = np.zeros(len(contact.trace.weights), dtype=bool)
+        if contact.normal is not None:
+            acts |= (contact.pressure() > 0) | (not contact.is_one_sided)
+        if contact.friction is not None:
+            acts |= contact.friction.bound > 0
+        at_nodes = contact.trace.to_nodes(acts.astype(np.float64))
+        found |= contact.trace.on_body(at_nodes) > 0
+    return found
+
+
+def on_contacts(problem: Problem) -> Nodes:
+    """All nodes of contacts that exert forces; collective."""
+    found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
+    for contact in (contact for contact in problem.contacts if contact.terms):
+        ones = np.ones(len(contact.trace.all_nodes))
+        found |= contact.trace.surface.on_body(ones) > 0
+    return found
+
+
+def beside(problem: Problem, nodes: Nodes) -> Nodes:
+    """Nodes of all cells that have one of the nodes; collective."""
+    dofmap = problem.spaces.displacement_space.dofmap
+    marks = la.vector(dofmap.index_map, 1)
+    marks.array[dofmap.list[nodes[dofmap.list].any(axis=1)]] = 1.0
+    marks.scatter_reverse(la.InsertMode.add)
+    marks.scatter_forward()
+    return np.asarray(marks.array > 0)
+
+
+def free_dofs(problem: Problem, nodes: Nodes) -> NDArray[np.int64]:
+    """Owned dofs of nodes that nothing constrains."""
+    spaces = problem.spaces
+    owned = np.flatnonzero(nodes[: spaces.owned_nodes])
+    dofs = owned[:, None] * spaces.components + np.arange(spaces.components)
+    return np.setdiff1d(dofs.ravel(), problem.constrained)
 
 
 def _with_scalars(matrix: Any, own: int, scalars: int) -> Any:

@@ -46,7 +46,6 @@ class EliminatingNewton:
     def __init__(self, system: IterativeSystem) -> None:
         self._system = system
         self._comm = system.comm
-        self._zone = system.zone
         self._tolerance = 0.0
         self._is_nonlinear = any(
             contact.is_one_sided or contact.friction is not None
@@ -70,6 +69,7 @@ class EliminatingNewton:
             rest = self._rest(imbalance, before)
             before = imbalance
             snes.computeJacobian(state, self._system.tangent)
+            self._system.follow_contacts()
             if not self._find_step(snes.getKSP(), residual, rest, step, left):
                 reason = -3  # the linear solve failed
                 break
@@ -97,7 +97,7 @@ class EliminatingNewton:
 
     def _find_step(self, solver: Any, residual: Any, rest: float, step: Any, left: Any) -> bool:
         """−(K + K_c)⁻¹ r: exactly in the zone first, then everywhere; collective."""
-        zone, tangent = self._zone, self._system.tangent
+        zone, tangent = self._system.zone, self._system.tangent
         zone.factorise()
         inside = zone.solve(-residual.array_r[zone.places])
         step.set(0.0)
@@ -136,7 +136,9 @@ class EliminatingNewton:
 
         Needs the residual of the state, and leaves that of the new one.
         """
-        system, zone = self._system, self._zone
+        system = self._system
+        system.follow_contacts()
+        zone = system.zone
         left = residual.array_r[zone.places].copy()
         size = self._norm(left)
         outside = system.imbalance() - size

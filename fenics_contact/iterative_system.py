@@ -16,7 +16,13 @@ from petsc4py import PETSc
 
 from fenics_contact.body_system import BodySystem
 from fenics_contact.contact_matrix import ContactMatrix
-from fenics_contact.contact_zone import ContactZone
+from fenics_contact.contact_zone import (
+    ContactZone,
+    beside,
+    free_dofs,
+    on_contacts,
+    touching,
+)
 from fenics_contact.elimination import EliminatingNewton
 from fenics_contact.errors import InputError
 from fenics_contact.linear_system import assembled
@@ -92,14 +98,32 @@ class IterativeSystem(BodySystem):
         problem = self.problem
         _, fields = rigid_fields(problem)
         owned = fields[: problem.spaces.owned_nodes].reshape(self._owned_size, -1)
-        self.zone = ContactZone(problem, self._stiffness, self.contacts)
+        self._on_contacts = on_contacts(problem)
         self._add_springs(owned)
+        self._place_zone()
         self.multigrid = Multigrid(self._stiffness, owned)
         self.residual = self.contacts.matrix.createVecLeft()
         self.state, self._work = self.residual.duplicate(), self.residual.duplicate()
         sizes = self.contacts.matrix.getSizes()
         self.tangent = PETSc.Mat().createPython(sizes, _Tangent(self), comm=self.comm)
         self.tangent.setUp()
+
+    def _place_zone(self) -> None:
+        """A zone around what touches, with its neighbours, which may touch next.
+
+        Around whole contacts where multigrid has springs there, which are to be taken off.
+        """
+        near = self._on_contacts
+        if not self._is_sprung:
+            near = near & beside(self.problem, touching(self.problem))
+        self.zone = ContactZone(self.problem, self._stiffness, self.contacts, near)
+
+    def follow_contacts(self) -> None:
+        """Move the zone where something touches outside it; collective."""
+        outside = touching(self.problem) & ~self.zone.nodes
+        if total(self.comm, int(outside.sum())) > 0:
+            self.zone.destroy()
+            self._place_zone()
 
     def _add_springs(self, rigid: Array) -> None:
         """Springs at the contacts in multigrid's K where supports do not hold the body.
@@ -108,9 +132,11 @@ class IterativeSystem(BodySystem):
         """
         self._springs = np.zeros(self._owned_size)
         held = rigid[self._owned_constrained]
-        if null_space(np.asarray(total(self.comm, held.T @ held))).shape[1] == 0:
+        loose = null_space(np.asarray(total(self.comm, held.T @ held)))
+        self._is_sprung = loose.shape[1] > 0
+        if not self._is_sprung:
             return
-        dofs = self.zone.contact_dofs
+        dofs = free_dofs(self.problem, self._on_contacts)
         self._stiffness.getDiagonal(self._inner)
         self._springs[dofs] = self._inner.array_r[dofs]
         with self._inner as array:
