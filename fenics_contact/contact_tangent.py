@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, lapack, lu_factor, lu_solve
+from scipy.linalg import cho_factor, lapack
 from scipy.sparse import csr_matrix, diags
 
 Array = NDArray[np.float64]
@@ -41,7 +41,6 @@ class ContactTangent:
         self._inverse = np.eye(count + scalars)
         self._inverse[:count, :count] = self._compliance()
         self._inverse[:count, count:] = -self._inverse[:count, :count] @ columns
-        self.set(csr_matrix(self._constant.shape))
 
     def _compliance(self) -> Array:
         """Inverse of S, with springs where it lets the body move."""
@@ -69,14 +68,18 @@ class ContactTangent:
         self._extra = extra[self._active][:, self._active]
         inverse = self._inverse[np.ix_(self._active, self._active)]
         matrix = np.eye(len(self._active)) + (self._extra.T @ inverse.T).T
-        self._factor = lu_factor(matrix, check_finite=False) if len(self._active) else None
+        # By LAPACK itself: a singular tangent shall end the solve in our words.
+        self._factor = lapack.dgetrf(matrix) if len(self._active) else None
 
     def solve(self, right: Array) -> Array:
         """M⁻¹ r."""
         free = self._inverse @ right
         if self._factor is None:
             return np.asarray(free)
-        active = lu_solve(self._factor, free[self._active], check_finite=False)
+        factor, pivots, singular = self._factor
+        if singular:
+            return np.full(len(right), np.nan)
+        active, _ = lapack.dgetrs(factor, pivots, free[self._active])
         return np.asarray(free - self._inverse[:, self._active] @ (self._extra @ active))
 
     def multiply(self, values: Array) -> Array:

@@ -35,3 +35,9 @@ class NotConvergedError(FenicsContactError):
 
     def __str__(self) -> str:
         return str(self.args[0])
+
+
+class MachineError(FenicsContactError):
+    """The machine has not what the scene needs, such as memory."""
+
+    exit_code = 5

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from dolfinx import fem
+from dolfinx.fem import petsc as fem_petsc
 from numpy.typing import NDArray
 from scipy.sparse import bmat, csr_matrix
 
@@ -27,6 +28,7 @@ class LocalStiffness:
         matrix: Sparse, (unknowns, unknowns) (force/length).
         numbers: Of the unknowns over all ranks.
         shared: Which of them cells of other ranks touch, too.
+        is_plane: Whether the body has two dimensions.
         displacements: Displacement dofs among them, by their local number in the space.
     """
 
@@ -34,6 +36,7 @@ class LocalStiffness:
         self._problem = problem
         self.comm = problem.comm
         spaces, mixed = problem.spaces, problem.elastic.mixed
+        self.is_plane = spaces.components == 2
         fields = [spaces.displacement_space]
         blocks = [[_local_matrix(problem.elastic.stiffness)]]
         if mixed is not None:
@@ -91,7 +94,7 @@ class _Unknowns:
     def __init__(self, space: Any) -> None:
         dofmap, mesh = space.dofmap, space.mesh
         index_map, size = dofmap.index_map, dofmap.index_map_bs
-        count = index_map.size_local + index_map.num_ghosts
+        count = self.count(space) // size
         own_cells = mesh.topology.index_map(mesh.topology.dim).size_local
         touched = np.zeros(count)
         touched[dofmap.list[:own_cells].ravel()] = 1.0
@@ -101,17 +104,29 @@ class _Unknowns:
         self.numbers = (nodes[:, None] * size + np.arange(size)).ravel()
         self.total = index_map.size_global * size
 
+    @staticmethod
+    def count(space: Any) -> int:
+        """Number of dofs that this rank knows of."""
+        index_map = space.dofmap.index_map
+        return int(index_map.size_local + index_map.num_ghosts) * int(space.dofmap.index_map_bs)
+
 
 def _local_matrix(form: Any) -> csr_matrix:
     """A bilinear form over this rank's cells, between its own local dofs; collective."""
-    matrix = fem.assemble_matrix(form)
-    local = csr_matrix(matrix.to_scipy(ghosted=True))
-    rows, columns = (
-        (space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts)
-        * space.dofmap.index_map_bs
-        for space in form.function_spaces
-    )
-    return local if local.shape == (rows, columns) else local[:rows, :columns]
+    test, trial = form.function_spaces
+    if test.dofmap.index_map_bs == trial.dofmap.index_map_bs:
+        found = csr_matrix(fem.assemble_matrix(form).to_scipy(ghosted=True))
+    else:  # of unequal blocks only PETSc makes matrices, and not as fast
+        matrix = fem_petsc.create_matrix(form, "is")
+        fem_petsc.assemble_matrix(matrix, form)
+        matrix.assemble()
+        local = matrix.getISLocalMat()
+        first, columns, values = local.getValuesCSR()
+        found = csr_matrix((values, columns, first), shape=local.getSize())
+        matrix.destroy()
+    # Rows that ranks share have made room for columns that none of its cells reach.
+    shape = (_Unknowns.count(test), _Unknowns.count(trial))
+    return found if found.shape == shape else found[: shape[0], : shape[1]]
 
 
 def _set(function: Any, dofs: NDArray[np.int64], values: Array) -> None:

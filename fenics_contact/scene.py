@@ -150,6 +150,14 @@ class SolverSettings:
             "once; `auto` moves on from one to the next where it does not converge"
         ),
     ] = "auto"
+    solver: Annotated[
+        Literal["auto", "condensed", "full"],
+        Field(
+            description="`condensed` factorises the bulk once and iterates on the contact surfaces "
+            "alone, `full` on all displacements, with a factorisation in every Newton step; `auto` "
+            "chooses by sizes and memory"
+        ),
+    ] = "auto"
     outer_tolerance: Annotated[
         Number,
         Field(gt=0, lt=1e-2, description="change of the pressure in a pass, over its peak"),

@@ -26,6 +26,7 @@ from fenics_contact.quantities import (
 from fenics_contact.result import Check, Result
 from fenics_contact.scene import Scene
 from fenics_contact.solution import Solution
+from fenics_contact.solver_choice import SolverChoice, choose_solver
 from fenics_contact.strategy import solve
 from fenics_contact.timings import Timings
 
@@ -38,6 +39,7 @@ class Run:
     Attributes:
         problem: The model: spaces, energies, forms.
         free_motion: Rigid motions that the supports leave to friction.
+        choice: The solver, and how much memory it is to need.
         solution: Nodal values of this rank, once solved; None before, or without an answer.
         timings: Seconds so far.
 
@@ -48,6 +50,7 @@ class Run:
 
     Raises:
         InputError: The scene or its mesh cannot be used, or has no equilibrium.
+        MachineError: It will not fit into the machine's memory.
     """
 
     def __init__(
@@ -64,6 +67,7 @@ class Run:
         self.problem = Problem(scene, body, self.timings)
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)
+        self.choice: SolverChoice = choose_solver(self.problem)
 
     @property
     def model(self) -> dict[str, Any]:
@@ -80,7 +84,9 @@ class Run:
             "dofs": int(index_map.size_global) * problem.spaces.components,
             "contact_points": int(points),
             "ranks": problem.comm.size,
-            "solver": "full",
+            "solver": self.choice.name,
+            "solver_reason": self.choice.reason,
+            "solver_memory_mb": round(self.choice.memory / 1e6),
             "strategy": _strategy(problem, self.solution),
             "scalar_unknowns": [f"{u.kind} at {u.contact.label}" for u in problem.unknowns],
             "terms": [term.name for term in problem.terms],
@@ -93,7 +99,7 @@ class Run:
         """Solve and evaluate; collective. Failure to converge is a result, too."""
         self._steps: list[dict[str, Any]] = []
         try:
-            solution = solve(self.problem, self.timings, self._record)
+            solution = solve(self.problem, self.timings, self._record, self.choice)
         except NotConvergedError as error:
             return self._unconverged(error)
         return self._evaluate(solution)

@@ -16,14 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.anderson import Anderson
-from fenics_contact.condensed_system import CondensedSystem
 from fenics_contact.errors import NotConvergedError
-from fenics_contact.full_system import FullSystem
 from fenics_contact.newton import Newton
 from fenics_contact.parallel import largest
 from fenics_contact.problem import Problem
 from fenics_contact.rigid import RigidMotions
 from fenics_contact.solution import Solution
+from fenics_contact.solver_choice import SolverChoice, choose_solver, create_system
 from fenics_contact.timings import Timings
 
 logger = logging.getLogger(__name__)
@@ -52,6 +51,7 @@ def solve(
     problem: Problem,
     timings: Timings | None = None,
     accepted: Callable[[float, Solution], None] | None = None,
+    choice: SolverChoice | None = None,
 ) -> Solution:
     """Solve a problem step by step; collective.
 
@@ -59,6 +59,7 @@ def solve(
         problem: The problem; its slip history moves on with the steps.
         timings: Seconds so far.
         accepted: Called with pseudo-time and solution of every step, before slip is counted anew.
+        choice: The solver; by default that of the scene and its sizes.
 
     Returns:
         The solution of the last step.
@@ -67,9 +68,8 @@ def solve(
         NotConvergedError: In words, with the history of the force imbalance.
     """
     timings = timings or Timings()
-    system = (CondensedSystem if __import__("os").environ.get("COND") else FullSystem)(
-        problem, timings
-    )
+    choice = choice or choose_solver(problem)
+    system = create_system(problem, choice, timings)
     newton = Newton(problem, system, timings)
     times = problem.scene.steps.all_times
     try:
@@ -121,9 +121,9 @@ class _CoulombLoop:
     def solve(self, strategy: str) -> Solution:
         """By one strategy, or by one after the other until one converges."""
         ways: dict[str, Callable[[], None]] = {
+            "monolithic": self._monolithic,
             "campos": lambda: self._loop(self._campos_pass),
             "lagged": lambda: self._loop(self._lagged_pass),
-            "monolithic": self._monolithic,
             "continuation": self._continuation,
         }
         chosen = [strategy]

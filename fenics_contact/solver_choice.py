@@ -1,0 +1,119 @@
+"""Which solver a problem gets, and whether the machine has the memory for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import log2
+from typing import Literal
+
+from fenics_contact.condensed_system import CondensedSystem
+from fenics_contact.errors import MachineError
+from fenics_contact.full_system import FullSystem
+from fenics_contact.memory import free_memory_for
+from fenics_contact.parallel import total
+from fenics_contact.problem import Problem
+from fenics_contact.system import System
+from fenics_contact.timings import Timings
+
+Name = Literal["condensed", "full"]
+
+# Entries of MUMPS' factors L and U of n unknowns, ordered by nested dissection: c n log2 n in two
+# dimensions, c n^(4/3) in three (A. George, SIAM J. Numer. Anal. 10 (1973) 345-363). Measured
+# with P1, P2, Q1 and Q2 on 7,000 to 120,000 unknowns: 10-12.3 and 30-38.
+_ENTRIES_2D, _ENTRIES_3D = 12.5, 40.0
+# MUMPS' working memory over that of its factors (measured: 1.15-1.37).
+_WORKSPACE = 1.4
+# K as assembled, and its copies in PETSc and MUMPS.
+_COPIES = 4
+# S, its inverse and what a Newton step makes of them.
+_DENSE = 5
+
+
+@dataclass(frozen=True)
+class SolverChoice:
+    """A solver, and why.
+
+    Attributes:
+        name: ``condensed`` or ``full``.
+        reason: In words.
+        memory: Estimate for all ranks together (bytes).
+    """
+
+    name: Name
+    reason: str
+    memory: float
+
+
+def choose_solver(problem: Problem) -> SolverChoice:
+    """The scene's solver, or the one that suits its sizes; collective.
+
+    Raises:
+        MachineError: The problem will not fit into the machine's memory.
+    """
+    wanted = problem.scene.solver.solver
+    if wanted != "auto":
+        choice = SolverChoice(wanted, "as the scene says", memory_estimate(problem, wanted))
+    elif not any(contact.terms for contact in problem.contacts):
+        choice = SolverChoice("full", "nothing to iterate on", memory_estimate(problem, "full"))
+    else:
+        estimate = memory_estimate(problem, "condensed")
+        choice = SolverChoice("condensed", "one factorisation of the bulk", estimate)
+    free = free_memory_for(problem.comm)
+    if choice.memory > free:
+        raise MachineError(
+            f"the solver '{choice.name}' needs about {choice.memory / 1e9:.2g} GB of memory for "
+            f"{unknowns(problem):,} unknowns, and {free / 1e9:.2g} GB are free; use a coarser "
+            "mesh, a lower degree, or more machines"
+        )
+    return choice
+
+
+def create_system(problem: Problem, choice: SolverChoice, timings: Timings) -> System:
+    """What Newton's method is to solve; collective."""
+    systems: dict[Name, type[CondensedSystem] | type[FullSystem]] = {
+        "condensed": CondensedSystem,
+        "full": FullSystem,
+    }
+    return systems[choice.name](problem, timings)
+
+
+def unknowns(problem: Problem) -> int:
+    """Displacements and mean stresses on all ranks."""
+    spaces = [problem.spaces.displacement_space]
+    if problem.elastic.mixed is not None:
+        spaces.append(problem.elastic.mixed.mean_stress.function_space)
+    return sum(
+        int(space.dofmap.index_map.size_global) * int(space.dofmap.index_map_bs) for space in spaces
+    )
+
+
+def contact_unknowns(problem: Problem) -> int:
+    """Displacements of the surfaces on which contacts act, on all ranks."""
+    return sum(
+        int(contact.trace.surface.space.dofmap.index_map.size_global) * problem.spaces.components
+        for contact in problem.contacts
+        if contact.terms
+    )
+
+
+def memory_estimate(problem: Problem, name: Name) -> float:
+    """Bytes that a solver needs on all ranks together; collective."""
+    count = unknowns(problem)
+    plane = problem.spaces.components == 2
+    entries = _ENTRIES_2D * count * log2(count) if plane else _ENTRIES_3D * count ** (4 / 3)
+    bytes_of_factors = 8 * _WORKSPACE * entries
+    dofs_of_cell = (
+        problem.spaces.displacement_space.dofmap.list.shape[1] * problem.spaces.components
+    )
+    cells = problem.body.mesh.topology.index_map(problem.body.dimension).size_global
+    bytes_of_matrix = 12.0 * cells * dofs_of_cell**2
+    dense = 0.0
+    if name == "condensed":
+        dense = _DENSE * 8.0 * (contact_unknowns(problem) + _between_ranks(problem)) ** 2
+    return bytes_of_factors + _COPIES * bytes_of_matrix + dense
+
+
+def _between_ranks(problem: Problem) -> int:
+    """Displacements that ranks share, at the most."""
+    ghosts = problem.spaces.displacement_space.dofmap.index_map.num_ghosts
+    return int(total(problem.comm, ghosts)) * problem.spaces.components
