@@ -34,17 +34,22 @@ class ContactZone:
         stiffness: K with supports cleared.
         contacts: K_c.
         nodes: See the attributes.
+        springs: What that diagonal has too much, at this rank's dofs (force/length).
     """
 
     def __init__(
-        self, problem: Problem, stiffness: Any, contacts: ContactMatrix, nodes: Nodes
+        self,
+        problem: Problem,
+        stiffness: Any,
+        contacts: ContactMatrix,
+        nodes: Nodes,
+        springs: Array,
     ) -> None:
         self._contacts = contacts
         self.nodes = nodes
         scalars = contacts.scalars if problem.comm.rank == 0 else 0
         dofs = free_dofs(problem, beside(problem, nodes))
         owned = stiffness.getLocalSize()[0]
-        self._count = len(dofs)
         self.places = np.concatenate([dofs, owned + np.arange(scalars)])
         rows = self._indices(stiffness, dofs)
         every = PETSc.IS().createStride(
@@ -52,6 +57,11 @@ class ContactZone:
         )
         self._rows = stiffness.createSubMatrix(rows, every)
         inner = stiffness.createSubMatrix(rows, rows)
+        self._dofs, self._springs = dofs, springs[dofs]
+        diagonal = inner.getDiagonal()
+        with diagonal as array:
+            array -= self._springs
+        inner.setDiagonal(diagonal)
         self._stiffness = _with_scalars(inner, scalars, contacts.scalars)
         self._unknowns = self._indices(contacts.matrix, self.places)
         self._added = contacts.matrix.createSubMatrix(self._unknowns, self._unknowns)
@@ -60,7 +70,7 @@ class ContactZone:
         self._solved, self._right = self._stiffness.createVecs()
         self._image = self._rows.createVecLeft()
         self._factor = self._create_factor()
-        for thing in (rows, every, inner):
+        for thing in (rows, every, inner, diagonal):
             thing.destroy()
 
     def _indices(self, matrix: Any, local: NDArray[np.int64]) -> Any:
@@ -102,7 +112,8 @@ class ContactZone:
         """K times displacements of the body, in the zone; collective."""
         self._rows.mult(displacement, self._image)
         found = np.zeros(len(self.places))
-        found[: self._count] = self._image.array_r
+        found[: len(self._dofs)] = self._image.array_r
+        found[: len(self._dofs)] -= self._springs * displacement.array_r[self._dofs]
         return found
 
     def destroy(self) -> None:

@@ -51,7 +51,6 @@ class IterativeSystem(BodySystem):
     """
 
     name = "iterative"
-    first_way = "monolithic"  # a loop's every pass would take a linear solve
     options: ClassVar = {
         "ksp_type": "fgmres",
         "ksp_gmres_restart": 30,
@@ -62,7 +61,8 @@ class IterativeSystem(BodySystem):
         super().__init__(problem)
         if problem.elastic.mixed is not None:
             raise InputError(
-                "the iterative solver has no multigrid for a nearly incompressible material"
+                "solver.solver = 'iterative': there is no multigrid for the mean stress of a "
+                "nearly incompressible material; use 'condensed' or 'full'"
             )
         with timings.phase("assemble"):
             self._assemble()
@@ -116,7 +116,7 @@ class IterativeSystem(BodySystem):
         near = self._on_contacts
         if not self._is_sprung:
             near = near & beside(self.problem, touching(self.problem))
-        self.zone = ContactZone(self.problem, self._stiffness, self.contacts, near)
+        self.zone = ContactZone(self.problem, self._stiffness, self.contacts, near, self._springs)
 
     def follow_contacts(self) -> None:
         """Move the zone where something touches outside it; collective."""

@@ -126,9 +126,7 @@ class _CoulombLoop:
             "lagged": lambda: self._loop(self._lagged_pass),
             "continuation": self._continuation,
         }
-        chosen = [strategy]
-        if strategy == "auto":
-            chosen = sorted(ways, key=lambda way: way != self.newton.system.first_way)
+        chosen = list(ways) if strategy == "auto" else [strategy]
         if strategy == "auto" and RigidMotions(self.problem).count > 0:
             chosen.remove("campos")
         for number, way in enumerate(chosen):

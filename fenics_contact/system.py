@@ -30,13 +30,11 @@ class System(ABC):
         residual: The force imbalance, likewise.
         tangent: Its derivative, a PETSc matrix.
         options: PETSc's options for its linear solves.
-        first_way: The strategy of Coulomb friction that suits it best.
         factorisations: How often a matrix of the bulk was factorised.
     """
 
     name: ClassVar[str]
     options: ClassVar[dict[str, Any]]
-    first_way: ClassVar[str] = "campos"
     state: Any
     residual: Any
     tangent: Any
