@@ -13,9 +13,16 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.check_tools import nearer_to_failing
-from fenics_contact.friction_checks import dissipation, friction_cone, friction_law
+from fenics_contact.friction_checks import (
+    compared_friction,
+    dissipation,
+    friction_cone,
+    friction_law,
+)
 from fenics_contact.normal_checks import (
+    compared_pressures,
     complementarity,
     contact_law,
     penetration,
@@ -25,7 +32,6 @@ from fenics_contact.normal_checks import (
 from fenics_contact.parallel import largest, total
 from fenics_contact.problem import Problem
 from fenics_contact.result import Check
-from fenics_contact.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -39,58 +45,56 @@ _STRESS_OVER_SIZE = {1: 10.0, 2: 2.5}
 _LARGEST_STRESS_LIMIT = 0.5
 
 
-def run_checks(problem: Problem, solution: Solution, reactions: Array) -> dict[str, Check]:
+def run_checks(forces: BulkForces, reactions: Array) -> dict[str, Check]:
     """All checks that the scene's terms call for; collective.
 
     A check that finds nothing to compare, such as friction where supports hold every
     contact point, is left out: it would pass whatever the solution.
 
     Args:
-        problem: The model.
-        solution: Its solution.
+        forces: Of a solution.
         reactions: Nodal support reactions, shape (nodes, components) (force).
     """
+    friction, pressures = compared_friction(forces), compared_pressures(forces)
     checks = {
-        "equilibrium": equilibrium(problem, solution, reactions),
-        "boundary_stress": boundary_stress(problem, solution),
-        "friction_cone": friction_cone(problem, solution),
-        "friction_law": friction_law(problem, solution),
-        "dissipation": dissipation(problem, solution),
-        "contact_law": contact_law(problem, solution),
-        "complementarity": complementarity(problem, solution),
-        "tension": tension(problem, solution),
-        "penetration": penetration(problem, solution),
-        "pressure_recovery": pressure_recovery(problem, solution),
+        "equilibrium": equilibrium(forces, reactions),
+        "boundary_stress": boundary_stress(forces),
+        "friction_cone": friction_cone(friction),
+        "friction_law": friction_law(friction),
+        "dissipation": dissipation(friction),
+        "contact_law": contact_law(pressures),
+        "complementarity": complementarity(pressures),
+        "tension": tension(pressures),
+        "penetration": penetration(forces, pressures),
+        "pressure_recovery": pressure_recovery(forces, pressures),
     }
     return {name: check for name, check in checks.items() if check is not None}
 
 
-def equilibrium(problem: Problem, solution: Solution, reactions: Array) -> Check:
+def equilibrium(forces: BulkForces, reactions: Array) -> Check:
     """Resultants and moments of loads, support reactions and contact forces add up to zero.
 
     Relative to the sum of all nodal forces. The reactions come from the bulk, which
     balances itself, so whatever a wrong solution leaves on free nodes shows here.
     """
+    problem = forces.problem
     spaces = problem.spaces
-    forces = problem.load + reactions
-    for contact, force in zip(problem.contacts, solution.contact_force, strict=True):
-        forces += contact.trace.on_body(force)
-    forces = forces[: spaces.owned_nodes]
-    size = total(problem.comm, np.abs(forces).sum()) or 1.0
-    limit = _ROUND_OFF + 2 * solution.imbalance_limit / size
+    applied = (problem.load + reactions + forces.contacts)[: spaces.owned_nodes]
+    size = total(problem.comm, np.abs(applied).sum()) or 1.0
+    limit = _ROUND_OFF + 2 * forces.solution.imbalance_limit / size
     if spaces.kinematics == "axisymmetric":  # radial nodal forces balance around the ring
-        sums = total(problem.comm, forces[:, 1].sum())
+        sums = total(problem.comm, applied[:, 1].sum())
         return Check(abs(sums) / size, limit)
     points = spaces.coordinates[: spaces.owned_nodes]
     arms = points - total(problem.comm, points.sum(axis=0)) / total(problem.comm, len(points))
-    vectors = np.zeros((len(forces), 3))
-    vectors[:, : spaces.components] = forces
+    vectors = np.zeros((len(applied), 3))
+    vectors[:, : spaces.components] = applied
     length = largest(problem.comm, np.abs(arms).ravel(), empty=1.0)
     sums = np.concatenate([vectors.sum(axis=0), np.cross(arms, vectors).sum(axis=0) / length])
     return Check(float(np.linalg.norm(total(problem.comm, sums))) / size, limit)
 
 
-def boundary_stress(problem: Problem, solution: Solution) -> Check | None:
+def boundary_stress(forces: BulkForces) -> Check | None:
     """∫ σ(u) n over each contact against its pressure and friction resultants.
 
     Relative to ∫ (p + g + mean stress of the body): where the contact carries little,
@@ -98,10 +102,11 @@ def boundary_stress(problem: Problem, solution: Solution) -> Check | None:
     Left out are contacts that loads act on as well, and axes along which supports hold
     the contact: their forces are in σ n, too.
     """
+    problem = forces.problem
     spaces = problem.spaces
     stress_vector = _boundary_traction(problem)
     test = ufl.TestFunction(spaces.displacement_space)
-    typical = _mean_stress(problem, solution)
+    typical = _mean_stress(forces)
     worst: Check | None = None
     for number, contact in enumerate(problem.contacts):
         axes = ~contact.supports.held_axes()
@@ -110,7 +115,7 @@ def boundary_stress(problem: Problem, solution: Solution) -> Check | None:
         measure = spaces.boundary(contact.group)
         nodal = spaces.assemble(fem.form(spaces.weight * ufl.dot(stress_vector, test) * measure))
         found = total(problem.comm, nodal[: spaces.owned_nodes].sum(axis=0))
-        state = solution.states[number]
+        state = forces.solution.states[number]
         traction = state.friction_traction - state.contact_pressure[:, None] * contact.trace.normals
         given = contact.trace.integral(traction)
         carried = np.abs(state.contact_pressure) + contact.friction_bound + typical
@@ -133,12 +138,9 @@ def _boundary_traction(problem: Problem) -> Any:
     return ufl.as_vector([sum(cauchy[i, j] * normal[j] for j in range(size)) for i in range(size)])
 
 
-def _mean_stress(problem: Problem, solution: Solution) -> float:
+def _mean_stress(forces: BulkForces) -> float:
     """Root mean square stress of the body, √(E a(u, u) / volume), E the largest stiffness."""
-    spaces = problem.spaces
-    owned = slice(0, spaces.owned_nodes)
-    energy = total(
-        problem.comm, np.sum(solution.displacement[owned] * solution.internal_force[owned])
-    )
+    problem, spaces = forces.problem, forces.problem.spaces
+    energy = 2 * forces.strain_energy
     volume = total(problem.comm, fem.assemble_scalar(fem.form(spaces.weight * spaces.bulk)))
     return float(np.sqrt(max(energy, 0.0) * problem.elastic.reference_modulus / volume))

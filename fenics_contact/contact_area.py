@@ -72,54 +72,64 @@ def _area(contact: ContactSurface, zone: _Zone) -> float:
     areas = pieces.areas * pieces.weights.mean(axis=1)
     counted = np.where(inside.all(axis=1), areas, 0.0)
     edge = np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1))
-    for piece in edge.tolist():
-        counted[piece] = _part_inside(contact, zone, piece)
+    counted[edge] = _parts_inside(contact, zone, edge)
     # Relative to what the pieces have in all: these are flat, and the surface may not be.
     found, every = total(trace.spaces.comm, np.array([counted.sum(), areas.sum()]))
     return float(trace.integral(np.ones(len(zone.inside)))) * float(found / every)
 
 
-def _part_inside(contact: ContactSurface, zone: _Zone, piece: int) -> float:
-    """Weighted area of the part of a segment or triangle that lies in the zone."""
+def _parts_inside(contact: ContactSurface, zone: _Zone, chosen: NDArray[np.int64]) -> Array:
+    """Weighted areas of the parts of segments or triangles that lie in the zone."""
     pieces = contact.trace.pieces
-    points, corners = pieces.points[piece], pieces.corners[piece]
-    weights, inside = pieces.weights[piece], zone.inside[points]
-    alone = inside.sum() == 1  # one corner is inside, else one is outside
-    corner = int(np.flatnonzero(inside if alone else ~inside)[0])
-    share, density = 1.0, weights[corner]
-    for other in range(len(points)):
-        if other == corner:
-            continue
-        inner, outer = (corner, other) if alone else (other, corner)
-        reach = _edge(contact, zone, points[inner], points[outer], corners[[inner, outer]])
-        reach = reach if alone else 1.0 - reach
+    points, corners, weights = (a[chosen] for a in (pieces.points, pieces.corners, pieces.weights))
+    inside, rows, count = zone.inside[points], np.arange(len(chosen)), points.shape[1]
+    alone = inside.sum(axis=1) == 1  # one corner is inside, else one is outside
+    corner = np.where(alone[:, None], inside, ~inside).argmax(axis=1)
+    share, density = np.ones(len(chosen)), weights[rows, corner]
+    for step in range(1, count):
+        other = (corner + step) % count
+        inner, outer = np.where(alone, corner, other), np.where(alone, other, corner)
+        ends = corners[rows, inner], corners[rows, outer]
+        reach = _edges(contact, zone, points[rows, inner], points[rows, outer], ends)
+        reach = np.where(alone, reach, 1.0 - reach)
         share *= reach
-        density += (weights[other] - weights[corner]) * reach / len(points)
-    cut = float(pieces.areas[piece] * share * density)
-    return cut if alone else float(pieces.areas[piece] * weights.mean()) - cut
+        density += (weights[rows, other] - weights[rows, corner]) * reach / count
+    cut = pieces.areas[chosen] * share * density
+    return np.where(alone, cut, pieces.areas[chosen] * weights.mean(axis=1) - cut)
 
 
-def _edge(contact: ContactSurface, zone: _Zone, inner: int, outer: int, ends: Array) -> float:
-    """Where the edge lies between a point inside and one outside, 0 … 1 of the way out."""
+def _edges(
+    contact: ContactSurface,
+    zone: _Zone,
+    inner: NDArray[np.int64],
+    outer: NDArray[np.int64],
+    ends: tuple[Array, Array],
+) -> Array:
+    """Where the edge lies between points inside and points outside, 0 … 1 of the way out."""
     assert contact.normal is not None
     distance, depth = zone.distance[outer], zone.depth[inner]
-    length = float(np.linalg.norm(ends[1] - ends[0]))
+    length = np.linalg.norm(ends[1] - ends[0], axis=1)
     modulus = contact.plane_strain_modulus
-    if not np.isfinite(distance):
-        return contact.kinematics.end_of_obstacle(inner, ends[1])
-    if distance <= 0:  # nothing pushes there, a foundation that ends
-        return 0.5
-    if depth > 0 and contact.normal.stiffness[inner] * length < _SOFT * modulus:
-        return float(depth / (depth + distance))
-    return _asymptotic_edge(zone.stress[inner], distance, modulus, length)
+    found = np.full(len(inner), 0.5)  # where nothing pushes outside, as a foundation that ends
+    beyond = ~np.isfinite(distance)
+    if beyond.any():
+        reached, outside = inner[beyond], ends[1][beyond]
+        found[beyond] = contact.kinematics.end_of_obstacle(reached, outside)
+    pushed = ~beyond & (distance > 0)
+    soft = pushed & (depth > 0) & (contact.normal.stiffness[inner] * length < _SOFT * modulus)
+    found[soft] = depth[soft] / (depth[soft] + distance[soft])
+    stiff = pushed & ~soft
+    stress = zone.stress[inner][stiff]
+    found[stiff] = _asymptotic_edges(stress, distance[stiff], modulus, length[stiff])
+    return found
 
 
-def _asymptotic_edge(stress: float, distance: float, modulus: float, length: float) -> float:
-    """Solve stress² = C² δ and (3 E* distance / 4C)^(2/3) = L − δ for δ/L, by bisection."""
-    low, high = 0.0, length
-    for _ in range(60):
-        inside = 0.5 * (low + high)
-        slope = stress / np.sqrt(inside)
-        outside = (0.75 * modulus * distance / slope) ** (2 / 3) if slope > 0 else np.inf
-        low, high = (low, inside) if inside + outside > length else (inside, high)
-    return float(0.5 * (low + high) / length)
+def _asymptotic_edges(stress: Array, distance: Array, modulus: float, length: Array) -> Array:
+    """Solve stress² = C² δ and (3 E* distance / 4C)^(2/3) = L − δ for δ/L.
+
+    A cubic in t = (δ/L)^(1/3), t³ + κ t = 1, with one real root.
+    """
+    carries = stress > 0
+    kappa = (0.75 * modulus * distance / (np.where(carries, stress, 1.0) * length)) ** (2 / 3)
+    root = 2 * np.sqrt(kappa / 3) * np.sinh(np.arcsinh(1.5 / kappa * np.sqrt(3 / kappa)) / 3)
+    return np.where(carries, root**3, 0.0)

@@ -167,18 +167,18 @@ class ContactKinematics:
         normals = self.trace.normals[: len(vectors)]
         return vectors - self.normal(vectors)[:, None] * normals
 
-    def end_of_obstacle(self, reached: int, beyond: Array) -> float:
-        """How far the obstacle goes, from a point that it reaches to one beyond it (0 … 1).
+    def end_of_obstacle(self, reached: NDArray[np.int64], beyond: Array) -> Array:
+        """How far the obstacle goes, from points that it reaches to others beyond it (0 … 1).
 
         Args:
-            reached: Number of the point.
-            beyond: Coordinates of the other, (3,) (length).
+            reached: Numbers of the points.
+            beyond: Coordinates of the others, (points, 3) (length).
         """
-        start, normal = self.trace.coordinates[reached], self.trace.normals[reached]
-        low, high = 0.0, 1.0
+        starts, normals = self.trace.coordinates[reached], self.trace.normals[reached]
+        low, high = np.zeros(len(starts)), np.ones(len(starts))
         for _ in range(40):
             middle = 0.5 * (low + high)
-            point = start + middle * (beyond - start)
-            inside = np.isfinite(self._gap(point[None], normal[None])[0])
-            low, high = (middle, high) if inside else (low, middle)
+            points = starts + middle[:, None] * (beyond - starts)
+            inside = np.isfinite(self._gap(points, normals))
+            low, high = np.where(inside, middle, low), np.where(inside, high, middle)
         return low

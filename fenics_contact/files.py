@@ -59,7 +59,7 @@ def write(run: Run, result: Result, folder: Path) -> None:
     comm = run.problem.comm
     on_root(comm, lambda: _clear(folder))
     if run.solution is not None:
-        write_fields(run.problem, run.solution, folder)
+        write_fields(run.forces, folder)
     on_root(comm, lambda: _write_tables(result, folder))
 
 
@@ -100,9 +100,11 @@ def _csv_rows(points: ContactPoints, names: list[str]) -> list[list[str]]:
         _without_round_off(points.slip),
     ]
     table = np.hstack(columns)
+    numbers = ",".join(["%.8g"] * table.shape[1])  # one format a row: there may be many
+    rows = zip(points.contact.tolist(), table.tolist(), points.status.tolist(), strict=True)
     return [
-        [names[contact], *(f"{value:.8g}" for value in values), str(state)]
-        for contact, values, state in zip(points.contact, table, points.status, strict=True)
+        [names[contact], *(numbers % tuple(values)).split(","), state]
+        for contact, values, state in rows
     ]
 
 

@@ -9,36 +9,35 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.check_tools import TRACE, nearer_to_failing
 from fenics_contact.parallel import largest, smallest, total
-from fenics_contact.problem import Problem
-from fenics_contact.reaction_pressure import bulk_forces
 from fenics_contact.result import Check
-from fenics_contact.solution import Solution
 
 Array = NDArray[np.float64]
 
 
-def recovered_friction(problem: Problem, solution: Solution, number: int) -> Array:
+def recovered_friction(forces: BulkForces, number: int) -> Array:
     """Friction forces that the bulk needs at the nodes of a contact.
 
     Returns:
         K u − f, tangential, shape (nodes, components) (force), less what other contacts
         give to a shared node.
     """
-    contact = problem.contacts[number]
-    return contact.kinematics.tangential(bulk_forces(problem, solution, number))
+    contact = forces.problem.contacts[number]
+    return contact.kinematics.tangential(forces.at_contact(number))
 
 
 @dataclass(frozen=True, eq=False)
-class _Compared:
-    """What a friction check compares at the nodes where nothing but friction acts.
+class ComparedFriction:
+    """What friction checks compare at the nodes of a contact where nothing but friction acts.
 
     Attributes:
         bulk: Recovered friction, over the largest bound and the node's area: a traction's share.
         law: The friction law's, likewise.
         bound: The most that the points around a node can give it, likewise.
         slip: That the friction law counts (length).
+        limit: What round-off and the accepted imbalance may leave, likewise.
         nodal: Whether each node is a point of its own, whose law can be asked.
         comm: Communicator.
     """
@@ -47,21 +46,15 @@ class _Compared:
     law: Array
     bound: Array
     slip: Array
+    limit: float
     nodal: bool
     comm: Any
 
 
-def _worst(
-    problem: Problem, solution: Solution, compare: Callable[[_Compared], float]
-) -> Check | None:
-    """The check of the frictional contact that comes nearest to its limit.
-
-    Args:
-        problem: The model.
-        solution: Its solution.
-        compare: The global value of the check for one contact, good at or below 0.
-    """
-    worst: Check | None = None
+def compared_friction(forces: BulkForces) -> list[ComparedFriction]:
+    """All contacts with friction to compare, in scene order; collective."""
+    problem, solution = forces.problem, forces.solution
+    found = []
     for number, contact in enumerate(problem.contacts):
         free, movable = contact.supports.free_along, contact.supports.movable
         counted = contact.owned_nodes & movable
@@ -73,51 +66,72 @@ def _worst(
         area = trace.to_nodes(trace.weights)
         unit = area * strongest
         bound = trace.to_nodes(trace.weights * contact.friction_bound) / unit
-        bulk = free * recovered_friction(problem, solution, number) / unit[:, None]
+        bulk = free * recovered_friction(forces, number) / unit[:, None]
         law = free * solution.friction_force[number] / unit[:, None]
         since = contact.friction.counted(solution.states[number].slip)
         slip = free * since[: len(contact.nodes)]
-        compared = _Compared(
-            bulk[counted], law[counted], bound[counted], slip[counted], trace.nodal, problem.comm
-        )
-        found = compare(compared)
         lightest = smallest(problem.comm, unit[contact.owned_nodes])
-        limit = TRACE + 2 * solution.imbalance_limit / lightest
-        check = Check(found if np.isnan(found) else max(found, 0.0), limit)
+        found.append(
+            ComparedFriction(
+                bulk=bulk[counted],
+                law=law[counted],
+                bound=bound[counted],
+                slip=slip[counted],
+                limit=TRACE + 2 * solution.imbalance_limit / lightest,
+                nodal=trace.nodal,
+                comm=problem.comm,
+            )
+        )
+    return found
+
+
+def _worst(
+    contacts: list[ComparedFriction], compare: Callable[[ComparedFriction], float]
+) -> Check | None:
+    """The check of the frictional contact that comes nearest to its limit.
+
+    Args:
+        contacts: What is compared.
+        compare: The global value of the check for one contact, good at or below 0.
+    """
+    worst: Check | None = None
+    for compared in contacts:
+        found = compare(compared)
+        check = Check(found if np.isnan(found) else max(found, 0.0), compared.limit)
         worst = nearer_to_failing(worst, check)
     return worst
 
 
-def friction_cone(problem: Problem, solution: Solution) -> Check | None:
+def friction_cone(contacts: list[ComparedFriction]) -> Check | None:
     """|σ_T| − g, over the largest g (paper, (1.6)): traction within its bound."""
 
-    def excess(compared: _Compared) -> float:
+    def excess(compared: ComparedFriction) -> float:
         return largest(compared.comm, np.linalg.norm(compared.bulk, axis=1) - compared.bound)
 
-    return _worst(problem, solution, excess)
+    return _worst(contacts, excess)
 
 
-def friction_law(problem: Problem, solution: Solution) -> Check | None:
+def friction_law(contacts: list[ComparedFriction]) -> Check | None:
     """|σ_T + g φ_ε′(u_T)| over the largest g (paper, (2.8)): bulk against friction law."""
 
-    def difference(compared: _Compared) -> float:
+    def difference(compared: ComparedFriction) -> float:
         return largest(compared.comm, np.linalg.norm(compared.bulk - compared.law, axis=1))
 
-    return _worst(problem, solution, difference)
+    return _worst(contacts, difference)
 
 
-def dissipation(problem: Problem, solution: Solution) -> Check | None:
+def dissipation(contacts: list[ComparedFriction]) -> Check | None:
     """σ_T · u_T ≤ 0 at every point: friction takes energy, nowhere gives it (paper, (1.6)).
 
     Where points lie between nodes, a node's force is not that of one slip, and only the
     sum must be so.
     """
 
-    def given(compared: _Compared) -> float:
+    def given(compared: ComparedFriction) -> float:
         power = np.einsum("ij,ij->i", compared.bulk, compared.slip)
         longest = largest(compared.comm, np.linalg.norm(compared.slip, axis=1)) or 1.0
         if compared.nodal:
             return largest(compared.comm, power) / longest
         return total(compared.comm, power.sum()) / longest
 
-    return _worst(problem, solution, given)
+    return _worst(contacts, given)

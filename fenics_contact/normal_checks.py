@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.check_tools import TRACE, nearer_to_failing
 from fenics_contact.contact import ContactState, ContactSurface
 from fenics_contact.parallel import gather_rows, largest, smallest, total
-from fenics_contact.problem import Problem
-from fenics_contact.reaction_pressure import bulk_forces, reaction_pressure
 from fenics_contact.result import Check
-from fenics_contact.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -26,10 +25,13 @@ _LARGEST_RECOVERY = 0.8
 
 
 @dataclass(frozen=True, eq=False)
-class _Nodes:
+class ComparedPressures:
     """What the bulk needs at the nodes of a contact, where no support acts across it.
 
     Attributes:
+        number: Of the contact, in scene order.
+        contact: It pushes.
+        state: What happens at its points.
         bulk: Normal force on the body over area: a pressure (stress).
         law: The same from penalty or foundation (stress).
         gap: At the nodes (length).
@@ -37,17 +39,24 @@ class _Nodes:
         peak: Largest pressure of the contact, all ranks (stress).
     """
 
+    number: int
+    contact: ContactSurface
+    state: ContactState
     bulk: Array
     law: Array
     gap: Array
     limit: float
     peak: float
 
+    @property
+    def comm(self) -> Any:
+        """Communicator."""
+        return self.contact.spaces.comm
 
-def _compared(
-    problem: Problem, solution: Solution
-) -> list[tuple[ContactSurface, ContactState, _Nodes]]:
-    """All contacts that push, with what is compared on them; collective."""
+
+def compared_pressures(forces: BulkForces) -> list[ComparedPressures]:
+    """All contacts that push, in scene order; collective."""
+    problem, solution = forces.problem, forces.solution
     found = []
     comm = problem.comm
     for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
@@ -59,79 +68,79 @@ def _compared(
             continue
         trace = contact.trace
         area = trace.to_nodes(trace.weights)
-        force = bulk_forces(problem, solution, number)
         normals = trace.normals[: len(contact.nodes)]
-        bulk = -np.einsum("ij,ij->i", force, normals) / area
+        bulk = -np.einsum("ij,ij->i", forces.at_contact(number), normals) / area
         law = -np.einsum("ij,ij->i", solution.normal_force[number], normals) / area
         lightest = smallest(comm, area[free])
-        nodes = _Nodes(
-            bulk=bulk[free],
-            law=law[free],
-            gap=state.gap[: len(contact.nodes)][free],
-            limit=TRACE + 2 * solution.imbalance_limit / (lightest * peak),
-            peak=peak,
+        found.append(
+            ComparedPressures(
+                number=number,
+                contact=contact,
+                state=state,
+                bulk=bulk[free],
+                law=law[free],
+                gap=state.gap[: len(contact.nodes)][free],
+                limit=TRACE + 2 * solution.imbalance_limit / (lightest * peak),
+                peak=peak,
+            )
         )
-        found.append((contact, state, nodes))
     return found
 
 
-def contact_law(problem: Problem, solution: Solution) -> Check | None:
+def contact_law(contacts: list[ComparedPressures]) -> Check | None:
     """Nodal pressure of the bulk against that of the penalty (paper, (4.4)), over the peak."""
     worst: Check | None = None
-    for _, _, nodes in _compared(problem, solution):
-        difference = largest(problem.comm, np.abs(nodes.bulk - nodes.law)) / nodes.peak
-        worst = nearer_to_failing(worst, Check(difference, nodes.limit))
+    for compared in contacts:
+        difference = largest(compared.comm, np.abs(compared.bulk - compared.law))
+        worst = nearer_to_failing(worst, Check(difference / compared.peak, compared.limit))
     return worst
 
 
-def complementarity(problem: Problem, solution: Solution) -> Check | None:
+def complementarity(contacts: list[ComparedPressures]) -> Check | None:
     """Pressure of the bulk where the gap is open, over the peak: p = 0 or no gap (paper, (1.5))."""
     worst: Check | None = None
-    for contact, _, nodes in _compared(problem, solution):
-        if not contact.trace.nodal:
+    for compared in contacts:
+        if not compared.contact.trace.nodal:
             continue  # a node's force is also that of the points around it
-        held = np.where(nodes.gap > 0, np.abs(nodes.bulk), 0.0)
-        worst = nearer_to_failing(
-            worst, Check(largest(problem.comm, held) / nodes.peak, nodes.limit)
-        )
+        held = largest(compared.comm, np.where(compared.gap > 0, np.abs(compared.bulk), 0.0))
+        worst = nearer_to_failing(worst, Check(held / compared.peak, compared.limit))
     return worst
 
 
-def tension(problem: Problem, solution: Solution) -> Check | None:
+def tension(contacts: list[ComparedPressures]) -> Check | None:
     """Tension that the bulk needs at a node, over the peak pressure: contact cannot pull."""
     worst: Check | None = None
-    for contact, _, nodes in _compared(problem, solution):
-        if not contact.trace.nodal:
+    for compared in contacts:
+        if not compared.contact.trace.nodal:
             continue
-        pull = max(-smallest(problem.comm, nodes.bulk), 0.0)
-        worst = nearer_to_failing(worst, Check(pull / nodes.peak, nodes.limit))
+        pull = max(-smallest(compared.comm, compared.bulk), 0.0)
+        worst = nearer_to_failing(worst, Check(pull / compared.peak, compared.limit))
     return worst
 
 
-def penetration(problem: Problem, solution: Solution) -> Check | None:
+def penetration(forces: BulkForces, contacts: list[ComparedPressures]) -> Check | None:
     """Energy in penalties over that in the body: the share by which contact forces are off."""
-    comm = problem.comm
     sunk, pushing = 0.0, False
-    for contact, state, _ in _compared(problem, solution):
+    for compared in contacts:
+        contact, energy = compared.contact, compared.state.penalty_energy
         if contact.contact.kind != "winkler":  # there the depth is what is asked for
-            sunk, pushing = sunk + float(contact.trace.integral(state.penalty_energy)), True
+            sunk, pushing = sunk + float(contact.trace.integral(energy)), True
     if not pushing:
         return None
-    owned = slice(0, problem.spaces.owned_nodes)
-    elastic = total(comm, np.sum(solution.displacement[owned] * solution.internal_force[owned])) / 2
+    elastic = forces.strain_energy
     return Check(sunk / elastic if elastic > 0 else float("nan"), _LARGEST_PENETRATION)
 
 
-def pressure_recovery(problem: Problem, solution: Solution) -> Check | None:
+def pressure_recovery(forces: BulkForces, contacts: list[ComparedPressures]) -> Check | None:
     """Penalty pressure against that from reactions: median difference over the mean pressure.
 
     They differ at first order in the facet size over the contact's, but at singular edges and
     corners, where that from reactions oscillates: hence the median, by area.
     """
+    problem = forces.problem
     worst: Check | None = None
-    for contact, state, _ in _compared(problem, solution):
-        trace, number = contact.trace, problem.contacts.index(contact)
-        consistent = trace.at_points(reaction_pressure(problem, solution, number))
+    for compared in contacts:
+        trace, state = compared.contact.trace, compared.state
         closed = np.where(state.contact_pressure > 0, 1.0, 0.0)
         area, whole = (float(trace.integral(part)) for part in (closed, np.ones_like(closed)))
         flat = problem.spaces.components == 2 and problem.spaces.kinematics != "axisymmetric"
@@ -140,6 +149,7 @@ def pressure_recovery(problem: Problem, solution: Solution) -> Check | None:
         limit = _RECOVERY_OVER_ROOT[problem.spaces.degree] * float(np.sqrt(relative_size))
         if limit > _LARGEST_RECOVERY:
             continue  # a contact of one facet or two resolves no pressure
+        consistent = trace.at_points(forces.pressure(compared.number))
         difference = np.abs(consistent - state.contact_pressure)
         loaded = (closed > 0) | (consistent > 0.1 * largest(problem.comm, consistent))
         mean = float(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.contact import OPEN, SLIP, STICK, ContactState, ContactSurface
 from fenics_contact.contact_area import contact_area, stick_area
 from fenics_contact.parallel import gather_rows, largest, total
@@ -53,12 +54,16 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
 
 
 def _undecided(contact: ContactSurface, state: ContactState) -> dict[str, int]:
-    """How many points slip by ε within a factor of two: ε decides whether they stick."""
+    """How many points slip by less than 2ε: with an ε twice as large they may stick.
+
+    A point that sticks creeps by ε times the share of its bound that it carries, whatever ε:
+    that it creeps by nearly ε says that friction is nearly used up, not that ε decides.
+    """
     if contact.friction is None:
         return {}
     slip = np.linalg.norm(contact.friction.counted(state.slip), axis=1)
-    share = slip / contact.regularisation_parameter
-    near = contact.trace.owned & (share > 0.5) & (share < 2) & (state.contact_pressure > 0)
+    slips = contact.trace.owned & (state.status == SLIP) & (contact.friction_bound > 0)
+    near = slips & (slip < 2 * contact.regularisation_parameter)
     return {"undecided_points": int(total(contact.spaces.comm, near.sum()))}
 
 
@@ -69,7 +74,7 @@ def _indentation(problem: Problem, contact: ContactSurface) -> dict[str, float]:
     return {"indentation": contact.kinematics.brought_up + contact.kinematics.indentation}
 
 
-def support_reactions(problem: Problem, solution: Solution) -> tuple[Array, list[dict[str, Any]]]:
+def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
     """Nodal reactions, and the resultant of each support.
 
     A reaction is what the bulk needs beyond loads and contact forces; a dof that two
@@ -78,28 +83,21 @@ def support_reactions(problem: Problem, solution: Solution) -> tuple[Array, list
     Returns:
         Reactions of shape (nodes, components), zero at free dofs; and a row a support.
     """
-    contacts = np.zeros_like(problem.load)
-    for contact, force in zip(problem.contacts, solution.contact_force, strict=True):
-        contacts += contact.trace.on_body(force)
-    needed = (solution.internal_force - problem.load - contacts).reshape(-1)
+    problem, needed = forces.problem, forces.unbalanced.reshape(-1)
+    spaces = problem.spaces
+    owned = spaces.owned_nodes * spaces.components
     reactions = np.zeros_like(needed)
     counted = np.zeros(len(needed), dtype=bool)
     rows = []
     for support in problem.applied_supports:
-        mine = np.zeros_like(needed)
         dofs = support.dofs[~counted[support.dofs]]
-        mine[dofs] = needed[dofs]
+        reactions[dofs] = needed[dofs]
         counted[dofs] = True
-        reactions += mine
-        rows.append({"on": support.on, "reaction": resultant(problem, mine).tolist()})
+        mine = dofs[dofs < owned]
+        by_node = np.zeros((len(mine), spaces.components))
+        by_node[np.arange(len(mine)), mine % spaces.components] = needed[mine]
+        rows.append({"on": support.on, "reaction": _resultant(spaces, by_node).tolist()})
     return reactions.reshape(problem.load.shape), rows
-
-
-def resultant(problem: Problem, forces: Array) -> Array:
-    """Global sum of nodal forces, shape (components,)."""
-    return _resultant(
-        problem.spaces, forces.reshape(problem.load.shape)[: problem.spaces.owned_nodes]
-    )
 
 
 def _resultant(spaces: Spaces, forces: Array) -> Array:
@@ -111,12 +109,12 @@ def _resultant(spaces: Spaces, forces: Array) -> Array:
 
 
 def global_quantities(
-    problem: Problem, solution: Solution, reactions: Array, contacts: list[dict[str, Any]]
+    forces: BulkForces, reactions: Array, contacts: list[dict[str, Any]]
 ) -> dict[str, Any]:
     """The interface's quantities of the whole model."""
+    problem, solution = forces.problem, forces.solution
     owned = slice(0, problem.spaces.owned_nodes)
     u = solution.displacement[owned]
-    elastic = 0.5 * total(problem.comm, np.sum(u * solution.internal_force[owned]))
     work = total(problem.comm, np.sum(u * (problem.load + reactions)[owned]))
     for surface, force in zip(problem.contacts, solution.contact_force, strict=True):
         pushed = total(problem.comm, force[surface.owned_nodes].sum(axis=0))
@@ -132,10 +130,10 @@ def global_quantities(
     return {
         "normal_force": float(sum(c["normal_force"] for c in contacts)),
         "friction_force": friction.tolist(),
-        "reaction": resultant(problem, reactions).tolist(),
+        "reaction": _resultant(problem.spaces, reactions[owned]).tolist(),
         **{key: max((c[key] for c in contacts), default=0.0) for key in greatest},
         **{key: float(sum(c[key] for c in contacts)) for key in summed},
-        "strain_energy": elastic,
+        "strain_energy": forces.strain_energy,
         "external_work": float(work),
         **(found[0] if len(found) == 1 else {}),
     }

@@ -16,33 +16,20 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
 from fenics_contact.contact import ContactSurface
-from fenics_contact.problem import Problem
-from fenics_contact.solution import Solution
 
 Array = NDArray[np.float64]
 
 
-def bulk_forces(problem: Problem, solution: Solution, number: int) -> Array:
-    """Forces that the bulk needs at a contact's nodes from this contact, (nodes, components).
+def reaction_pressure(contact: ContactSurface, needed: Array) -> Array:
+    """Pressure at all nodes of a contact's surface, (nodes,) (stress); collective.
 
-    K u − f, less what other contacts give to a shared node.
+    Args:
+        contact: The contact.
+        needed: Forces that the bulk needs from it at its nodes, (nodes, components) (force).
     """
-    force = solution.internal_force - problem.load
-    for other, (neighbour, given) in enumerate(
-        zip(problem.contacts, solution.contact_force, strict=True)
-    ):
-        if other != number:
-            force -= neighbour.trace.on_body(given)
-    return force[problem.contacts[number].nodes]
-
-
-def reaction_pressure(problem: Problem, solution: Solution, number: int) -> Array:
-    """Pressure at all nodes of the contact's surface, (nodes,) (stress); collective."""
-    contact, comm = problem.contacts[number], problem.comm
-    surface = contact.trace.surface
+    surface, comm = contact.trace.surface, contact.spaces.comm
     normals = contact.trace.normals[: len(contact.nodes)]
     forces = np.zeros(len(surface.coordinates))
-    needed = bulk_forces(problem, solution, number)
     forces[contact.trace.numbers] = -np.einsum("ij,ij->i", needed, normals)
     function = surface.scalar_function(forces)
     owned = surface.scalar_space.dofmap.index_map.size_local

@@ -9,6 +9,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fenics_contact import compat
+from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
 from fenics_contact.contact import ContactSurface
 from fenics_contact.equilibrium import FreeMotion, require_equilibrium
@@ -41,6 +42,7 @@ class Run:
         free_motion: Rigid motions that the supports leave to friction.
         choice: The solver, and how much memory it is to need.
         solution: Nodal values of this rank, once solved; None before, or without an answer.
+        forces: Nodal forces that the bulk needs in the last step that was solved.
         timings: Seconds so far.
 
     Args:
@@ -107,14 +109,13 @@ class Run:
     def _record(self, time: float, solution: Solution) -> None:
         """Keep what came out of a load step, before slip is counted anew."""
         with self.timings.phase("output"):
-            self._reactions, self._supports = support_reactions(self.problem, solution)
+            self.forces = BulkForces(self.problem, solution)
+            self._reactions, self._supports = support_reactions(self.forces)
             self._by_contact = [
                 contact_quantities(self.problem, solution, number)
                 for number in range(len(self.problem.contacts))
             ]
-            quantities = global_quantities(
-                self.problem, solution, self._reactions, self._by_contact
-            )
+            quantities = global_quantities(self.forces, self._reactions, self._by_contact)
         self._steps.append(
             {
                 "load_factor": time,
@@ -147,7 +148,7 @@ class Run:
         problem = self.problem
         self.solution = solution
         with self.timings.phase("output"):
-            checks = run_checks(problem, solution, self._reactions)
+            checks = run_checks(self.forces, self._reactions)
             points = contact_points(problem, solution)
         return Result(
             title=self.scene.title,

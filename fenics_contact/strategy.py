@@ -29,6 +29,9 @@ logger = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 
+# Change of the pressure, over its peak, from which Newton's method is to take over from the loop
+# that `auto` runs.
+_NEAR = 0.1
 # The loop is left where it has not come nearer in this many passes.
 _PATIENCE = 8
 # Stiffness of glue along the surface, over E/h: nothing is to have slipped yet.
@@ -121,12 +124,13 @@ class _CoulombLoop:
     def solve(self, strategy: str) -> Solution:
         """By one strategy, or by one after the other until one converges."""
         ways: dict[str, Callable[[], None]] = {
-            "monolithic": self._monolithic,
             "campos": lambda: self._loop(self._campos_pass),
             "lagged": lambda: self._loop(self._lagged_pass),
+            "monolithic": self._monolithic,
             "continuation": self._continuation,
         }
         chosen = list(ways) if strategy == "auto" else [strategy]
+        self._near = _NEAR if strategy == "auto" else self.settings.outer_tolerance
         if strategy == "auto" and RigidMotions(self.problem).count > 0:
             chosen.remove("campos")
         for number, way in enumerate(chosen):
@@ -155,15 +159,16 @@ class _CoulombLoop:
         if self._peak(pressures) == 0:  # nothing touches, nothing rubs
             return
         anderson = Anderson(self.problem.comm, [c.trace.owned for c in self.contacts])
-        best, since = np.inf, 0
+        best, since, near = np.inf, 0, max(self._near, self.settings.outer_tolerance)
         for _ in range(self.settings.max_outer_iterations):
             found = one_pass(pressures)
             self.outer += 1
             change = self._change(pressures, found)
             logger.debug("  pass %d: pressures change by %.2e of the peak", self.outer, change)
-            if change <= self.settings.outer_tolerance:
-                self._finish(found)
-                return
+            if change <= near:
+                if self._finish(found, change):
+                    return
+                near = self.settings.outer_tolerance
             best, since = (change, 0) if change < 0.9 * best else (best, since + 1)
             if since >= _PATIENCE:
                 raise _StalledError(
@@ -269,10 +274,13 @@ class _CoulombLoop:
             self.newton.restore(self.start)
         self._solve_coupled()
 
-    def _solve_coupled(self) -> None:
+    def _solve_coupled(self, resume: bool = False) -> None:
         for contact in self.contacts:
             assert contact.friction is not None
             contact.friction.stick_all()
+            if resume:
+                kinematics = contact.kinematics
+                contact.friction.resume(kinematics.tangential(kinematics.jump_at_points()))
             contact.friction.mode = "coupled"
         self.newton.run(search_energy=False)
 
@@ -286,11 +294,18 @@ class _CoulombLoop:
             else:
                 self.newton.run(search_energy=False)
 
-    def _finish(self, pressures: list[Array]) -> None:
-        """A last solve in which friction and contact meet their laws exactly, the bound too."""
+    def _finish(self, pressures: list[Array], change: float) -> bool:
+        """A last solve in which friction and contact meet their laws exactly, the bound too.
+
+        Returns:
+            Whether this is the end; it may not be where the loop is still far.
+        """
         before = self.newton.save()
         try:
-            self._solve_coupled()
-        except NotConvergedError:  # the loop's own answer, to its tolerance
+            self._solve_coupled(resume=True)
+        except NotConvergedError:
             self.newton.restore(before)
-            self._lagged_pass(pressures)
+            if change > self.settings.outer_tolerance:
+                return False
+            self._lagged_pass(pressures)  # the loop's own answer, to its tolerance
+        return True

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from dolfinx import fem
 from numpy.typing import NDArray
 
 from fenics_contact.contact import ContactSurface
+from fenics_contact.surface_space import SurfaceSpace
 
 Array = NDArray[np.float64]
 Entries = tuple[NDArray[np.int64], NDArray[np.int64], Array]
@@ -22,6 +25,7 @@ class SurfaceMatrix:
     def __init__(self, contact: ContactSurface) -> None:
         self.contact = contact
         self._surface = contact.trace.surface
+        self._assembled: dict[Any, _Assembled] = {}
         spaces = contact.spaces
         mine = self._surface.body_nodes[: self._surface.owned_nodes]
         numbers = spaces.displacement_space.dofmap.index_map.local_to_global(mine)
@@ -31,21 +35,39 @@ class SurfaceMatrix:
 
     def entries(self) -> Entries:
         """Rows, columns (dofs of the surface) and values; every rank has some of them."""
-        surface = self._surface
-        size = surface.components
         none = np.zeros(0, dtype=np.int64)
         found: list[Entries] = [(none, none, np.zeros(0))]
         for form in [form for term in self.contact.terms for form in term.tangents]:
-            matrix = fem.assemble_matrix(form)
-            matrix.scatter_reverse()
-            part = matrix.to_scipy().tocoo()
-            kept = part.row < surface.owned_nodes * size
-            rows, columns = (
-                index_map.local_to_global((local[kept] // size).astype(np.int32)) * size
-                + local[kept] % size
-                for index_map, local in ((matrix.index_map(0), part.row),
-                                         (matrix.index_map(1), part.col))
-            )  # fmt: skip
-            found.append((rows, columns, part.data[kept]))
+            if form not in self._assembled:
+                self._assembled[form] = _Assembled(form, self._surface)
+            found.append(self._assembled[form].entries())
         rows, columns, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
         return rows, columns, values
+
+
+class _Assembled:
+    """A form's matrix, whose pattern is worked out once."""
+
+    def __init__(self, form: Any, surface: SurfaceSpace) -> None:
+        self._form = form
+        self._matrix = fem.create_matrix(form)
+        self._matrix.data[:] = np.arange(len(self._matrix.data))
+        pattern = self._matrix.to_scipy().tocoo()
+        size = surface.components
+        own = pattern.row < surface.owned_nodes * size
+        self._order = pattern.data[own].astype(np.int64)
+        self._rows, self._columns = (
+            index_map.local_to_global((local[own] // size).astype(np.int32)) * size
+            + local[own] % size
+            for index_map, local in (
+                (self._matrix.index_map(0), pattern.row),
+                (self._matrix.index_map(1), pattern.col),
+            )
+        )
+
+    def entries(self) -> Entries:
+        """Assemble; collective."""
+        self._matrix.set_value(0.0)
+        fem.assemble_matrix(self._matrix, self._form)
+        self._matrix.scatter_reverse()
+        return self._rows, self._columns, self._matrix.data[self._order]

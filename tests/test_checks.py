@@ -16,6 +16,7 @@ from fenics_contact import (
     Scene,
     Support,
 )
+from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
 from fenics_contact.quantities import support_reactions
 from fenics_contact.strategy import solve
@@ -32,8 +33,9 @@ def solved():
 
 def checks_of(problem, solution):
     problem.displacement.x.array[:] = solution.displacement.ravel()
-    reactions, _ = support_reactions(problem, solution)
-    return run_checks(problem, solution, reactions)
+    forces = BulkForces(problem, solution)
+    reactions, _ = support_reactions(forces)
+    return run_checks(forces, reactions)
 
 
 def failed(problem, solution):

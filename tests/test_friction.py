@@ -1,16 +1,18 @@
 """The friction energy against its formula, and its derivatives by Taylor's test."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
-from fenics_contact import Contact, Material, Scene
+from fenics_contact import Contact, Material, Scene, run
 from fenics_contact.friction import smoothed_norm
 from fenics_contact.problem import Problem
 from tests.matrices import product
-from tests.scenes import box_body
+from tests.scenes import PULLED_BLOCK, box_body
 
 COMM = MPI.COMM_WORLD
 EPSILON = 0.1
@@ -159,3 +161,31 @@ def test_friction_resists_slip_and_ignores_normal_motion():
     total = COMM.allreduce(force.sum(axis=0))
     # ∫ μ (2 + x) over the unit square of the bottom
     assert total == pytest.approx([-0.4 * 2.5, 0, 0], abs=1e-12)
+
+
+def pulled_block(epsilon):
+    contact = dataclasses.replace(PULLED_BLOCK.contact[0], regularisation_parameter=epsilon)
+    result = run(dataclasses.replace(PULLED_BLOCK, contact=(contact,)), COMM, box_body((6, 6, 2)))
+    return result, result.contacts[0]["parameters"]["regularisation_parameter"]
+
+
+def test_undecided_points_are_those_whose_status_hangs_on_epsilon():
+    """None where ε is small, though many stick with more than half of their bound."""
+    fine, epsilon = pulled_block("auto")
+    twice, _ = pulled_block(2 * epsilon)
+    assert (fine.points.status == twice.points.status).all()
+    assert fine.contacts[0]["quantities"]["undecided_points"] == 0
+    creep = np.linalg.norm(fine.points.slip, axis=1)
+    sticks = fine.points.status == "STICK"
+    assert (sticks & (creep > 0.5 * epsilon)).sum() > 5
+    # creep follows ε: the share of the bound that a point carries does not
+    assert np.linalg.norm(twice.points.slip, axis=1)[sticks] == pytest.approx(
+        2 * creep[sticks], rel=1e-2
+    )
+    coarse, twice = pulled_block(8000 * epsilon)[0], pulled_block(16000 * epsilon)[0]
+    slips = coarse.points.status == "SLIP"
+    near = slips & (np.linalg.norm(coarse.points.slip, axis=1) < 16000 * epsilon)
+    assert coarse.contacts[0]["quantities"]["undecided_points"] == near.sum()
+    changed = coarse.points.status != twice.points.status
+    assert near[changed].all()
+    assert changed.sum() > 0.5 * near.sum() > 0

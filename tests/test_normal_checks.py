@@ -7,7 +7,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Contact, Material, Obstacle, Run, Scene, Support
-from fenics_contact.reaction_pressure import reaction_pressure
+from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.strategy import solve
 from tests.scenes import box_body
 from tests.test_checks import checks_of, failed
@@ -106,7 +106,7 @@ def test_reaction_pressure_carries_the_force_and_nothing_else(solved):
     """Its integral is the contact's force, though it knows nothing of the penalty."""
     problem, solution = solved
     contact = problem.contacts[0]
-    nodal = reaction_pressure(problem, solution, 0)
+    nodal = BulkForces(problem, solution).pressure(0)
     force = contact.trace.integral(contact.trace.at_points(nodal))
     given = contact.trace.integral(solution.states[0].contact_pressure)
     assert force == pytest.approx(given, rel=1e-9)

@@ -1,11 +1,16 @@
 """The same numbers on any number of ranks: each rank alone against all together."""
 
+import dataclasses
+
 import numpy as np
 import pytest
+from dolfinx.mesh import CellType
 from mpi4py import MPI
+from scipy.spatial import cKDTree
 
 from fenics_contact import (
     Contact,
+    Discretisation,
     HalfSpace,
     Load,
     Material,
@@ -167,6 +172,33 @@ def test_one_cell_for_all_ranks(folder):
     files.write(prepared, result, folder)
     assert (folder / "fields.pvd").exists()
     assert_same(run(scene, MPI.COMM_SELF), result)
+
+
+@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
+@pytest.mark.parametrize("degree", [1, 2])
+def test_fields_read_back_are_those_of_every_rank(cell, degree, folder):
+    """Every cell once, with the solution's values at its nodes and the body's volume."""
+    pytest.importorskip("pyvista")
+    scene = dataclasses.replace(PULLED_BLOCK, discretisation=Discretisation(degree))
+    prepared = Run(scene, COMM, box_body((3, 3, 2), cell=getattr(CellType, cell)))
+    files.write(prepared, prepared.solve(), folder)
+    spaces, owned = prepared.problem.spaces, slice(0, prepared.problem.spaces.owned_nodes)
+    found = prepared.solution.displacement[owned]
+    rows = gather_rows(COMM, np.hstack([spaces.coordinates[owned], found]))
+
+    def read():
+        import pyvista
+
+        body = pyvista.get_reader(str(folder / "fields.pvd")).read().combine()
+        nearest = cKDTree(rows[:, :3]).query(body.points)[1]
+        assert np.abs(body.points - rows[nearest, :3]).max() < 1e-12
+        assert np.abs(body["displacement"] - rows[nearest, 3:]).max() == 0
+        assert len(np.unique(nearest)) == len(rows)
+        return body.n_cells, body.compute_cell_sizes()["Volume"].sum()
+
+    count, volume = on_root(COMM, read)
+    assert count == prepared.model["cells"]
+    assert volume == pytest.approx(0.5)
 
 
 def test_reductions_over_ranks_that_hold_nothing():

@@ -79,7 +79,7 @@ def test_gross_sliding_is_opposed(element):
     assert reaction[:2] == pytest.approx(PRESSURE * COEFFICIENT * DIRECTION, abs=0.02)
     # From the bulk's nodal forces alone: opposite to the mean slip within 1e-3 rad.
     contact = prepared.problem.contacts[0]
-    forces = recovered_friction(prepared.problem, prepared.solution, 0)[contact.owned_nodes]
+    forces = recovered_friction(prepared.forces, 0)[contact.owned_nodes]
     friction = total(COMM, forces.sum(axis=0))[:2]
     slip = contact.trace.integral(prepared.solution.states[0].slip)[:2]
     across = slip[0] * friction[1] - slip[1] * friction[0]
