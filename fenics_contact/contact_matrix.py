@@ -40,13 +40,16 @@ class ContactMatrix(AddedTangents):
         self._constrained = self._rows(self.matrix, constrained)
         parts = [self._between_nodes(surface) for surface in self.surfaces if surface.contact.terms]
         parts += [self._with_scalar(number) for number in range(self.scalars)]
-        rows, columns = (
+        pairs: Any = (
             np.concatenate([np.zeros(0, dtype=np.int64), *part]).astype(PETSc.IntType)
             for part in (zip(*parts, strict=True) if parts else ((), ()))
         )
+        rows, columns = pairs
+        zeros: Any = np.zeros(len(rows))
         self.matrix.setPreallocationCOO(rows, columns)
-        self.matrix.setValuesCOO(np.zeros(len(rows)))
-        self.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
+        self.matrix.setValuesCOO(zeros)
+        keep: Any = PETSc.Mat.Option.KEEP_NONZERO_PATTERN
+        self.matrix.setOption(keep, True)
 
     def _between_nodes(self, surface: SurfaceMatrix) -> Pairs:
         """Pairs of dofs of the same facet."""

@@ -51,6 +51,7 @@ class IterativeSystem(BodySystem):
     """
 
     name = "iterative"
+    first_way = "monolithic"  # every pass of a loop would take linear solves of the body
     options: ClassVar = {
         "ksp_type": "fgmres",
         "ksp_gmres_restart": 30,

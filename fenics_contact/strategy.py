@@ -129,7 +129,10 @@ class _CoulombLoop:
             "monolithic": self._monolithic,
             "continuation": self._continuation,
         }
-        chosen = list(ways) if strategy == "auto" else [strategy]
+        first = self.newton.system.first_way
+        chosen = [strategy]
+        if strategy == "auto":
+            chosen = sorted(ways, key=lambda way: way != first)
         self._near = _NEAR if strategy == "auto" else self.settings.outer_tolerance
         if strategy == "auto" and RigidMotions(self.problem).count > 0:
             chosen.remove("campos")
