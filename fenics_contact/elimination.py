@@ -1,4 +1,4 @@
-"""Newton's method with the contact zone eliminated (X.-C. Cai, D. E. Keyes and others).
+"""Newton's method with the contact zone eliminated.
 
 All that is nonlinear lies in the zone: before each step it is settled alone, the rest of the
 body held, by Newton steps that cost a small factorisation each. The step for the whole body
@@ -105,7 +105,8 @@ class EliminatingNewton:
             array[zone.places] = inside
         self._system.tie(step)
         tangent.mult(step, left)
-        left.aypx(-1.0, -residual)
+        left.axpy(1.0, residual)
+        left.scale(-1.0)
         solver.setOperators(tangent)
         solver.setTolerances(rtol=rest, atol=0.0, divtol=1e10, max_it=_MOST_ITERATIONS)
         correction = left.duplicate()
