@@ -36,11 +36,15 @@ class ContactTangent:
         self._constant[:count, :count] = 0.5 * (schur + schur.T)
         self._constant[:count, count:] = columns
         self._constant[range(count, count + scalars), range(count, count + scalars)] = corner
+        self._stiffest = float(self._constant.diagonal()[:count].max(initial=0.0))
+        # A resultant's own entry is 1; a driven obstacle, which has none, gets a spring.
         self._added = np.zeros(count + scalars)
-        self._added[count:] = 1.0 - corner
-        self._inverse = np.eye(count + scalars)
-        self._inverse[:count, :count] = self._compliance()
-        self._inverse[:count, count:] = -self._inverse[:count, :count] @ columns
+        self._added[count:] = np.where(corner > 0, 0.0, self._stiffest)
+        self._inverse = np.zeros_like(self._constant)
+        self._inverse[count:, count:] = np.diag(1 / (corner + self._added[count:]))
+        compliance = self._compliance()
+        self._inverse[:count, :count] = compliance
+        self._inverse[:count, count:] = -compliance @ columns @ self._inverse[count:, count:]
 
     def _compliance(self) -> Array:
         """Inverse of S, with springs where it lets the body move."""
@@ -49,10 +53,10 @@ class ContactTangent:
         if count == 0:
             return schur
         factor, info = lapack.dpotrf(schur, lower=1)
-        stiffest = schur.diagonal().max()
-        if info or factor.diagonal().min() ** 2 <= _SINGULAR * stiffest:
-            _, order, rank, _ = lapack.dpstrf(schur, tol=_SINGULAR * stiffest, lower=1)
-            self._added[order[rank:] - 1] = stiffest
+        least = _SINGULAR * self._stiffest
+        if info or factor.diagonal().min() ** 2 <= least:
+            _, order, rank, _ = lapack.dpstrf(schur, tol=least, lower=1)
+            self._added[order[rank:] - 1] = self._stiffest
             factor, _ = cho_factor(schur + np.diag(self._added[:count]), lower=True)
         inverse, _ = lapack.dpotri(factor, lower=1)
         return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)
@@ -80,7 +84,9 @@ class ContactTangent:
         if singular:
             return np.full(len(right), np.nan)
         active, _ = lapack.dgetrs(factor, pivots, free[self._active])
-        return np.asarray(free - self._inverse[:, self._active] @ (self._extra @ active))
+        found = free - self._inverse[:, self._active] @ (self._extra @ active)
+        found[self._active] = active  # no difference of long numbers under a stiff penalty
+        return np.asarray(found)
 
     def multiply(self, values: Array) -> Array:
         """M y."""

@@ -76,8 +76,7 @@ class LocalStiffness:
         spaces = self._problem.spaces
         found = np.zeros(spaces.coordinates.shape[0] * spaces.components)
         found[self.displacements] = (self.matrix @ values)[: len(self.displacements)]
-        index_map = spaces.displacement_space.dofmap.index_map
-        return summed_over_ranks(index_map, found.reshape(-1, spaces.components))
+        return spaces.summed(found.reshape(-1, spaces.components))
 
     def set_functions(self, values: Array) -> None:
         """Values of the unknowns into displacement and mean stress; collective."""

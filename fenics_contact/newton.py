@@ -246,6 +246,7 @@ class Newton:
             outer_iterations=outer_iterations,
             strategy=strategy,
             imbalance_limit=self.limit,
+            factorisations=self.system.factorisations,
         )
 
 

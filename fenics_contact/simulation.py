@@ -89,6 +89,7 @@ class Run:
             "solver": self.choice.name,
             "solver_reason": self.choice.reason,
             "solver_memory_mb": round(self.choice.memory / 1e6),
+            "bulk_factorisations": 0 if self.solution is None else self.solution.factorisations,
             "strategy": _strategy(problem, self.solution),
             "scalar_unknowns": [f"{u.kind} at {u.contact.label}" for u in problem.unknowns],
             "terms": [term.name for term in problem.terms],

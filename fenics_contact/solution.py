@@ -26,6 +26,7 @@ class Solution:
         newton_iterations: Newton steps taken.
         outer_iterations: Passes of the loop on the contact pressure, 0 without one.
         strategy: How friction and pressure were brought together, in words.
+        factorisations: How often the bulk was factorised so far.
         imbalance_limit: The imbalance that was accepted as converged (force).
     """
 
@@ -39,6 +40,7 @@ class Solution:
     outer_iterations: int
     strategy: str
     imbalance_limit: float
+    factorisations: int
 
     @property
     def contact_force(self) -> list[NDArray[np.float64]]:

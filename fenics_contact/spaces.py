@@ -212,11 +212,7 @@ class Spaces:
 
     def summed(self, nodal: NDArray[np.float64]) -> NDArray[np.float64]:
         """Contributions of all ranks added up at shared nodes, (nodes, columns); collective."""
-        vector = la.vector(self.displacement_space.dofmap.index_map, nodal.shape[1])
-        vector.array[:] = nodal.reshape(-1)
-        vector.scatter_reverse(la.InsertMode.add)
-        vector.scatter_forward()
-        return np.array(vector.array).reshape(nodal.shape)
+        return summed_over_ranks(self.displacement_space.dofmap.index_map, nodal)
 
     def assemble(self, form: Any) -> NDArray[np.float64]:
         """A compiled linear form as nodal values, shape (nodes, components); collective."""

@@ -41,13 +41,13 @@ class SurfacePieces:
 
 def _facet_pieces(surface: SurfaceSpace) -> NDArray[np.int32]:
     """Nodes of the segments or triangles of all facets, (pieces, corners)."""
-    from scipy.spatial import Delaunay
-
     points = compat.interpolation_points(surface.scalar_space.element)
     dimension = points.shape[1]
     if dimension == 1:
         order = np.argsort(points[:, 0])
         pieces = np.stack([order[:-1], order[1:]], axis=1)
     else:
+        from scipy.spatial import Delaunay
+
         pieces = Delaunay(points).simplices
     return np.asarray(surface.facet_nodes[:, pieces].reshape(-1, dimension + 1))

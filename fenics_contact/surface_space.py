@@ -138,4 +138,4 @@ class SurfaceSpace:
         found = np.zeros((len(self.spaces.coordinates), *nodal.shape[1:]))
         mine = slice(0, self.owned_nodes)
         found[self.body_nodes[mine]] = nodal[mine]
-        return summed_over_ranks(self.spaces.displacement_space.dofmap.index_map, found)
+        return self.spaces.summed(found)
