@@ -9,20 +9,19 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import numpy as np
-from dolfinx import fem
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact.body_system import BodySystem
 from fenics_contact.linear_system import LinearSystem
-from fenics_contact.parallel import largest, total
+from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
-from fenics_contact.system import System
 from fenics_contact.timings import Timings
 
 Array = NDArray[np.float64]
 
 
-class FullSystem(System):
+class FullSystem(BodySystem):
     """Balance of forces on every free displacement; the attributes are those of ``System``."""
 
     name = "full"
@@ -35,16 +34,11 @@ class FullSystem(System):
 
     def __init__(self, problem: Problem, timings: Timings) -> None:
         super().__init__(problem)
-        spaces = problem.spaces
-        self._owned_size = spaces.owned_nodes * spaces.components
-        constrained = problem.constrained
-        self._owned_constrained = constrained[constrained < self._owned_size]
         with timings.phase("assemble"):
             self._system = LinearSystem(problem)
         self.tangent = self._system.stiffness.duplicate(copy=True)
         self.state, self.residual = self.tangent.createVecs()
         self._work = self.state.duplicate()
-        self._reactions = 0.0
         self.factorisations = 0
 
     def destroy(self) -> None:
@@ -53,69 +47,8 @@ class FullSystem(System):
         for thing in (self.tangent, self.state, self.residual, self._work):
             thing.destroy()
 
-    @property
-    def forces(self) -> float:
-        """1-norm of loads, reactions and contact forces at the last residual; collective."""
-        return super().forces + self._reactions
-
     def prepare(self, snes: Any) -> None:
         """Nothing: the options say it all."""
-
-    def begin(self, displacement: Array) -> None:
-        """Start from nodal displacements, supports at their values; collective."""
-        self._started = displacement.reshape(-1).copy()
-        self.state.set(0.0)
-        owned = self.problem.constrained < self._owned_size
-        with self.state as array:
-            array[: self._owned_size] = self._started[: self._owned_size]
-            array[self._owned_constrained] = self.problem.prescribed[owned]
-            if self.comm.rank == 0 and self.scalars:
-                array[-self.scalars :] = self.starting_scalars()
-
-    def follow_supports(self) -> None:
-        """Bring supports to their present values, the far field to its resultants'; collective."""
-        problem = self.problem
-        values = problem.prescribed.copy()
-        far_field = problem.far_field
-        scalars = self.scalar_values(self.state)
-        for unknown, value in zip(problem.unknowns, scalars, strict=True):
-            if unknown.column is not None and far_field is not None:
-                values[np.isin(problem.constrained, far_field.dofs)] += value * unknown.column
-        with self.state as array:
-            array[self._owned_constrained] = values[problem.constrained < self._owned_size]
-        self.take(self.state)
-
-    def take(self, state: Any) -> None:
-        """A vector of unknowns into the displacement function and the jumps; collective."""
-        function = self.problem.displacement.x
-        function.array[: self._owned_size] = state.array_r[: self._owned_size]
-        function.scatter_forward()
-        displacement = self._nodal_displacement()
-        at_surfaces = [displacement[contact.trace.all_nodes] for contact in self.problem.contacts]
-        self.move_contacts(at_surfaces, self.scalar_values(state))
-
-    def _nodal_displacement(self) -> Array:
-        """The present displacement, shape (nodes, components), ghosts included."""
-        array = self.problem.displacement.x.array
-        return np.asarray(array.reshape(-1, self.problem.spaces.components))
-
-    def balance(self, state: Any, residual: Any) -> None:
-        """K u − f − r_c(u), and the scalars' rows; collective."""
-        self.take(state)
-        self._system.stiffness.mult(state, residual)
-        forces = self.all_contact_forces()
-        surfaces = [contact.trace.surface for contact in self.problem.contacts]
-        pushed = [s.on_body(f).reshape(-1) for s, f in zip(surfaces, forces, strict=True)]
-        imbalances = self.scalar_imbalances(self.scalar_values(state), forces)
-        with residual as array:
-            for force in pushed:
-                array[: self._owned_size] -= force[: self._owned_size]
-            array[: self._owned_size] -= self.problem.load.reshape(-1)[: self._owned_size]
-            held = np.abs(array[self._owned_constrained]).sum()
-            array[self._owned_constrained] = 0.0  # they hold their values exactly
-            if self.comm.rank == 0 and self.scalars:
-                array[-self.scalars :] = imbalances
-        self._reactions = float(total(self.comm, held))
 
     def linearise(self, state: Any) -> None:
         """Add the contacts' tangents to a copy of K; collective."""
@@ -133,13 +66,6 @@ class FullSystem(System):
         self._system.tie_far_field(tangent)
         self.factorisations += 1
 
-    def imbalance(self) -> float:
-        """1-norm of the last residual, without rows of mean stresses (force); collective."""
-        left = np.abs(self.residual.array_r[: self._owned_size]).sum()
-        if self.scalars and self.comm.rank == 0:
-            left += np.abs(self.residual.array_r[-self.scalars :]).sum()
-        return float(total(self.comm, left))
-
     def round_off(self) -> float:
         """20 × machine epsilon × ‖|J| |u|‖₁; collective."""
         first, columns, values = self.tangent.getValuesCSR()
@@ -155,17 +81,11 @@ class FullSystem(System):
         lengths.destroy()
         return float(20 * np.finfo(float).eps * left)
 
-    def moved(self) -> float:
-        """Largest displacement since the start (length); collective."""
-        return largest(self.comm, np.abs(self.problem.displacement.x.array - self._started))
+    def internal_forces(self, state: Any, forces: Any) -> None:
+        """K u and what a mean stress adds; collective."""
+        self._system.stiffness.mult(state, forces)
 
     def finish(self) -> tuple[Array, Array]:
         """Displacement and K u at the nodes; the mean stress into its function; collective."""
-        spaces = self.problem.spaces
-        self._system.stiffness.mult(self.state, self._work)
         self._system.take_mean_stress(self.state)
-        internal = fem.Function(spaces.displacement_space)
-        internal.x.array[: self._owned_size] = self._work.array_r[: self._owned_size]
-        internal.x.scatter_forward()
-        forces = internal.x.array.reshape(-1, spaces.components).copy()
-        return self._nodal_displacement().copy(), forces
+        return super().finish()

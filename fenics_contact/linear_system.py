@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,87 +17,43 @@ from fenics_contact.surface_matrix import SurfaceMatrix
 Array = NDArray[np.float64]
 
 
-class LinearSystem:
-    """K, assembled once, in the layout of all unknowns.
+class AddedTangents:
+    """What contacts and scalar unknowns add to K, in the layout of all unknowns.
 
     Each rank's rows are its displacements, then its mean stresses; rank 0 has the scalars
     last. A contact's energy depends on the jump w = u − d m, so its tangent K_c in the jump
     gives those in u and d: K_c, −K_c m and mᵀ K_c m.
 
     Attributes:
-        stiffness: K, or [[K, Bᵀ], [B, −C]] with a mean stress; zeros for the scalars.
         scalars: Number of scalar unknowns.
         surfaces: The tangents of the contacts.
+
+    Args:
+        problem: The problem.
+        displacement: K of the displacements alone, before supports.
     """
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem, displacement: Any) -> None:
         self._problem = problem
-        self._mixed = problem.elastic.mixed
         self._unknowns = problem.unknowns
         self.scalars = len(self._unknowns)
         spaces = problem.spaces
         self._owned = spaces.owned_nodes * spaces.components
         self.surfaces = [SurfaceMatrix(contact) for contact in problem.contacts]
-        displacement = _assembled(problem.elastic.stiffness)
         self._first = displacement.getOwnershipRange()[0]
-        self._nested = self._mixed is not None or self.scalars > 0
-        if not self._nested:
-            self.stiffness = displacement
-            return
+        self._column_of: Callable[[Any], Any] | None = None
         self._far_forces = [self._force_of_far_field(displacement, u) for u in self._unknowns]
-        blocks = [[displacement]]
-        if self._mixed is not None:
-            blocks = self._with_mean_stress(displacement)
-        if self.scalars:
-            blocks = self._with_scalars(blocks, displacement)
-        nested = PETSc.Mat().createNest(blocks, comm=problem.comm)
-        self.stiffness = nested.convert("aij", PETSc.Mat())
-        self._column_of = self._displacement_columns(displacement)
-        for matrix in [nested, *(m for row in blocks for m in row if m is not None)]:
-            matrix.destroy()
 
-    def destroy(self) -> None:
-        """Free the matrix."""
-        self.stiffness.destroy()
+    def _place(self, displacement: Any, layout: Any) -> None:
+        """Number displacements as a matrix of all unknowns does."""
+        starts = displacement.getOwnershipRangesColumn()
+        shifts = layout.getOwnershipRangesColumn()[:-1] - starts[:-1]
 
-    def _with_mean_stress(self, displacement: Any) -> list[list[Any]]:
-        mixed = self._mixed
-        assert mixed is not None
-        compressibility = _assembled(mixed.compressibility)
-        compressibility.scale(-1.0)
-        gradient, divergence = _assembled(mixed.gradient), _assembled(mixed.divergence)
-        return [[displacement, gradient], [divergence, compressibility]]
+        def column_of(columns: NDArray[np.int32]) -> NDArray[np.int64]:
+            owners = np.searchsorted(starts, columns, side="right") - 1
+            return columns + shifts[owners]
 
-    def _with_scalars(self, blocks: list[list[Any]], displacement: Any) -> list[list[Any]]:
-        """Empty rows and columns with room for all that a tangent may put there."""
-        comm = self._problem.comm
-        own = self.scalars if comm.rank == 0 else 0
-        sizes = (own, self.scalars)
-        columns = displacement.getSizes()[1]
-        first = displacement.getOwnershipRange()[0]
-        local = [self._border_dofs(k) for k in range(self.scalars)]
-        gathered = [np.concatenate(comm.allgather(first + dofs)) for dofs in local]
-        widest = max((len(dofs) for dofs in gathered), default=0)
-        column = PETSc.Mat().createAIJ((displacement.getSizes()[0], sizes), comm=comm)
-        column.setPreallocationNNZ((self.scalars, self.scalars))
-        row = PETSc.Mat().createAIJ((sizes, columns), comm=comm)
-        row.setPreallocationNNZ((widest, widest))
-        corner = PETSc.Mat().createAIJ((sizes, sizes), comm=comm)
-        corner.setPreallocationNNZ((self.scalars, self.scalars))
-        index: Any = np.arange(self.scalars, dtype=PETSc.IntType)
-        for k, dofs in enumerate(local):
-            rows: Any = (first + dofs).astype(PETSc.IntType)
-            column.setValues(rows, index[k : k + 1], [0.0] * len(rows))
-            if own:
-                every: Any = gathered[k].astype(PETSc.IntType)
-                row.setValues(index[k : k + 1], every, [0.0] * len(every))
-        if own:
-            corner.setValues(index, index, [0.0] * self.scalars**2)
-        for matrix in (column, row, corner):
-            matrix.assemble()
-        middle = [None] * (len(blocks) - 1)
-        extended = [[*line, column if i == 0 else None] for i, line in enumerate(blocks)]
-        return [*extended, [row, *middle, corner]]
+        self._column_of = column_of
 
     def _border_dofs(self, number: int) -> NDArray[np.int64]:
         """Owned displacement dofs that a scalar unknown may be coupled with."""
@@ -186,6 +143,86 @@ class LinearSystem:
             tangent.setValues(rows, scalar, -unknown.column[mine])
         tangent.assemble()
 
+    def _matrix_rows(self, dofs: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Rows of displacements by their global numbers."""
+        return dofs if self._column_of is None else self._column_of(dofs)
+
+    def _rows(self, tangent: Any, dofs: NDArray[np.int64]) -> Any:
+        return (tangent.getOwnershipRange()[0] + dofs).astype(PETSc.IntType)
+
+    def _scalar_row(self, tangent: Any, number: int) -> int:
+        """Global row of a scalar: the last ones of rank 0."""
+        return int(tangent.getOwnershipRanges()[1]) - self.scalars + number
+
+
+class LinearSystem(AddedTangents):
+    """K, assembled once, with room for all that a tangent adds to it.
+
+    Attributes:
+        stiffness: K, or [[K, Bᵀ], [B, −C]] with a mean stress; zeros for the scalars.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        displacement = assembled(problem.elastic.stiffness)
+        super().__init__(problem, displacement)
+        self._mixed = problem.elastic.mixed
+        if self._mixed is None and self.scalars == 0:
+            self.stiffness = displacement
+            return
+        blocks = [[displacement]]
+        if self._mixed is not None:
+            blocks = self._with_mean_stress(displacement)
+        if self.scalars:
+            blocks = self._with_scalars(blocks, displacement)
+        nested = PETSc.Mat().createNest(blocks, comm=problem.comm)
+        self.stiffness = nested.convert("aij", PETSc.Mat())
+        self._place(displacement, self.stiffness)
+        for matrix in [nested, *(m for row in blocks for m in row if m is not None)]:
+            matrix.destroy()
+
+    def destroy(self) -> None:
+        """Free the matrix."""
+        self.stiffness.destroy()
+
+    def _with_mean_stress(self, displacement: Any) -> list[list[Any]]:
+        mixed = self._mixed
+        assert mixed is not None
+        compressibility = assembled(mixed.compressibility)
+        compressibility.scale(-1.0)
+        gradient, divergence = assembled(mixed.gradient), assembled(mixed.divergence)
+        return [[displacement, gradient], [divergence, compressibility]]
+
+    def _with_scalars(self, blocks: list[list[Any]], displacement: Any) -> list[list[Any]]:
+        """Empty rows and columns with room for all that a tangent may put there."""
+        comm = self._problem.comm
+        own = self.scalars if comm.rank == 0 else 0
+        sizes = (own, self.scalars)
+        columns = displacement.getSizes()[1]
+        first = displacement.getOwnershipRange()[0]
+        local = [self._border_dofs(k) for k in range(self.scalars)]
+        gathered = [np.concatenate(comm.allgather(first + dofs)) for dofs in local]
+        widest = max((len(dofs) for dofs in gathered), default=0)
+        column = PETSc.Mat().createAIJ((displacement.getSizes()[0], sizes), comm=comm)
+        column.setPreallocationNNZ((self.scalars, self.scalars))
+        row = PETSc.Mat().createAIJ((sizes, columns), comm=comm)
+        row.setPreallocationNNZ((widest, widest))
+        corner = PETSc.Mat().createAIJ((sizes, sizes), comm=comm)
+        corner.setPreallocationNNZ((self.scalars, self.scalars))
+        index: Any = np.arange(self.scalars, dtype=PETSc.IntType)
+        for k, dofs in enumerate(local):
+            rows: Any = (first + dofs).astype(PETSc.IntType)
+            column.setValues(rows, index[k : k + 1], [0.0] * len(rows))
+            if own:
+                every: Any = gathered[k].astype(PETSc.IntType)
+                row.setValues(index[k : k + 1], every, [0.0] * len(every))
+        if own:
+            corner.setValues(index, index, [0.0] * self.scalars**2)
+        for matrix in (column, row, corner):
+            matrix.assemble()
+        middle = [None] * (len(blocks) - 1)
+        extended = [[*line, column if i == 0 else None] for i, line in enumerate(blocks)]
+        return [*extended, [row, *middle, corner]]
+
     def take_mean_stress(self, state: Any) -> None:
         """The mean stress of a state into its function, where there is one."""
         if self._mixed is None:
@@ -195,28 +232,6 @@ class LinearSystem:
         owned *= function.function_space.dofmap.index_map_bs
         function.x.array[:owned] = state.array_r[self._owned : self._owned + owned]
         function.x.scatter_forward()
-
-    def _matrix_rows(self, dofs: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Rows of displacements by their global numbers."""
-        return self._column_of(dofs) if self._nested else dofs
-
-    def _rows(self, tangent: Any, dofs: NDArray[np.int64]) -> Any:
-        return (tangent.getOwnershipRange()[0] + dofs).astype(PETSc.IntType)
-
-    def _scalar_row(self, tangent: Any, number: int) -> int:
-        """Global row of a scalar: the last ones of rank 0."""
-        return int(tangent.getOwnershipRanges()[1]) - self.scalars + number
-
-    def _displacement_columns(self, displacement: Any) -> Any:
-        """Map from columns of a matrix of displacements to those of K."""
-        starts = displacement.getOwnershipRangesColumn()
-        shifts = self.stiffness.getOwnershipRangesColumn()[:-1] - starts[:-1]
-
-        def column_of(columns: NDArray[np.int32]) -> NDArray[np.int64]:
-            owners = np.searchsorted(starts, columns, side="right") - 1
-            return columns + shifts[owners]
-
-        return column_of
 
 
 def _add_entries(matrix: Any, rows: Any, columns: Any, values: Array) -> None:
@@ -232,7 +247,8 @@ def _add_entries(matrix: Any, rows: Any, columns: Any, values: Array) -> None:
     )
 
 
-def _assembled(form: Any) -> Any:
+def assembled(form: Any) -> Any:
+    """The matrix of a compiled form; collective."""
     matrix = fem_petsc.assemble_matrix(form)
     matrix.assemble()
     return matrix

@@ -67,21 +67,24 @@ class Newton:
         self.steps = 0
         self.limit = 0.0
         self._one_sided = any(contact.is_one_sided for contact in problem.contacts)
+        self._tolerance = problem.scene.solver.tolerance
         self._tiny = 0.0
         self._before = 0
         self._own_options: list[str] = []
 
-    def run(self, search_energy: bool = True) -> None:
+    def run(self, search_energy: bool = True, tolerance: float | None = None) -> None:
         """Solve from the present state, with the modes that the contacts' terms have.
 
         Args:
             search_energy: Search along the steps where a contact is one-sided; else full steps.
+            tolerance: Imbalance over the forces to accept; by default the scene's.
 
         Raises:
             NotConvergedError: In words, with the history of the force imbalance.
         """
         self._before = len(self.history)
         self.limit = 0.0
+        self._tolerance = tolerance or self.problem.scene.solver.tolerance
         with self.timings.phase("solve"):
             log = _FactorisationLog()
             snes = self._create_snes(search_energy)
@@ -137,7 +140,8 @@ class Newton:
                 options.setValue(OPTIONS_PREFIX + name, value)
                 self._own_options.append(OPTIONS_PREFIX + name)
         most = self.problem.scene.solver.max_iterations
-        snes.setTolerances(rtol=0.0, atol=0.0, stol=0.0, max_it=most)
+        # Only systems with a nonlinear solver of their own look at rtol.
+        snes.setTolerances(rtol=self._tolerance, atol=0.0, stol=0.0, max_it=most)
         system.prepare(snes)
         snes.setFromOptions()
         snes.setConvergenceTest(self._converged)
@@ -188,7 +192,7 @@ class Newton:
         logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
         if not np.isfinite(imbalance):
             return _NOT_A_NUMBER
-        self.limit = self.problem.scene.solver.tolerance * forces
+        self.limit = self._tolerance * forces
         # A body that a motion of its supports takes along has no forces to compare with; that
         # it does not run away is then tested at the end.
         cap = np.inf if self._one_sided else _LARGEST_FLOOR * forces

@@ -29,7 +29,7 @@ class RigidMotions:
         self._problem = problem
         spaces = problem.spaces
         self.floating = [contact for contact in problem.contacts if contact.floats]
-        self._fields = self._rigid_fields()
+        self._names, self._fields = rigid_fields(problem)
         free = self._free_combinations()
         self._body = free[: self._fields.shape[-1]]
         self._obstacles = free[self._fields.shape[-1] :]
@@ -57,28 +57,6 @@ class RigidMotions:
         held = total(self._problem.comm, np.einsum("q,qci,qcj->ij", w, slip, slip))
         scale = (np.trace(others) or 1.0) / (np.trace(held) or 1.0)
         return null_space(others + scale * held).shape[1] > 0
-
-    def _rigid_fields(self) -> Array:
-        """Translations, then rotations, at the nodes of this rank: (nodes, components, modes)."""
-        problem, spaces = self._problem, self._problem.spaces
-        owned, points = spaces.owned_nodes, spaces.coordinates
-        count = total(problem.comm, owned)
-        centre = total(problem.comm, points[:owned].sum(axis=0)) / count
-        offset = points - centre
-        offset = offset / largest(problem.comm, np.abs(offset[:owned]).ravel(), empty=1.0)
-        self._names: list[tuple[str, int]] = []
-        fields: list[Array] = []
-        axes = range(spaces.components) if spaces.kinematics != "axisymmetric" else (1,)
-        for axis in axes:
-            field = np.zeros((len(points), 3))
-            field[:, axis] = 1.0
-            fields.append(field)
-            self._names.append(("translation", axis))
-        spins = {"3D": (0, 1, 2), "axisymmetric": ()}.get(spaces.kinematics, (2,))
-        for axis in spins:
-            fields.append(np.cross(np.eye(3)[axis], offset))
-            self._names.append(("rotation", axis))
-        return np.stack(fields, axis=-1)[:, : spaces.components]
 
     def _free_combinations(self) -> Array:
         """Combinations (modes and obstacles, free) with no jump on supports and glue."""
@@ -176,6 +154,34 @@ class RigidMotions:
             if abs(share) > 1e-6 * scale:
                 words.append(f"the obstacle at '{contact.label}'")
         return ", ".join(words)
+
+
+def rigid_fields(problem: Problem) -> tuple[list[tuple[str, int]], Array]:
+    """Translations, then rotations about the body's centre, scaled to its size; collective.
+
+    Returns:
+        Kind and axis of each, and their values at the nodes of this rank, of shape
+        (nodes, components, modes).
+    """
+    spaces = problem.spaces
+    owned, points = spaces.owned_nodes, spaces.coordinates
+    count = total(problem.comm, owned)
+    centre = total(problem.comm, points[:owned].sum(axis=0)) / count
+    offset = points - centre
+    offset = offset / largest(problem.comm, np.abs(offset[:owned]).ravel(), empty=1.0)
+    names: list[tuple[str, int]] = []
+    fields: list[Array] = []
+    axes = range(spaces.components) if spaces.kinematics != "axisymmetric" else (1,)
+    for axis in axes:
+        field = np.zeros((len(points), 3))
+        field[:, axis] = 1.0
+        fields.append(field)
+        names.append(("translation", axis))
+    spins = {"3D": (0, 1, 2), "axisymmetric": ()}.get(spaces.kinematics, (2,))
+    for axis in spins:
+        fields.append(np.cross(np.eye(3)[axis], offset))
+        names.append(("rotation", axis))
+    return names, np.stack(fields, axis=-1)[:, : spaces.components]
 
 
 def null_space(gram: Array) -> Array:

@@ -151,11 +151,12 @@ class SolverSettings:
         ),
     ] = "auto"
     solver: Annotated[
-        Literal["auto", "condensed", "full"],
+        Literal["auto", "condensed", "full", "iterative"],
         Field(
             description="`condensed` factorises the bulk once and iterates on the contact surfaces "
-            "alone, `full` on all displacements, with a factorisation in every Newton step; `auto` "
-            "chooses by sizes and memory"
+            "alone, `full` on all displacements, with a factorisation in every Newton step, "
+            "`iterative` by multigrid, for large 3D bodies (not nearly incompressible ones); "
+            "`auto` chooses by sizes and memory"
         ),
     ] = "auto"
     outer_tolerance: Annotated[

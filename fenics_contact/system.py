@@ -30,11 +30,13 @@ class System(ABC):
         residual: The force imbalance, likewise.
         tangent: Its derivative, a PETSc matrix.
         options: PETSc's options for its linear solves.
+        first_way: Which strategy of Coulomb friction ``auto`` begins with.
         factorisations: How often a matrix of the bulk was factorised.
     """
 
     name: ClassVar[str]
     options: ClassVar[dict[str, Any]]
+    first_way: ClassVar[str] = "campos"
     state: Any
     residual: Any
     tangent: Any
