@@ -78,6 +78,7 @@ CAMPOS, LAGGED, NEWTON, RAISED = (
     "Newton's method on contact and friction together",
     "the coefficient raised in steps",
 )
+WORDS = {"campos": CAMPOS, "lagged": LAGGED, "monolithic": NEWTON}
 
 
 @pytest.mark.parametrize(
@@ -87,7 +88,7 @@ CAMPOS, LAGGED, NEWTON, RAISED = (
         # `campos` has no place where nothing but friction holds a body.
         (lambda way: pushed(4.95, way), ["lagged"], NEWTON),
         # Who allows few steps: half the coefficient is nearer than all of it.
-        (lambda way: driven(1.0, 0.02, -0.005, way, FEW), ["campos", "lagged", "monolithic"], RAISED),
+        (lambda way: driven(1.0, 0.02, -0.005, way, FEW), list(WORDS), RAISED),
     ],
 )  # fmt: skip
 def test_each_way_rescues_what_those_before_it_cannot_solve(body, failing, rescue, caplog):
@@ -98,8 +99,7 @@ def test_each_way_rescues_what_those_before_it_cannot_solve(body, failing, rescu
     assert rescued.passed
     assert rescue in rescued.model["strategy"]
     said = " ".join(record.getMessage() for record in caplog.records)
-    words = {"campos": CAMPOS, "lagged": LAGGED, "monolithic": NEWTON}
-    for failed, following in pairwise([*(words[way] for way in failing), rescue]):
+    for failed, following in pairwise([*(WORDS[way] for way in failing), rescue]):
         assert re.search(f"{failed}.*next: .*{following}", said)
 
 
