@@ -29,6 +29,8 @@ _COPIES = 4
 # Memory of K, multigrid and Krylov vectors over 12 bytes for every entry of every cell's matrix
 # (measured: .4 on P1 to .95 on P2 and Q1).
 _ITERATIVE = 1.2
+# Unknowns from which multigrid is faster in 3D, by degree (measured on one rank).
+_ITERATIVE_FROM = {1: 50_000, 2: 100_000}
 # S, its inverse and what a Newton step makes of them.
 _DENSE = 5
 
@@ -55,14 +57,11 @@ def choose_solver(problem: Problem) -> SolverChoice:
         MachineError: The problem will not fit into the machine's memory.
     """
     wanted = problem.scene.solver.solver
-    if wanted != "auto":
-        choice = SolverChoice(wanted, "as the scene says", memory_estimate(problem, wanted))
-    elif not any(contact.terms for contact in problem.contacts):
-        choice = SolverChoice("full", "nothing to iterate on", memory_estimate(problem, "full"))
-    else:
-        estimate = memory_estimate(problem, "condensed")
-        choice = SolverChoice("condensed", "one factorisation of the bulk", estimate)
     free = free_memory_for(problem.comm)
+    if wanted == "auto":
+        choice = _automatic(problem, free)
+    else:
+        choice = SolverChoice(wanted, "as the scene says", memory_estimate(problem, wanted))
     if choice.memory > free:
         raise MachineError(
             f"the solver '{choice.name}' needs about {choice.memory / 1e9:.2g} GB of memory for "
@@ -70,6 +69,27 @@ def choose_solver(problem: Problem) -> SolverChoice:
             "mesh, a lower degree, or more machines"
         )
     return choice
+
+
+def _automatic(problem: Problem, free: float) -> SolverChoice:
+    """What is expected to be fastest of what fits; collective."""
+
+    def choice(name: Name, reason: str) -> SolverChoice:
+        return SolverChoice(name, reason, memory_estimate(problem, name))
+
+    if not any(contact.terms for contact in problem.contacts):
+        return choice("full", "nothing to iterate on")
+    condensed = choice("condensed", "one factorisation of the bulk")
+    if problem.elastic.mixed is not None:  # for which there is no multigrid
+        return condensed
+    if condensed.memory > free:
+        return choice("iterative", "a factorisation would not fit into memory")
+    # Each further step costs the iterative solver about half of the first, the other nothing.
+    steps = 0.5 + 0.5 * len(problem.scene.steps.all_times)
+    large = unknowns(problem) > steps * _ITERATIVE_FROM[problem.spaces.degree]
+    if large and problem.spaces.components == 3:
+        return choice("iterative", "multigrid is faster than a factorisation of this size")
+    return condensed
 
 
 def create_system(problem: Problem, choice: SolverChoice, timings: Timings) -> System:
