@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fenics_contact.linear_system import AddedTangents
+from fenics_contact.linear_system import AddedTangents, add_entries
 from fenics_contact.problem import Problem
 from fenics_contact.surface_matrix import SurfaceMatrix
 
@@ -40,14 +40,13 @@ class ContactMatrix(AddedTangents):
         self._constrained = self._rows(self.matrix, constrained)
         parts = [self._between_nodes(surface) for surface in self.surfaces if surface.contact.terms]
         parts += [self._with_scalar(number) for number in range(self.scalars)]
-        pairs: Any = (
-            np.concatenate([np.zeros(0, dtype=np.int64), *part]).astype(PETSc.IntType)
+        rows, columns = (
+            np.concatenate([np.zeros(0, dtype=np.int64), *part])
             for part in (zip(*parts, strict=True) if parts else ((), ()))
         )
-        rows, columns = pairs
-        zeros: Any = np.zeros(len(rows))
-        self.matrix.setPreallocationCOO(rows, columns)
-        self.matrix.setValuesCOO(zeros)
+        self.matrix.setUp()
+        add_entries(self.matrix, rows, columns, np.zeros(len(rows)))
+        self.matrix.assemble()
         keep: Any = PETSc.Mat.Option.KEEP_NONZERO_PATTERN
         self.matrix.setOption(keep, True)
 

@@ -93,7 +93,7 @@ class AddedTangents:
         for surface in self.surfaces:
             *places, values = surface.entries()
             rows, columns = (surface.dofs[place] for place in places)
-            _add_entries(tangent, self._matrix_rows(rows), self._matrix_rows(columns), values)
+            add_entries(tangent, self._matrix_rows(rows), self._matrix_rows(columns), values)
             direction = surface.contact.kinematics.direction
             for number, unknown in enumerate(self._unknowns):
                 if unknown.contact is not surface.contact:
@@ -104,9 +104,9 @@ class AddedTangents:
                 every = np.broadcast_to(scalar, values.shape)
                 # Of a resultant, the row of R + m · r_c(u) = 0.
                 across = values * along[0] * (-1.0 if driven else 1.0)
-                _add_entries(tangent, every, self._matrix_rows(columns), across)
+                add_entries(tangent, every, self._matrix_rows(columns), across)
                 if driven:
-                    _add_entries(tangent, self._matrix_rows(rows), every, -values * along[1])
+                    add_entries(tangent, self._matrix_rows(rows), every, -values * along[1])
                     corner = float(np.sum(along[0] * values * along[1]))
                     tangent.setValues(scalar, scalar, [corner], addv=add)
 
@@ -234,7 +234,7 @@ class LinearSystem(AddedTangents):
         function.x.scatter_forward()
 
 
-def _add_entries(matrix: Any, rows: Any, columns: Any, values: Array) -> None:
+def add_entries(matrix: Any, rows: Any, columns: Any, values: Array) -> None:
     """Add entries anywhere in a matrix whose pattern has them."""
     used, index = np.unique(rows, return_inverse=True)
     compact = coo_matrix((values, (index, columns)), shape=(len(used), matrix.getSize()[1])).tocsr()
