@@ -36,6 +36,7 @@ from fenics_contact import (
     Steps,
     Support,
 )
+from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.figures import new_figure, save
 from fenics_contact.newton import Newton
 from fenics_contact.parallel import largest, total
@@ -420,11 +421,12 @@ def frictional_solve(problem: Problem) -> Frictional:
 
 def read_results(problem: Problem, solution: Solution) -> None:
     """What a run reads from every load step; collective."""
-    reactions, _ = support_reactions(problem, solution)
+    forces = BulkForces(problem, solution)
+    reactions, _ = support_reactions(forces)
     by_contact = [
         contact_quantities(problem, solution, number) for number in range(len(problem.contacts))
     ]
-    global_quantities(problem, solution, reactions, by_contact)
+    global_quantities(forces, reactions, by_contact)
 
 
 @dataclass
@@ -483,10 +485,11 @@ class _Series:
             self.memory = grown
 
     def is_enough(self, wanted: int | None) -> bool:
-        """Whether as many runs as wanted were made; by default 2 to 12 in about 6 s."""
+        """Whether as many runs as wanted were made; by default up to 12 in about 6 s."""
+        made = len(self.runs)
         if wanted is not None:
-            return len(self.runs) >= wanted
-        return len(self.runs) >= 12 or (len(self.runs) >= 2 and self._spent > 6.0)
+            return made >= wanted
+        return made >= 12 or (made >= 2 and self._spent > 6.0) or self._spent > 60.0
 
     def further(self, steps: int) -> tuple[float, float] | None:
         """Seconds of each of some steps after the first, results not read; and with them."""
@@ -503,7 +506,7 @@ def measure(case: Case, solver: str, body: Body, repeat: int | None = None) -> M
         case: The case.
         solver: As a scene names it.
         body: The mesh of the case.
-        repeat: Least of how many runs; by default 2 to 12, fewer where each takes longer.
+        repeat: Least of how many runs; by default up to 12, fewer where each takes longer.
     """
     comm, scene = body.mesh.comm, scene_of(case, solver)
     compile_forms(case, solver, comm)
