@@ -18,7 +18,7 @@ import json
 import math
 import time
 import typing
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -571,7 +571,7 @@ def limit_of(row: dict[str, Any]) -> float | None:
     return 1.4 if row["contact_dofs"] <= 0.025 * row["dofs"] else 2.0
 
 
-def print_table(found: Iterable[Measured]) -> None:
+def print_table(found: list[Measured]) -> None:
     """Ratios beside their limits."""
     table = Table(title="What friction costs, in linear solves")
     for heading in ("case", "contact dofs", "solver", "linear", "GAMG", "frictional", "ratio"):
@@ -603,14 +603,16 @@ def print_table(found: Iterable[Measured]) -> None:
     Console(width=170).print(table)
 
 
-def print_further(found: Iterable[Measured]) -> None:
-    """What load steps after the first cost."""
+def print_further(found: list[Measured]) -> None:
+    """What load steps after the first cost, where there are any."""
+    several = [one for one in found if one.further is not None]
+    if not several:
+        return
     table = Table(
         "case", "solver", "a step", "with results", f"{FURTHER} steps", title="Further load steps"
     )
-    for one in found:
-        if one.further is None:
-            continue
+    for one in several:
+        assert one.further is not None
         alone, with_results = (seconds / one.row["linear_seconds"] for seconds in one.further)
         table.add_row(
             one.row["case"],
