@@ -338,7 +338,7 @@ def linear_seconds(problem: Problem, kind: str) -> float:
     _set_up(solver, matrix, kind)
     solver.solve(load, solution)
     seconds = watch.seconds()
-    if solver.getConvergedReason() < 0:
+    if int(solver.getConvergedReason()) < 0:
         raise RuntimeError("the linear solve did not converge")
     for thing in (solver, matrix, load, solution, diagonal, *motions):
         thing.destroy()
@@ -571,6 +571,11 @@ def limit_of(row: dict[str, Any]) -> float | None:
     return 1.4 if row["contact_dofs"] <= 0.025 * row["dofs"] else 2.0
 
 
+def limits_of(rows: list[dict[str, Any]]) -> set[float]:
+    """All limits that some rows have."""
+    return {limit for row in rows if (limit := limit_of(row)) is not None}
+
+
 def print_table(found: list[Measured]) -> None:
     """Ratios beside their limits."""
     table = Table(title="What friction costs, in linear solves")
@@ -638,7 +643,7 @@ def plot(rows: list[dict[str, Any]], path: Path) -> None:
         chosen = [row for row in shown if row["dimension"] == dimension]
         for label, points in _series(chosen).items():
             panel.semilogx(*points, markersize=7, linewidth=1.0, label=label, **_style(label))
-        for limit in sorted({limit_of(row) for row in chosen}):
+        for limit in sorted(limits_of(chosen)):
             panel.axhline(limit, color="0.3", linewidth=0.8, linestyle=":", zorder=0)
             panel.annotate(
                 f"limit {limit:g}{_applies_to(limit, chosen)}",
@@ -688,8 +693,7 @@ def _style(label: str) -> dict[str, Any]:
 
 def _applies_to(limit: float, rows: list[dict[str, Any]]) -> str:
     """What a limit is for, where there are several."""
-    limits = {limit_of(row) for row in rows}
-    if len(limits) == 1:
+    if len(limits_of(rows)) == 1:
         return ""
     return {1.4: ", contact ≤ 2.5 %", 2.0: ", contact about 8 %", 3.0: ", iterative"}[limit]
 
