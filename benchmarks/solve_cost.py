@@ -327,9 +327,10 @@ def linear_seconds(problem: Problem, kind: str) -> float:
     matrix.assemble()
     first, last = matrix.getOwnershipRange()
     held = problem.constrained[problem.constrained < last - first]
-    diagonal = matrix.getDiagonal()
-    matrix.zeroRowsColumns((first + held).astype(PETSc.IntType), diag=diagonal.max()[1])
     solution, load = matrix.createVecs()
+    matrix.getDiagonal(load)
+    mean = load.sum() / load.getSize()  # multigrid is not to see supports as soft or stiff
+    matrix.zeroRowsColumns((first + held).astype(PETSc.IntType), diag=mean)
     load.set(1.0)
     with load as array:
         array[held] = 0.0
@@ -340,7 +341,7 @@ def linear_seconds(problem: Problem, kind: str) -> float:
     seconds = watch.seconds()
     if int(solver.getConvergedReason()) < 0:
         raise RuntimeError("the linear solve did not converge")
-    for thing in (solver, matrix, load, solution, diagonal, *motions):
+    for thing in (solver, matrix, load, solution, *motions):
         thing.destroy()
     return seconds
 
@@ -371,6 +372,7 @@ def _near_nullspace(problem: Problem, matrix: Any) -> list[Any]:
         array[:] = spaces.coordinates[: spaces.owned_nodes, : spaces.components].reshape(-1)
     motions = PETSc.NullSpace().createRigidBody(coordinates)
     matrix.setNearNullSpace(motions)
+    matrix.setOption(PETSc.Mat.Option.SPD, True)
     return [coordinates, motions]
 
 
@@ -413,10 +415,9 @@ def frictional_solve(problem: Problem) -> Frictional:
     finally:
         system.destroy()
     newton, outer = (sum(column) for column in zip(*iterations, strict=True))
-    setups = getattr(system, "preconditioner_setups", 0)
-    return Frictional(
-        solution, seconds, firsts[0], reading, newton, outer, system.factorisations, setups
-    )
+    counted = system.factorisations
+    counts = (counted, 0) if system.name in DIRECT else (0, counted)
+    return Frictional(solution, seconds, firsts[0], reading, newton, outer, *counts)
 
 
 def read_results(problem: Problem, solution: Solution) -> None:
