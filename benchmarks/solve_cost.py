@@ -637,7 +637,7 @@ def plot(rows: list[dict[str, Any]], path: Path) -> None:
     shown = [row for row in rows if row["solver"] != "full" and row["steps"] == 1]
     dimensions = sorted({row["dimension"] for row in shown})
     figure, panels = new_figure(
-        "", (4.2 * len(dimensions), 4.2), ncols=len(dimensions), sharey=True
+        "", (4.8 * len(dimensions), 4.2), ncols=len(dimensions), sharey=True
     )
     figure.suptitle("Frictional solve over linear solve", fontsize=11)
     for panel, dimension in zip(panels, dimensions, strict=True):
@@ -648,10 +648,9 @@ def plot(rows: list[dict[str, Any]], path: Path) -> None:
             panel.axhline(limit, color="0.3", linewidth=0.8, linestyle=":", zorder=0)
             panel.annotate(
                 f"limit {limit:g}{_applies_to(limit, chosen)}",
-                (0.02, limit),
+                (1.01, limit),
                 xycoords=("axes fraction", "data"),
-                xytext=(0, 3),
-                textcoords="offset points",
+                va="center",
                 fontsize=8,
                 color="0.3",
             )
@@ -662,7 +661,7 @@ def plot(rows: list[dict[str, Any]], path: Path) -> None:
         panel.xaxis.set_minor_formatter("")
         panel.legend(frameon=False, fontsize=8, loc="lower right")
     panels[0].set_ylabel("ratio")
-    panels[0].set_ylim(bottom=0.0)
+    panels[0].set_ylim(0.0, 1.05 * max([3.0, *(row["ratio"] for row in shown)]))
     save(figure, path)
 
 
@@ -696,7 +695,7 @@ def _applies_to(limit: float, rows: list[dict[str, Any]]) -> str:
     """What a limit is for, where there are several."""
     if len(limits_of(rows)) == 1:
         return ""
-    return {1.4: ", contact ≤ 2.5 %", 2.0: ", contact about 8 %", 3.0: ", iterative"}[limit]
+    return {1.4: ",\ncontact ≤ 2.5 %", 2.0: ",\ncontact 8 %", 3.0: ",\niterative"}[limit]
 
 
 def main() -> None:
