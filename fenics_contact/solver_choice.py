@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import log2
+from math import log2, sqrt
 from typing import Literal
+
+import numpy as np
 
 from fenics_contact.condensed_system import CondensedSystem
 from fenics_contact.errors import MachineError
@@ -24,15 +26,16 @@ Name = Literal["condensed", "full", "iterative"]
 _ENTRIES_2D, _ENTRIES_3D = 12.5, 40.0
 # MUMPS' working memory over that of its factors (measured: 1.15-1.37).
 _WORKSPACE = 1.4
-# K as assembled, and its copies in PETSc and MUMPS.
-_COPIES = 4
+# K as assembled, and its copies in PETSc and MUMPS (which numbers rows and columns).
+_COPIES = 6
 # Memory of K, multigrid and Krylov vectors over 12 bytes for every entry of every cell's matrix
 # (measured: .4 on P1 to .95 on P2 and Q1).
 _ITERATIVE = 1.2
 # Unknowns from which multigrid is faster in 3D, by degree (measured on one rank).
 _ITERATIVE_FROM = {1: 50_000, 2: 100_000}
-# S, its inverse and what a Newton step makes of them.
-_DENSE = 5
+# S within MUMPS and out of it, its inverse, and what a Newton step makes of them (measured with
+# 8 % of the unknowns at the contact: 10).
+_DENSE = 12
 
 
 @dataclass(frozen=True)
@@ -131,9 +134,12 @@ def memory_estimate(problem: Problem, name: Name) -> float:
         problem.spaces.displacement_space.dofmap.list.shape[1] * problem.spaces.components
     )
     cells = problem.body.mesh.topology.index_map(problem.body.dimension).size_global
-    bytes_of_matrix = 12.0 * cells * dofs_of_cell**2
+    bytes_of_cells = 12.0 * cells * dofs_of_cell**2
     if name == "iterative":
-        return _ITERATIVE * bytes_of_matrix
+        return _ITERATIVE * bytes_of_cells
+    # Cells share entries: with m cells at a node about √m of them have the same one.
+    cells_at_node = cells * dofs_of_cell / count
+    bytes_of_matrix = bytes_of_cells / max(1.0, sqrt(cells_at_node))
     dense = 0.0
     if name == "condensed":
         dense = _DENSE * 8.0 * (contact_unknowns(problem) + _between_ranks(problem)) ** 2
@@ -141,6 +147,10 @@ def memory_estimate(problem: Problem, name: Name) -> float:
 
 
 def _between_ranks(problem: Problem) -> int:
-    """Displacements that ranks share, at the most."""
-    ghosts = problem.spaces.displacement_space.dofmap.index_map.num_ghosts
-    return int(total(problem.comm, ghosts)) * problem.spaces.components
+    """Displacements that cells of several ranks share; collective."""
+    space, topology = problem.spaces.displacement_space, problem.body.mesh.topology
+    index_map, nodes = space.dofmap.index_map, space.dofmap.list
+    touched = np.zeros(index_map.size_local + index_map.num_ghosts, dtype=bool)
+    touched[nodes[: topology.index_map(topology.dim).size_local]] = True
+    shared = int(touched[index_map.size_local :].sum())
+    return int(total(problem.comm, shared)) * problem.spaces.components

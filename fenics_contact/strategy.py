@@ -73,27 +73,39 @@ def solve(
     timings = timings or Timings()
     choice = choice or choose_solver(problem)
     system = create_system(problem, choice, timings)
-    newton = Newton(problem, system, timings)
-    times = problem.scene.steps.all_times
     try:
-        for number, time in enumerate(times):
-            problem.set_time(time)
-            newton.forget()
-            if number == 0:
-                newton.start()
-            else:
-                newton.continue_start()
-            found = solve_step(newton)
-            if len(times) > 1:
-                logger.info("step %d of %d: time %g", number + 1, len(times), time)
-            if accepted is not None:
-                accepted(time, found)
-            if number + 1 < len(times):
-                for contact in problem.contacts:
-                    contact.accept()
-        return found
+        return solve_steps(Newton(problem, system, timings), accepted)
     finally:
         system.destroy()
+
+
+def solve_steps(
+    newton: Newton, accepted: Callable[[float, Solution], None] | None = None
+) -> Solution:
+    """Solve all load steps of a scene, one after the other; collective.
+
+    Args:
+        newton: Made for the problem, not started.
+        accepted: As for ``solve``.
+    """
+    problem = newton.problem
+    times = problem.scene.steps.all_times
+    for number, time in enumerate(times):
+        problem.set_time(time)
+        newton.forget()
+        if number == 0:
+            newton.start()
+        else:
+            newton.continue_start()
+        found = solve_step(newton)
+        if len(times) > 1:
+            logger.info("step %d of %d: time %g", number + 1, len(times), time)
+        if accepted is not None:
+            accepted(time, found)
+        if number + 1 < len(times):
+            for contact in problem.contacts:
+                contact.accept()
+    return found
 
 
 def solve_step(newton: Newton) -> Solution:

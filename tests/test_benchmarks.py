@@ -1,0 +1,66 @@
+"""The benchmark of costs counts what it says, on a small mesh."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from benchmarks.solve_cost import Case, body_of, limit_of, measure
+from fenics_contact.parallel import largest
+
+from .conftest import COMM
+
+KEYS = [
+    *("case", "dimension", "element", "dofs", "contact_dofs", "solver", "ranks"),
+    *("linear_seconds", "frictional_seconds", "ratio", "steps", "newton", "outer"),
+    *("factorisations", "preconditioner_setups", "peak_memory_mb"),
+]
+CASE = Case("Q2", (20, 20))
+
+
+@pytest.fixture(scope="module")
+def measured():
+    body = body_of(CASE, COMM)
+    return {name: measure(CASE, name, body, repeat=1) for name in ("condensed", "full")}
+
+
+def test_rows_of_solve_cost_say_what_was_counted(measured):
+    condensed, full = measured["condensed"].row, measured["full"].row
+    assert list(condensed) == list(full) == KEYS
+    assert condensed["dofs"] == CASE.dofs == 2 * 41**2
+    assert condensed["contact_dofs"] == 2 * 21  # the middle half of the top
+    assert condensed["ranks"] == COMM.size
+    assert condensed["ratio"] == condensed["frictional_seconds"] / condensed["linear_seconds"] > 0
+    assert condensed["factorisations"] == 1
+    assert full["factorisations"] == full["newton"] > 1
+    assert condensed["preconditioner_setups"] == full["preconditioner_setups"] == 0
+    memory = condensed["peak_memory_mb"]
+    assert math.isnan(memory) or 1 < memory < 1000
+
+
+def test_solvers_of_solve_cost_agree_where_part_sticks_and_part_slips(measured):
+    one, other = measured["condensed"], measured["full"]
+    assert 0 < one.quantities["stick_area"] < one.quantities["contact_area"] < 0.5
+    difference = np.abs(one.solution.displacement - other.solution.displacement)
+    scale = largest(COMM, np.abs(other.solution.displacement))
+    assert largest(COMM, difference) <= 1e-8 * scale
+
+
+def test_further_steps_of_solve_cost_share_the_factorisation():
+    case = Case("Q2", (8, 8), steps=3)
+    found = measure(case, "condensed", body_of(case, COMM), repeat=1)
+    assert found.row["steps"] == 3
+    assert found.row["factorisations"] == 1
+    alone, with_results = found.further
+    assert 0 < alone < with_results
+
+
+def test_limits_of_solve_cost_are_those_asked_for():
+    row = {"solver": "condensed", "steps": 1, "ranks": 1, "dimension": 3, "dofs": 10000}
+    assert limit_of(row | {"contact_dofs": 250}) == 1.4
+    assert limit_of(row | {"contact_dofs": 800}) == 2.0
+    assert limit_of(row | {"contact_dofs": 800, "ranks": 2}) == 2.4
+    assert limit_of(row | {"contact_dofs": 100, "dimension": 2}) == 1.5
+    assert limit_of(row | {"contact_dofs": 100, "solver": "full"}) is None
