@@ -20,11 +20,12 @@ from fenics_contact.contact_tangent import ContactTangent
 from fenics_contact.local_stiffness import LocalStiffness
 from fenics_contact.problem import Problem
 from fenics_contact.schur import CondensedBulk
-from fenics_contact.surface_matrix import SurfaceMatrix
+from fenics_contact.surface_matrix import AssembledForm, Entries, SurfaceMatrix
 from fenics_contact.system import System
 from fenics_contact.timings import Timings
 
 Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +44,30 @@ class _Jump:
     places: NDArray[np.int64]
     motion: csr_matrix
     work: csr_matrix
+
+
+class _Pattern:
+    """Where the entries of K_c go in Lᵀ K_c B; one may go to several places.
+
+    Attributes:
+        entries: Numbers of K_c's entries.
+        rows: Of the unknowns that each goes to.
+        columns: Likewise.
+        weights: Its factors there.
+    """
+
+    def __init__(self, jump: _Jump, places: list[tuple[Numbers, Numbers]]) -> None:
+        rows, columns = (np.concatenate(part) for part in zip(*places, strict=True))
+        work, motion = jump.work[rows], jump.motion[columns]
+        by_work, by_motion = np.diff(work.indptr), np.diff(motion.indptr)
+        count = by_work * by_motion
+        self.entries = np.repeat(np.arange(len(rows)), count)
+        number = np.arange(len(self.entries)) - np.repeat(np.cumsum(count) - count, count)
+        first, second = np.divmod(number, np.maximum(by_motion, 1)[self.entries])
+        first += work.indptr[self.entries]
+        second += motion.indptr[self.entries]
+        self.rows, self.columns = work.indices[first], motion.indices[second]
+        self.weights = work.data[first] * motion.data[second]
 
 
 class CondensedSystem(System):
@@ -74,6 +99,7 @@ class CondensedSystem(System):
         self._far_loads = [self._far_load(unknown.column) for unknown in problem.unknowns]
         self._size = len(self.dofs.free) + self.scalars
         self._jumps = [None if s is None else self._jump(s) for s in surfaces]
+        self._patterns: dict[AssembledForm, _Pattern | None] = {}
         with timings.phase("factorise"):
             self._dense = self._dense_tangent()
         self._create_vectors()
@@ -227,19 +253,26 @@ class CondensedSystem(System):
     def linearise(self, state: Any) -> None:
         """W = Σ Lᵀ K_c B; collective."""
         self.take(state)
-        whole = csr_matrix((self._size, self._size))
-        for jump in self._jumps:
-            if jump is None:
-                continue
+        none = np.zeros(0, dtype=np.int64)
+        found = [(none, none, np.zeros(0))]
+        for jump in (jump for jump in self._jumps if jump is not None):
             jump.surface.contact.follow()
-            parts = self.comm.gather(jump.surface.entries())
-            if parts is not None:
-                rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
-                count = len(jump.surface.dofs)
-                tangent = csr_matrix((values, (rows, columns)), shape=(count, count))
-                whole = whole + jump.work.T @ tangent @ jump.motion
+            for part in jump.surface.parts():
+                found += self._entries_in_unknowns(jump, part)
         if self._dense is not None:
-            self._dense.set(csr_matrix(whole))
+            self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
+
+    def _entries_in_unknowns(self, jump: _Jump, part: AssembledForm) -> list[Entries]:
+        """Entries of Lᵀ K_c B, on rank 0; collective."""
+        if part not in self._patterns:
+            places = self.comm.gather((part.rows, part.columns))
+            self._patterns[part] = None if places is None else _Pattern(jump, places)
+        parts = self.comm.gather(part.values())
+        pattern = self._patterns[part]
+        if parts is None or pattern is None:
+            return []
+        values = np.concatenate(parts)[pattern.entries] * pattern.weights
+        return [(pattern.rows, pattern.columns, values)]
 
     def imbalance(self) -> float:
         """1-norm of the last residual (force); collective."""

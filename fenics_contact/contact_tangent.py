@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, lapack
-from scipy.sparse import csr_matrix, diags
+from scipy.sparse import csr_matrix
 
 Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
 
 # A pivot of this share of the largest diagonal entry belongs to a rigid motion. Where it does
 # not, the spring that it gets is taken out again just as exactly.
@@ -61,15 +62,20 @@ class ContactTangent:
         inverse, _ = lapack.dpotri(factor, lower=1)
         return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)
 
-    def set(self, sparse: Any) -> None:
-        """Set W."""
-        self._sparse = sparse
-        extra = csr_matrix(sparse - diags(self._added))
-        extra.eliminate_zeros()
-        rows = np.diff(extra.indptr) > 0
-        rows[extra.indices] = True
-        self._active = np.flatnonzero(rows)
-        self._extra = extra[self._active][:, self._active]
+    def set(self, rows: Numbers, columns: Numbers, values: Array) -> None:
+        """Set W by its entries; those at the same place add up."""
+        added = np.flatnonzero(self._added)
+        self._entries = (rows, columns, values)
+        rows, columns = np.concatenate([rows, added]), np.concatenate([columns, added])
+        values = np.concatenate([values, -self._added[added]])
+        kept = np.flatnonzero(values)
+        rows, columns, values = rows[kept], columns[kept], values[kept]
+        acts = np.zeros(len(self._added), dtype=bool)
+        acts[rows] = acts[columns] = True
+        self._active = np.flatnonzero(acts)
+        place = np.cumsum(acts) - 1
+        shape = (len(self._active), len(self._active))
+        self._extra = csr_matrix((values, (place[rows], place[columns])), shape=shape)
         inverse = self._inverse[np.ix_(self._active, self._active)]
         matrix = np.eye(len(self._active)) + (self._extra.T @ inverse.T).T
         # By LAPACK itself: a singular tangent shall end the solve in our words.
@@ -90,7 +96,11 @@ class ContactTangent:
 
     def multiply(self, values: Array) -> Array:
         """M y."""
-        return np.asarray(self._constant @ values + self._sparse @ values)
+        return np.asarray(self._constant @ values + self._sparse() @ values)
+
+    def _sparse(self) -> Any:
+        rows, columns, values = self._entries
+        return csr_matrix((values, (rows, columns)), shape=self._constant.shape)
 
     def constant_part(self, values: Array) -> Array:
         """A y."""
@@ -99,4 +109,4 @@ class ContactTangent:
     def magnitude(self, values: Array) -> float:
         """Σ |M| |y| over all rows."""
         size = np.abs(values)
-        return float((np.abs(self._constant) @ size).sum() + (abs(self._sparse) @ size).sum())
+        return float((np.abs(self._constant) @ size).sum() + (abs(self._sparse()) @ size).sum())

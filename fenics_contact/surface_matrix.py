@@ -25,7 +25,7 @@ class SurfaceMatrix:
     def __init__(self, contact: ContactSurface) -> None:
         self.contact = contact
         self._surface = contact.trace.surface
-        self._assembled: dict[Any, _Assembled] = {}
+        self._assembled: dict[Any, AssembledForm] = {}
         spaces = contact.spaces
         mine = self._surface.body_nodes[: self._surface.owned_nodes]
         numbers = spaces.displacement_space.dofmap.index_map.local_to_global(mine)
@@ -37,16 +37,26 @@ class SurfaceMatrix:
         """Rows, columns (dofs of the surface) and values; every rank has some of them."""
         none = np.zeros(0, dtype=np.int64)
         found: list[Entries] = [(none, none, np.zeros(0))]
-        for form in [form for term in self.contact.terms for form in term.tangents]:
-            if form not in self._assembled:
-                self._assembled[form] = _Assembled(form, self._surface)
-            found.append(self._assembled[form].entries())
+        found += [(part.rows, part.columns, part.values()) for part in self.parts()]
         rows, columns, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
         return rows, columns, values
 
+    def parts(self) -> list[AssembledForm]:
+        """The forms that the contact's terms have at present; collective."""
+        forms = [form for term in self.contact.terms for form in term.tangents]
+        for form in forms:
+            if form not in self._assembled:
+                self._assembled[form] = AssembledForm(form, self._surface)
+        return [self._assembled[form] for form in forms]
 
-class _Assembled:
-    """A form's matrix, whose pattern is worked out once."""
+
+class AssembledForm:
+    """A form's matrix, whose pattern is worked out once.
+
+    Attributes:
+        rows: Dofs of the surface, of every entry of this rank; an entry may come twice.
+        columns: Likewise.
+    """
 
     def __init__(self, form: Any, surface: SurfaceSpace) -> None:
         self._form = form
@@ -56,7 +66,7 @@ class _Assembled:
         size = surface.components
         own = pattern.row < surface.owned_nodes * size
         self._order = pattern.data[own].astype(np.int64)
-        self._rows, self._columns = (
+        self.rows, self.columns = (
             index_map.local_to_global((local[own] // size).astype(np.int32)) * size
             + local[own] % size
             for index_map, local in (
@@ -65,9 +75,9 @@ class _Assembled:
             )
         )
 
-    def entries(self) -> Entries:
+    def values(self) -> Array:
         """Assemble; collective."""
         self._matrix.set_value(0.0)
         fem.assemble_matrix(self._matrix, self._form)
         self._matrix.scatter_reverse()
-        return self._rows, self._columns, self._matrix.data[self._order]
+        return np.asarray(self._matrix.data[self._order])
