@@ -279,12 +279,6 @@ class FrictionTerm:
         self._dual = np.zeros_like(self._slip)
         self._set_tangent_state()
 
-    def resume(self, slip: Array) -> None:
-        """Set the tangent to that of a state near the answer: q = w_T / max(|w_T|, ε)."""
-        self._slip = slip - self._reference
-        self._dual = self._slip / self._lengths_and_directions()[0][:, None]
-        self._set_tangent_state()
-
     def follow(self, slip: Array) -> None:
         """Move the tangent to a new state: q by its own linearised equation, |q| ≤ 1.
 

@@ -55,6 +55,7 @@ class Newton:
     Attributes:
         history: Force imbalance before every Newton step and at the end, of all solves (force).
         steps: Newton steps of all solves.
+        continues: Whether the present solve starts from an answer of the load step before.
         limit: Imbalance that the last solve accepted as converged (force).
     """
 
@@ -65,6 +66,7 @@ class Newton:
         self.comm = problem.comm
         self.history: list[float] = []
         self.steps = 0
+        self.continues = False
         self.limit = 0.0
         self._one_sided = any(contact.is_one_sided for contact in problem.contacts)
         self._tolerance = problem.scene.solver.tolerance
@@ -162,6 +164,7 @@ class Newton:
 
     def start(self) -> None:
         """Nothing has slipped, supports stand at their values, loose parts touch; collective."""
+        self.continues = False
         displacement, indentations = starting_point(self.problem)
         for contact, indentation in zip(self.problem.contacts, indentations, strict=True):
             contact.kinematics.move(displacement[contact.trace.all_nodes], indentation)
@@ -170,6 +173,7 @@ class Newton:
 
     def continue_start(self) -> None:
         """From the state of the last load step, supports at their new values; collective."""
+        self.continues = True
         self.system.follow_supports()
         self._stick_all()
 

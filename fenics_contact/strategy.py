@@ -141,7 +141,8 @@ class _CoulombLoop:
             "monolithic": self._monolithic,
             "continuation": self._continuation,
         }
-        first = self.newton.system.first_way
+        # The answer of the last load step is near enough for Newton's method.
+        first = "monolithic" if self.newton.continues else self.newton.system.first_way
         chosen = [strategy]
         if strategy == "auto":
             chosen = sorted(ways, key=lambda way: way != first)
@@ -289,13 +290,10 @@ class _CoulombLoop:
             self.newton.restore(self.start)
         self._solve_coupled()
 
-    def _solve_coupled(self, resume: bool = False) -> None:
+    def _solve_coupled(self) -> None:
         for contact in self.contacts:
             assert contact.friction is not None
             contact.friction.stick_all()
-            if resume:
-                kinematics = contact.kinematics
-                contact.friction.resume(kinematics.tangential(kinematics.jump_at_points()))
             contact.friction.mode = "coupled"
         self.newton.run(search_energy=False)
 
@@ -317,7 +315,7 @@ class _CoulombLoop:
         """
         before = self.newton.save()
         try:
-            self._solve_coupled(resume=True)
+            self._solve_coupled()
         except NotConvergedError:
             self.newton.restore(before)
             if change > self.settings.outer_tolerance:
