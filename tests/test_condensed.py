@@ -21,6 +21,7 @@ from fenics_contact import (
     Steps,
     Support,
     run,
+    schur,
 )
 from fenics_contact.condensed_loads import CondensedLoads
 from fenics_contact.condensed_system import CondensedSystem
@@ -205,8 +206,11 @@ def dense(stiffness):
     return csr_matrix((values, (rows, columns)), shape=(size, size)).toarray()
 
 
+@pytest.mark.parametrize("nested", [True, False])
 @pytest.mark.parametrize("nu", [0.3, 0.499])
-def test_schur_complement_against_dense_elimination(nu):
+def test_schur_complement_against_dense_elimination(nu, nested, monkeypatch):
+    """By LU, and by Cholesky as where MUMPS has no METIS."""
+    monkeypatch.setattr(schur, "_NESTED_DISSECTION", nested)
     problem = Run(pressed(nu=nu), COMM, box_body((6, 5), (1, 1))).problem
     system = CondensedSystem(problem, Timings())
     stiffness = LocalStiffness(problem)
