@@ -86,11 +86,11 @@ def quantities(folder):
     return json.loads((folder / "result.json").read_text(encoding="utf-8"))["quantities"]
 
 
-def run_demo(name, folder, *overrides):
-    """The quantities of a demo's scene on one rank, with other values in it."""
+def run_demo(name, folder, *overrides, ranks=1):
+    """The quantities of a demo's scene, with other values in it."""
     settings = [part for override in overrides for part in ("--set", override)]
     scene = ROOT / "demos" / f"{name}.toml"
-    done = start(["-m", "fenics_contact", "run", scene, *settings, "--out", folder], 1)
+    done = start(["-m", "fenics_contact", "run", scene, *settings, "--out", folder], ranks)
     assert done.returncode == 0, done.stdout + done.stderr
     return quantities(folder)
 
@@ -159,6 +159,17 @@ def test_script_and_scene_on_one_and_two_ranks(name, tmp_path):
     if name == "sphere":
         sticks = (reference["stick_area"] / reference["contact_area"]) ** 0.5
         assert sticks == pytest.approx(0.765, rel=3e-3)
+
+
+@pytest.mark.parametrize("solver", ["condensed", "iterative"])
+def test_three_ranks_give_the_answer_of_one(solver, tmp_path):
+    """Contact, stick and slip, with the half-space's resultant as a scalar unknown."""
+    settings = ["mesh.parameters.size=0.5", f'solver.solver="{solver}"']
+    alone = run_demo("sphere", tmp_path / "1", *settings)
+    together = run_demo("sphere", tmp_path / "3", *settings, ranks=3)
+    for key, value in alone.items():
+        assert together[key] == pytest.approx(value, rel=1e-9, abs=1e-9), key
+    assert_same_table(tmp_path / "1", tmp_path / "3")
 
 
 @pytest.mark.parametrize("name", FRICTIONLESS)
