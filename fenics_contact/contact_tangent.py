@@ -36,7 +36,8 @@ class ContactTangent:
         self._constant[:count, :count] = 0.5 * (schur + schur.T)
         self._constant[:count, count:] = columns
         self._constant[range(count, count + scalars), range(count, count + scalars)] = corner
-        self._stiffest = float(self._constant.diagonal()[:count].max(initial=0.0))
+        # 1 where supports hold all contact dofs, and only obstacles move.
+        self._stiffest = float(self._constant.diagonal()[:count].max(initial=0.0)) or 1.0
         # A resultant's own entry is 1; a driven obstacle, which has none, gets a spring.
         self._added = np.zeros(count + scalars)
         self._added[count:] = np.where(corner > 0, 0.0, self._stiffest)
