@@ -59,7 +59,7 @@ class ContactTangent:
             _, order, rank, _ = lapack.dpstrf(schur, tol=least, lower=1)
             self._added[order[rank:] - 1] = self._stiffest
             factor, _ = cho_factor(schur + np.diag(self._added[:count]), lower=True)
-        inverse, _ = lapack.dpotri(factor, lower=1)
+        inverse, _ = lapack.dpotri(factor, lower=1, overwrite_c=1)
         return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)
 
     def set(self, sparse: Any) -> None:

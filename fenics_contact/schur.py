@@ -68,7 +68,7 @@ class CondensedBulk:
         self._places = [order[np.searchsorted(union, numbers)] for numbers in every]
         self.count = len(contact)
         self._size = len(union)
-        self.schur = self._sum_and_condense(self._inside.schur)
+        self.schur = self._sum_and_condense(self._inside.take_schur())
 
     def _sum_and_condense(self, local: Array) -> Array | None:
         """S of all ranks together, on rank 0."""
@@ -144,7 +144,6 @@ class LocalFactor:
 
     Attributes:
         matrix: PETSc's, without what is held, as a sparse one.
-        schur: Dense, (kept, kept).
         error: What went wrong on this rank, or None.
     """
 
@@ -157,10 +156,10 @@ class LocalFactor:
         self._right: Any = None
         self._solved: Any = None
         self.error: FenicsContactError | None = None
-        self.schur = np.zeros((len(kept), len(kept)))
+        self._schur = np.zeros((len(kept), len(kept)))
         count = self.matrix.shape[0]
         if count == len(kept):
-            self.schur = self.matrix[kept][:, kept].toarray()
+            self._schur = self.matrix[kept][:, kept].toarray()
             return
         index = PETSc.IntType
         csr = (self.matrix.indptr.astype(index), self.matrix.indices.astype(index))
@@ -178,6 +177,11 @@ class LocalFactor:
         else:
             self._preconditioner.setUp()
         self.error = _failure(factor)
+
+    def take_schur(self) -> Array:
+        """The Schur complement, dense (kept, kept), which is large: it is not kept here."""
+        found, self._schur = self._schur, np.zeros((0, 0))
+        return found
 
     def solve(self, right: Array) -> Array:
         """K_II⁻¹ f_I at all unknowns, 0 at those that are kept."""
@@ -213,7 +217,7 @@ class LocalFactor:
         _call(
             library.MatFactorRestoreSchurComplement, factor, ctypes.byref(pointer), ctypes.c_int(0)
         )
-        self.schur = np.array(schur.getDenseArray())
+        self._schur = np.array(schur.getDenseArray())
         factor.setMumpsIcntl(26, _WITHOUT_SCHUR_DOFS)
         schur.destroy()
         rows.destroy()
