@@ -183,6 +183,11 @@ def test_contact_on_one_rank_alone():
     require_same(dataclasses.replace(scene, contact=(contact,)), body)
 
 
+def test_ranks_without_a_cell():
+    """One cell: all ranks but one have none, and no unknowns at all."""
+    require_same(SCENES["frictionless Q2"], box_body((1, 1), (1, 1)))
+
+
 def test_the_bulk_is_factorised_once():
     """Over load steps and passes; the full solver factorises in every Newton step."""
     scene = SCENES["incremental"]
