@@ -42,7 +42,7 @@ class CondensedLoads:
 
     def _shares(self, load: Array) -> Array:
         """Of the known loads in this one, by least squares; collective."""
-        columns = np.array([known for known, _ in self._known]).reshape(-1, len(load))
+        columns = np.array([known for known, _ in self._known]).reshape(len(self._known), len(load))
         sums = total(self._comm, np.vstack([columns @ columns.T, columns @ load]))
         gram, right = sums[:-1], sums[-1]
         if not right.any():

@@ -37,7 +37,8 @@ class ContactTangent:
         self._constant[:count, :count] = 0.5 * (schur + schur.T)
         self._constant[:count, count:] = columns
         self._constant[range(count, count + scalars), range(count, count + scalars)] = corner
-        self._stiffest = float(self._constant.diagonal()[:count].max(initial=0.0))
+        # 1 where supports hold all contact dofs, and only obstacles move.
+        self._stiffest = float(self._constant.diagonal()[:count].max(initial=0.0)) or 1.0
         # A resultant's own entry is 1; a driven obstacle, which has none, gets a spring.
         self._added = np.zeros(count + scalars)
         self._added[count:] = np.where(corner > 0, 0.0, self._stiffest)
@@ -59,7 +60,7 @@ class ContactTangent:
             _, order, rank, _ = lapack.dpstrf(schur, tol=least, lower=1)
             self._added[order[rank:] - 1] = self._stiffest
             factor, _ = cho_factor(schur + np.diag(self._added[:count]), lower=True)
-        inverse, _ = lapack.dpotri(factor, lower=1)
+        inverse, _ = lapack.dpotri(factor, lower=1, overwrite_c=1)
         return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)
 
     def set(self, rows: Numbers, columns: Numbers, values: Array) -> None:

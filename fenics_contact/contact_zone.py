@@ -65,6 +65,7 @@ class ContactZone:
         self._stiffness = _with_scalars(inner, scalars, contacts.scalars)
         self._unknowns = self._indices(contacts.matrix, self.places)
         self._added = contacts.matrix.createSubMatrix(self._unknowns, self._unknowns)
+        self._added.zeroEntries()  # room for K_c only: it has values where a zone is moved
         self._stiffness.axpy(1.0, self._added, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
         self._tangent = self._stiffness.duplicate(copy=True)
         self._solved, self._right = self._stiffness.createVecs()

@@ -98,7 +98,7 @@ class IterativeSystem(BodySystem):
     def _set_up(self) -> None:
         problem = self.problem
         _, fields = rigid_fields(problem)
-        owned = fields[: problem.spaces.owned_nodes].reshape(self._owned_size, -1)
+        owned = fields[: problem.spaces.owned_nodes].reshape(self._owned_size, fields.shape[-1])
         self._on_contacts = on_contacts(problem)
         self._add_springs(owned)
         self._place_zone()

@@ -16,13 +16,16 @@ from petsc4py import PETSc
 from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse import csr_matrix
 
-from fenics_contact.errors import FenicsContactError
+from fenics_contact.errors import FenicsContactError, MachineError, NotConvergedError
 from fenics_contact.local_stiffness import LocalStiffness
+from fenics_contact.parallel import raise_together
 
 Array = NDArray[np.float64]
 
 _WITHOUT_SCHUR_DOFS = 0  # MUMPS' ICNTL(26): solve with K_II alone
 _MINIMUM_DEGREE, _AUTOMATIC = 0, 7  # ICNTL(7): orderings
+_SPARE_WORKSPACE = 50  # ICNTL(14), in per cent: a mean stress may need other pivots than foreseen
+_SINGULAR = (-6, -10)  # MUMPS' INFOG(1)
 # Finding the better ordering of nested dissection costs more than it saves on plane meshes up to
 # about this size.
 _PLANE = 400_000
@@ -42,6 +45,10 @@ class CondensedBulk:
         comm: Communicator.
         count: Number of contact dofs.
         schur: S, (contact, contact) (force/length); on rank 0, else None.
+
+    Raises:
+        MachineError: MUMPS had not the memory on a rank; on every rank.
+        NotConvergedError: Supports and contacts do not hold the body; likewise.
     """
 
     def __init__(
@@ -53,6 +60,7 @@ class CondensedBulk:
         small = stiffness.is_plane and len(held) < _PLANE
         ordering = _MINIMUM_DEGREE if small else _AUTOMATIC
         self._inside = LocalFactor(stiffness.matrix, held, self._kept, ordering)
+        raise_together(self.comm, self._inside.error)
         self._numbers = stiffness.numbers[self._kept]
         every = self.comm.allgather(self._numbers)
         union = np.unique(np.concatenate(every))
@@ -62,7 +70,7 @@ class CondensedBulk:
         self._places = [order[np.searchsorted(union, numbers)] for numbers in every]
         self.count = len(contact)
         self._size = len(union)
-        self.schur = self._sum_and_condense(self._inside.schur)
+        self.schur = self._sum_and_condense(self._inside.take_schur())
 
     def _sum_and_condense(self, local: Array) -> Array | None:
         """S of all ranks together, on rank 0."""
@@ -138,7 +146,7 @@ class LocalFactor:
 
     Attributes:
         matrix: PETSc's, without what is held, as a sparse one.
-        schur: Dense, (kept, kept).
+        error: What went wrong on this rank, or None.
     """
 
     def __init__(
@@ -149,10 +157,11 @@ class LocalFactor:
         self._preconditioner: Any = None
         self._right: Any = None
         self._solved: Any = None
-        self.schur = np.zeros((len(kept), len(kept)))
+        self.error: FenicsContactError | None = None
+        self._schur = np.zeros((len(kept), len(kept)))
         count = self.matrix.shape[0]
         if count == len(kept):
-            self.schur = self.matrix[kept][:, kept].toarray()
+            self._schur = self.matrix[kept][:, kept].toarray()
             return
         index = PETSc.IntType
         csr = (self.matrix.indptr.astype(index), self.matrix.indices.astype(index))
@@ -161,12 +170,20 @@ class LocalFactor:
         )
         self._right, self._solved = operator.createVecRight(), operator.createVecLeft()
         self._preconditioner = _lu(operator)
-        self._preconditioner.getFactorMatrix().setMumpsIcntl(7, ordering)
+        factor = self._preconditioner.getFactorMatrix()
+        factor.setMumpsIcntl(7, ordering)
+        factor.setMumpsIcntl(14, _SPARE_WORKSPACE)
         operator.destroy()  # the preconditioner keeps it
         if len(kept):
             self._factor_with_schur()
         else:
             self._preconditioner.setUp()
+        self.error = _failure(factor)
+
+    def take_schur(self) -> Array:
+        """The Schur complement, dense (kept, kept), which is large: it is not kept here."""
+        found, self._schur = self._schur, np.zeros((0, 0))
+        return found
 
     def solve(self, right: Array) -> Array:
         """K_II⁻¹ f_I at all unknowns, 0 at those that are kept."""
@@ -202,7 +219,7 @@ class LocalFactor:
         _call(
             library.MatFactorRestoreSchurComplement, factor, ctypes.byref(pointer), ctypes.c_int(0)
         )
-        self.schur = _symmetric(np.array(schur.getDenseArray()))
+        self._schur = _symmetric(np.array(schur.getDenseArray()))
         factor.setMumpsIcntl(26, _WITHOUT_SCHUR_DOFS)
         schur.destroy()
         rows.destroy()
@@ -233,6 +250,16 @@ def _lu(operator: Any) -> Any:
     preconditioner.setFactorSolverType("mumps")
     preconditioner.setFactorSetUpSolverType()
     return preconditioner
+
+
+def _failure(factor: Any) -> FenicsContactError | None:
+    """What MUMPS says of a factorisation: PETSc keeps it to itself, and S would be anything."""
+    code = factor.getMumpsInfog(1)
+    if code >= 0:
+        return None
+    if code in _SINGULAR:
+        return NotConvergedError("the stiffness is singular: is the body held?", ())
+    return MachineError(f"MUMPS could not factorise the body: its error {code}; out of memory?")
 
 
 def _call(function: Any, *arguments: Any) -> None:

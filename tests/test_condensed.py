@@ -26,6 +26,7 @@ from fenics_contact import (
 from fenics_contact.condensed_loads import CondensedLoads
 from fenics_contact.condensed_system import CondensedSystem
 from fenics_contact.contact_tangent import ContactTangent
+from fenics_contact.errors import MachineError
 from fenics_contact.local_stiffness import LocalStiffness
 from fenics_contact.schur import CondensedBulk
 from fenics_contact.timings import Timings
@@ -182,6 +183,11 @@ def test_contact_on_one_rank_alone():
     require_same(dataclasses.replace(scene, contact=(contact,)), body)
 
 
+def test_ranks_without_a_cell():
+    """One cell: all ranks but one have none, and no unknowns at all."""
+    require_same(SCENES["frictionless Q2"], box_body((1, 1), (1, 1)))
+
+
 def test_the_bulk_is_factorised_once():
     """Over load steps and passes; the full solver factorises in every Newton step."""
     scene = SCENES["incremental"]
@@ -280,6 +286,37 @@ def test_singular_tangent_is_no_number_instead_of_a_wrong_one():
     tangent = ContactTangent(np.diag([1.0, 0.0]), np.zeros((2, 0)), np.zeros(0))
     tangent.set(*find(np.zeros((2, 2))))
     assert np.isnan(tangent.solve(np.ones(2))).all()
+
+
+def test_obstacle_that_only_held_nodes_touch():
+    """No displacement of the contact is free: the obstacle's position alone is unknown."""
+    obstacle = Obstacle("plane", position=(0, 4), force=1.0)
+    scene = floor(
+        discretisation=Discretisation(degree=1),
+        support=(Support("x0", {"x": 0, "y": 0}), Support("x1", {"x": 0, "y": 0})),
+        load=(Load("y0", traction=(0, 1)),),
+        contact=(Contact("y1", contact="bonded", obstacle=obstacle),),
+    )
+    body = box_body((1, 4), (1, 4))
+    (_, by_full), (_, found) = (solved(scene, body, kind) for kind in ("full", "condensed"))
+    assert found.quantities["indentation"] == pytest.approx(by_full.quantities["indentation"])
+
+
+def test_failed_factorisation_is_an_error_on_every_rank(monkeypatch):
+    """MUMPS runs out of workspace on the last rank; S would be anything."""
+    plain = schur._lu
+
+    def without_memory(operator):
+        found = plain(operator)
+        found.getFactorMatrix().setMumpsIcntl(23, 1)  # megabytes
+        return found
+
+    if COMM.rank == COMM.size - 1:
+        monkeypatch.setattr(schur, "_lu", without_memory)
+        monkeypatch.setattr(schur, "_SPARE_WORKSPACE", -90)
+    scene = with_solver(pressed(), solver="condensed")
+    with pytest.raises(MachineError, match="MUMPS"):
+        Run(scene, COMM, box_body((40, 40), (1, 1))).solve()
 
 
 def test_linear_problems_need_no_condensation():

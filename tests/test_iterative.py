@@ -166,6 +166,17 @@ def test_a_larger_contact_surface_costs_no_cycles():
     assert COMM.allreduce(len(system.zone.places)) <= 1.1 * COMM.allreduce(len(smaller.zone.places))
 
 
+def test_a_contact_that_grows_over_load_steps():
+    """The zone is moved while K_c has values, which must not stay behind in it."""
+    scene = sphere(0.5, steps=4, law="incremental")
+    wide = dataclasses.replace(scene.contact[0].obstacle, radius=20)
+    contact = dataclasses.replace(scene.contact[0], on="z1", obstacle=wide)
+    scene = dataclasses.replace(scene, contact=(contact,))
+    require_same(scene, block(12))
+    _, _, system = solved(scene, block(12))
+    assert system.multigrid.cycles < 4 * 30
+
+
 def test_a_scene_may_ask_for_it():
     scene = dataclasses.replace(sphere(0.5), solver=SolverSettings(solver="iterative"))
     result = run(scene, COMM, block())

@@ -5,7 +5,17 @@ import dataclasses
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Contact, Load, Material, Obstacle, Scene, Steps, Support, solver_choice
+from fenics_contact import (
+    Contact,
+    Load,
+    Material,
+    Obstacle,
+    Scene,
+    Steps,
+    Support,
+    memory,
+    solver_choice,
+)
 from fenics_contact.cli import guarded
 from fenics_contact.errors import MachineError
 from fenics_contact.memory import free_memory, free_memory_for
@@ -107,3 +117,33 @@ def test_estimates_grow_with_the_body():
 def test_free_memory_is_that_of_the_machine():
     assert 1e6 < free_memory() < 1e15
     assert 1e6 < free_memory_for(COMM) < COMM.size * 1e15
+
+
+@pytest.mark.parametrize(
+    ("own", "folder", "limit", "used", "cache"),
+    [
+        ("0::/", "", "memory.max", "memory.current", "inactive_file"),
+        ("0::/job/step", "job", "memory.max", "memory.current", "inactive_file"),
+        (
+            "4:memory:/batch\n0::/",
+            "memory/batch",
+            "memory.limit_in_bytes",
+            "memory.usage_in_bytes",
+            "total_inactive_file",
+        ),
+    ],
+)
+def test_limits_of_control_groups(tmp_path, monkeypatch, own, folder, limit, used, cache):
+    """Nested or not; files that the kernel has read and keeps do not count as used."""
+    group = tmp_path / "groups" / folder
+    group.mkdir(parents=True)
+    (group / limit).write_text("1000000\n")
+    (group / used).write_text("900000\n")
+    (tmp_path / "own").write_text(own + "\n")
+    monkeypatch.setattr(memory, "_GROUPS", tmp_path / "groups")
+    monkeypatch.setattr(memory, "_OWN", tmp_path / "own")
+    assert free_memory() == 100000
+    (group / "memory.stat").write_text(f"anon 1\n{cache} 700000\n")
+    assert free_memory() == 800000
+    (group / limit).write_text("max\n")
+    assert free_memory() > 1e6
