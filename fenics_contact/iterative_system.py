@@ -24,7 +24,6 @@ from fenics_contact.contact_zone import (
     touching,
 )
 from fenics_contact.elimination import EliminatingNewton
-from fenics_contact.errors import InputError
 from fenics_contact.linear_system import assembled
 from fenics_contact.multigrid import Multigrid
 from fenics_contact.parallel import total
@@ -45,9 +44,6 @@ class IterativeSystem(BodySystem):
         multigrid: Of the bulk, set up once.
         zone: The cells at the contacts.
         contacts: K_c.
-
-    Raises:
-        InputError: The problem has a mean stress as a second unknown: K is indefinite.
     """
 
     name = "iterative"
@@ -60,11 +56,6 @@ class IterativeSystem(BodySystem):
 
     def __init__(self, problem: Problem, timings: Timings) -> None:
         super().__init__(problem)
-        if problem.elastic.mixed is not None:
-            raise InputError(
-                "solver.solver = 'iterative': there is no multigrid for the mean stress of a "
-                "nearly incompressible material; use 'condensed' or 'full'"
-            )
         with timings.phase("assemble"):
             self._assemble()
         with timings.phase("factorise"):

@@ -155,7 +155,7 @@ class SolverSettings:
         Field(
             description="`condensed` factorises the bulk once and iterates on the contact surfaces "
             "alone, `full` on all displacements, with a factorisation in every Newton step, "
-            "`iterative` by multigrid, for large 3D bodies (not nearly incompressible ones); "
+            "`iterative` by multigrid, for large 3D bodies that are not nearly incompressible; "
             "`auto` chooses by sizes and memory"
         ),
     ] = "auto"

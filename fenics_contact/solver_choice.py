@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from fenics_contact.condensed_system import CondensedSystem
-from fenics_contact.errors import MachineError
+from fenics_contact.errors import InputError, MachineError
 from fenics_contact.full_system import FullSystem
 from fenics_contact.iterative_system import IterativeSystem
 from fenics_contact.memory import free_memory_for
@@ -57,6 +57,7 @@ def choose_solver(problem: Problem) -> SolverChoice:
     """The scene's solver, or the one that suits its sizes; collective.
 
     Raises:
+        InputError: The solver that the scene asks for is not for its model.
         MachineError: The problem will not fit into the machine's memory.
     """
     wanted = problem.scene.solver.solver
@@ -64,6 +65,11 @@ def choose_solver(problem: Problem) -> SolverChoice:
     if wanted == "auto":
         choice = _automatic(problem, free)
     else:
+        if wanted == "iterative" and not _suits_multigrid(problem):
+            raise InputError(
+                "solver.solver = 'iterative' is for 3D models, and not for nearly incompressible "
+                "materials; use 'condensed' or 'full'"
+            )
         choice = SolverChoice(wanted, "as the scene says", memory_estimate(problem, wanted))
     if choice.memory > free:
         raise MachineError(
@@ -83,16 +89,20 @@ def _automatic(problem: Problem, free: float) -> SolverChoice:
     if not any(contact.terms for contact in problem.contacts):
         return choice("full", "nothing to iterate on")
     condensed = choice("condensed", "one factorisation of the bulk")
-    if problem.elastic.mixed is not None:  # for which there is no multigrid
+    if not _suits_multigrid(problem):
         return condensed
     if condensed.memory > free:
         return choice("iterative", "a factorisation would not fit into memory")
     # Each further step costs the iterative solver about half of the first, the other nothing.
     steps = 0.5 + 0.5 * len(problem.scene.steps.all_times)
-    large = unknowns(problem) > steps * _ITERATIVE_FROM[problem.spaces.degree]
-    if large and problem.spaces.components == 3:
+    if unknowns(problem) > steps * _ITERATIVE_FROM[problem.spaces.degree]:
         return choice("iterative", "multigrid is faster than a factorisation of this size")
     return condensed
+
+
+def _suits_multigrid(problem: Problem) -> bool:
+    """Whether there is multigrid for K: none for a mean stress, none that is sure on the axis."""
+    return problem.spaces.components == 3 and problem.elastic.mixed is None
 
 
 def create_system(problem: Problem, choice: SolverChoice, timings: Timings) -> System:

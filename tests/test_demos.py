@@ -161,12 +161,11 @@ def test_script_and_scene_on_one_and_two_ranks(name, tmp_path):
         assert sticks == pytest.approx(0.765, rel=3e-3)
 
 
-@pytest.mark.parametrize("solver", ["condensed", "iterative"])
-def test_three_ranks_give_the_answer_of_one(solver, tmp_path):
+def test_three_ranks_give_the_answer_of_one(tmp_path):
     """Contact, stick and slip, with the half-space's resultant as a scalar unknown."""
-    settings = ["mesh.parameters.size=0.5", f'solver.solver="{solver}"']
-    alone = run_demo("sphere", tmp_path / "1", *settings)
-    together = run_demo("sphere", tmp_path / "3", *settings, ranks=3)
+    size = "mesh.parameters.size=0.5"
+    alone = run_demo("sphere", tmp_path / "1", size)
+    together = run_demo("sphere", tmp_path / "3", size, ranks=3)
     for key, value in alone.items():
         assert together[key] == pytest.approx(value, rel=1e-9, abs=1e-9), key
     assert_same_table(tmp_path / "1", tmp_path / "3")

@@ -20,7 +20,6 @@ from fenics_contact import (
     Support,
     run,
 )
-from fenics_contact.errors import InputError
 from fenics_contact.full_system import FullSystem
 from fenics_contact.iterative_system import IterativeSystem
 from fenics_contact.newton import Newton
@@ -182,11 +181,3 @@ def test_a_scene_may_ask_for_it():
     result = run(scene, COMM, block())
     assert result.passed, result.verdict
     assert result.model["solver"] == "iterative"
-
-
-def test_nearly_incompressible_bodies_are_refused():
-    scene = dataclasses.replace(
-        sphere(0.5), material=Material(1000, 0.4999), solver=SolverSettings(solver="iterative")
-    )
-    with pytest.raises(InputError, match="mean stress"):
-        run(scene, COMM, block())

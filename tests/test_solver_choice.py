@@ -17,7 +17,7 @@ from fenics_contact import (
     solver_choice,
 )
 from fenics_contact.cli import guarded
-from fenics_contact.errors import MachineError
+from fenics_contact.errors import InputError, MachineError
 from fenics_contact.memory import free_memory, free_memory_for
 from fenics_contact.problem import Problem
 from fenics_contact.solver_choice import choose_solver, memory_estimate
@@ -97,6 +97,21 @@ def test_the_scenes_own_choice_is_refused_too(monkeypatch):
     with_memory(monkeypatch, 1.0)
     with pytest.raises(MachineError, match="'full' needs"):
         choose_solver(problem)
+
+
+def test_iterative_is_for_space_and_compressible_bodies():
+    plane = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(Contact("y1"),),
+    )
+    for problem in (
+        made(with_solver(block(nu=0.499), solver="iterative")),
+        Problem(with_solver(plane, solver="iterative"), box_body((4, 4), (1, 1))),
+    ):
+        with pytest.raises(InputError, match="is for 3D models"):
+            choose_solver(problem)
 
 
 def test_refusal_says_the_machine_failed(monkeypatch, capsys):
