@@ -170,8 +170,10 @@ class LinearSystem(AddedTangents):
             self.stiffness = displacement
             return
         blocks = [[displacement]]
+        self._far_volumes: list[Array] = []
         if self._mixed is not None:
             blocks = self._with_mean_stress(displacement)
+            self._far_volumes = [self._volume_of_far_field(blocks[1][0], u) for u in self._unknowns]
         if self.scalars:
             blocks = self._with_scalars(blocks, displacement)
         nested = PETSc.Mat().createNest(blocks, comm=problem.comm)
@@ -202,26 +204,63 @@ class LinearSystem(AddedTangents):
         local = [self._border_dofs(k) for k in range(self.scalars)]
         gathered = [np.concatenate(comm.allgather(first + dofs)) for dofs in local]
         widest = max((len(dofs) for dofs in gathered), default=0)
-        column = PETSc.Mat().createAIJ((displacement.getSizes()[0], sizes), comm=comm)
-        column.setPreallocationNNZ((self.scalars, self.scalars))
+        local_volumes = [np.flatnonzero(volume) for volume in self._far_volumes]
+        columns_of_lines = [self._empty_columns(displacement, sizes, local)]
+        if self._mixed is not None:
+            columns_of_lines.append(self._empty_columns(blocks[1][0], sizes, local_volumes))
         row = PETSc.Mat().createAIJ((sizes, columns), comm=comm)
         row.setPreallocationNNZ((widest, widest))
         corner = PETSc.Mat().createAIJ((sizes, sizes), comm=comm)
         corner.setPreallocationNNZ((self.scalars, self.scalars))
         index: Any = np.arange(self.scalars, dtype=PETSc.IntType)
-        for k, dofs in enumerate(local):
-            rows: Any = (first + dofs).astype(PETSc.IntType)
-            column.setValues(rows, index[k : k + 1], [0.0] * len(rows))
-            if own:
-                every: Any = gathered[k].astype(PETSc.IntType)
-                row.setValues(index[k : k + 1], every, [0.0] * len(every))
         if own:
+            for k, dofs in enumerate(gathered):
+                every: Any = dofs.astype(PETSc.IntType)
+                row.setValues(index[k : k + 1], every, [0.0] * len(every))
             corner.setValues(index, index, [0.0] * self.scalars**2)
-        for matrix in (column, row, corner):
+        for matrix in (row, corner):
             matrix.assemble()
         middle = [None] * (len(blocks) - 1)
-        extended = [[*line, column if i == 0 else None] for i, line in enumerate(blocks)]
+        extended = [[*line, column] for line, column in zip(blocks, columns_of_lines, strict=True)]
         return [*extended, [row, *middle, corner]]
+
+    def _empty_columns(
+        self, line: Any, sizes: tuple[int, int], local: list[NDArray[np.int64]]
+    ) -> Any:
+        """A matrix of the scalars' columns beside a block, with room in some of its rows."""
+        columns = PETSc.Mat().createAIJ((line.getSizes()[0], sizes), comm=self._problem.comm)
+        columns.setPreallocationNNZ((self.scalars, self.scalars))
+        first = line.getOwnershipRange()[0]
+        for k, dofs in enumerate(local):
+            rows: Any = (first + dofs).astype(PETSc.IntType)
+            number: Any = np.full(1, k, dtype=PETSc.IntType)
+            columns.setValues(rows, number, [0.0] * len(rows))
+        columns.assemble()
+        return columns
+
+    def _volume_of_far_field(self, divergence: Any, unknown: Any) -> Array:
+        """What a resultant's far field adds to the rows of the mean stress, owned ones."""
+        moved, volumes = divergence.createVecs()
+        far_field = self._problem.far_field
+        if unknown.column is not None and far_field is not None:
+            mine = far_field.dofs < self._owned
+            with moved as array:
+                array[far_field.dofs[mine]] = unknown.column[mine]
+        divergence.mult(moved, volumes)
+        found = np.array(volumes.array_r)
+        moved.destroy()
+        volumes.destroy()
+        return found
+
+    def add_far_field(self, tangent: Any) -> None:
+        """The same, with the rows of the mean stress; collective."""
+        super().add_far_field(tangent)
+        add = PETSc.InsertMode.ADD_VALUES
+        for number, volume in enumerate(self._far_volumes):
+            rows = np.flatnonzero(volume)
+            scalar: Any = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
+            places = self._rows(tangent, self._owned + rows)
+            tangent.setValues(places, scalar, volume[rows], addv=add)
 
     def take_mean_stress(self, state: Any) -> None:
         """The mean stress of a state into its function, where there is one."""

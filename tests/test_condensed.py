@@ -66,8 +66,8 @@ def floor(**changes):
     return dataclasses.replace(scene, **changes)
 
 
-def half_space(**driven):
-    scene = pressed("axisymmetric", driven=driven)
+def half_space(nu=0.3, **driven):
+    scene = pressed("axisymmetric", nu=nu, driven=driven)
     return dataclasses.replace(scene, support=(), half_space=HalfSpace(("y0", "x1")))
 
 
@@ -90,6 +90,7 @@ SCENES = {
     "bonded, force": pressed(contact="bonded", driven={"force": 5.0}),
     "half-space": half_space(indentation=0.02),
     "half-space, force": half_space(force=5.0),
+    "half-space, nearly incompressible": half_space(0.499, indentation=0.02),
     "floor": floor(),
     "floor, moved support": floor(
         load=(), support=(Support("y1", {"x": 0.02, "y": -0.01}),), steps=STEPS

@@ -31,7 +31,8 @@ COMM = MPI.COMM_WORLD
 
 def assert_same(alone, together):
     for key, value in alone.quantities.items():
-        assert together.quantities[key] == pytest.approx(value, rel=1e-9, abs=1e-9), key
+        digits = 1e-8 if key == "max_contact_pressure" else 1e-9  # see below
+        assert together.quantities[key] == pytest.approx(value, rel=digits, abs=1e-9), key
     for name in ("coordinates", "normals", "friction_traction", "slip", "weights"):
         first, second = getattr(alone.points, name), getattr(together.points, name)
         assert np.abs(first - second).max() <= 1e-9 * max(1.0, np.abs(first).max()), name
