@@ -1,0 +1,78 @@
+"""The picture of docs/solve_cost.md: ratio over dofs, a panel a dimension, with the limits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from cost_measure import is_wide, limit_of
+
+from fenics_contact.figures import new_figure, save
+
+MARKERS = {"Q2": "o", "P1 tets": "^", "P2 tets": "v", "Q1 hexes": "s", "Q2 hexes": "D"}
+GREYS = {"Q2": "0.1", "P1 tets": "0.65", "P2 tets": "0.4", "Q1 hexes": "0.55", "Q2 hexes": "0.1"}
+APPLIES_TO = {1.4: ",\ncontact ≤ 2.5 %", 2.0: ",\ncontact 8 %", 3.0: ",\niterative"}
+
+
+def plot(rows: list[dict[str, Any]], path: Path) -> None:
+    """Draw the rows of one load step, those of ``full`` left out."""
+    from matplotlib.ticker import LogLocator
+
+    shown = [row for row in rows if row["solver"] != "full" and row["steps"] == 1]
+    dimensions = sorted({row["dimension"] for row in shown})
+    size = (4.8 * len(dimensions), 4.2)
+    figure, panels = new_figure("", size, ncols=len(dimensions), sharey=True)
+    figure.suptitle("Frictional solve over linear solve", fontsize=11)
+    for panel, dimension in zip(panels, dimensions, strict=True):
+        chosen = [row for row in shown if row["dimension"] == dimension]
+        for label, points in _lines(chosen).items():
+            panel.semilogx(*points, markersize=7, linewidth=1.0, label=label, **_style(label))
+        _draw_limits(panel, chosen)
+        panel.set_title(f"{dimension}D", fontsize=10)
+        panel.set_xlabel("dofs")
+        panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        panel.xaxis.set_major_formatter(lambda value, _: f"{value / 1000:g}k")
+        panel.xaxis.set_minor_formatter("")
+        panel.legend(frameon=False, fontsize=8, loc="lower right")
+    panels[0].set_ylabel("ratio")
+    panels[0].set_ylim(0.0, 1.05 * max([3.0, *(row["ratio"] for row in shown)]))
+    save(figure, path)
+
+
+def _lines(rows: list[dict[str, Any]]) -> dict[str, tuple[list[float], list[float]]]:
+    """Dofs and ratios by what a line is called."""
+    found: dict[str, tuple[list[float], list[float]]] = {}
+    for row in sorted(rows, key=lambda row: row["dofs"]):
+        label = row["element"]
+        if is_wide(row):
+            label += ", 8 % contact"
+        if row["solver"] != "condensed":
+            label += f", {row['solver']}"
+        points = found.setdefault(label, ([], []))
+        points[0].append(row["dofs"])
+        points[1].append(row["ratio"])
+    return found
+
+
+def _style(label: str) -> dict[str, Any]:
+    element, *special = label.split(", ")
+    return {
+        "marker": MARKERS[element],
+        "color": GREYS[element],
+        "markerfacecolor": "white" if special else GREYS[element],
+        "linestyle": "--" if special else "-",
+    }
+
+
+def _draw_limits(panel: Any, rows: list[dict[str, Any]]) -> None:
+    limits = {limit for row in rows if (limit := limit_of(row)) is not None}
+    for limit in sorted(limits):
+        panel.axhline(limit, color="0.3", linewidth=0.8, linestyle=":", zorder=0)
+        panel.annotate(
+            f"limit {limit:g}{APPLIES_TO.get(limit, '') if len(limits) > 1 else ''}",
+            (1.01, limit),
+            xycoords=("axes fraction", "data"),
+            va="center",
+            fontsize=8,
+            color="0.3",
+        )
