@@ -166,11 +166,11 @@ class LinearSystem(AddedTangents):
         displacement = assembled(problem.elastic.stiffness)
         super().__init__(problem, displacement)
         self._mixed = problem.elastic.mixed
+        self._far_volumes: list[Array] = []
         if self._mixed is None and self.scalars == 0:
             self.stiffness = displacement
             return
         blocks = [[displacement]]
-        self._far_volumes: list[Array] = []
         if self._mixed is not None:
             blocks = self._with_mean_stress(displacement)
             self._far_volumes = [self._volume_of_far_field(blocks[1][0], u) for u in self._unknowns]
