@@ -39,12 +39,16 @@ _LARGEST_FLOOR = 1e-6
 
 _RUNAWAY = 1e3  # of the body's size
 
+# Steps without progress in which a search is taken to follow round-off.
+_PATIENCE = 3
+
 _NOT_A_NUMBER = -4  # the reason's name differs between PETSc's versions
+_NO_STEP_FOUND = -6
 _REASONS = {
     -3: "the linear system could not be solved (a singular matrix: is the body held?)",
     _NOT_A_NUMBER: "the forces became infinite or not a number",
     -5: "the Newton steps allowed were used up",
-    -6: "the line search found no step",
+    _NO_STEP_FOUND: "the line search found no step",
     -9: "the force imbalance grows",
 }
 
@@ -72,6 +76,7 @@ class Newton:
         self._tolerance = problem.scene.solver.tolerance
         self._tiny = 0.0
         self._before = 0
+        self._searches = False
         self._own_options: list[str] = []
 
     def run(self, search_energy: bool = True, tolerance: float | None = None) -> None:
@@ -84,12 +89,30 @@ class Newton:
         Raises:
             NotConvergedError: In words, with the history of the force imbalance.
         """
+        self._tolerance = tolerance or self.problem.scene.solver.tolerance
+        self._searches = search_energy and self._one_sided
+        try:
+            self._solve()
+        except NotConvergedError:
+            if not self._searches or not self._is_nearly_balanced:
+                raise
+            self._searches = False  # so near, a search only follows round-off
+            self._solve()
+        self._refuse_runaway()
+
+    @property
+    def _is_nearly_balanced(self) -> bool:
+        """Whether no more is left of the forces than what round-off may make."""
+        return len(self.history) > self._before and (
+            self.history[-1] <= _LARGEST_FLOOR * self.system.forces
+        )
+
+    def _solve(self) -> None:
         self._before = len(self.history)
         self.limit = 0.0
-        self._tolerance = tolerance or self.problem.scene.solver.tolerance
         with self.timings.phase("solve"):
             log = _FactorisationLog()
-            snes = self._create_snes(search_energy)
+            snes = self._create_snes()
             snes.solve(None, self.system.state)
             reason = snes.getConvergedReason()
             self.system.take(self.system.state)
@@ -102,7 +125,6 @@ class Newton:
         accepted = len(self.history) > self._before and self.history[-1] <= self.limit
         if reason < 0 or not accepted:
             raise NotConvergedError(self._failure(reason), tuple(self.history))
-        self._refuse_runaway()
 
     @property
     def _steps_of_this_run(self) -> int:
@@ -129,14 +151,14 @@ class Newton:
             array[:] = saved
         self.system.take(self.system.state)
 
-    def _create_snes(self, search_energy: bool) -> Any:
+    def _create_snes(self) -> Any:
         system = self.system
         snes = PETSc.SNES().create(self.comm)
         snes.setOptionsPrefix(OPTIONS_PREFIX)
         snes.setFunction(self._set_residual, system.residual)
         snes.setJacobian(self._set_tangent, system.tangent)
         options = PETSc.Options()
-        search = ENERGY_SEARCH if self._one_sided and search_energy else FULL_STEPS
+        search = ENERGY_SEARCH if self._searches else FULL_STEPS
         for name, value in (system.options | search).items():
             if not options.hasName(OPTIONS_PREFIX + name):
                 options.setValue(OPTIONS_PREFIX + name, value)
@@ -205,6 +227,9 @@ class Newton:
             self.limit = max(self.limit, min(self.system.round_off(), cap))
         if imbalance <= self.limit and not self._mean_stress_is_missing(iteration):
             return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
+        wanders = iteration >= _PATIENCE and imbalance >= self.history[-1 - _PATIENCE]
+        if self._searches and wanders and self._is_nearly_balanced:
+            return _NO_STEP_FOUND
         return PETSc.SNES.ConvergedReason.CONVERGED_ITERATING
 
     def _mean_stress_is_missing(self, iteration: int) -> bool:
