@@ -149,7 +149,7 @@ class CondensedSystem(System):
 
     def _dense_tangent(self) -> ContactTangent | None:
         """A on rank 0, with what resultants do to the contact dofs through the bulk."""
-        condensed = [self._bulk.condense(load) for load, _ in self._far_loads]
+        condensed = [self._loads.condense(load) for load, _ in self._far_loads]
         schur, self._bulk.schur = self._bulk.schur, None
         if schur is None:
             return None

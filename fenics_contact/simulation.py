@@ -89,14 +89,13 @@ class Run:
             "solver": self.choice.name,
             "solver_reason": self.choice.reason,
             "solver_memory_mb": round(self.choice.memory / 1e6),
-            "bulk_factorisations": 0 if self.solution is None else self.solution.factorisations,
             "strategy": _strategy(problem, self.solution),
             "scalar_unknowns": [f"{u.kind} at {u.contact.label}" for u in problem.unknowns],
             "terms": [term.name for term in problem.terms],
             "free_rigid_motions": self.free_motion.modes,
             "used_share_of_limit_load": self.free_motion.used_share,
             "symmetry": problem.supports.symmetry,
-        }
+        } | ({} if self.solution is None else {"bulk_factorisations": self.solution.factorisations})
 
     def solve(self) -> Result:
         """Solve and evaluate; collective. Failure to converge is a result, too."""
@@ -208,8 +207,9 @@ def _parameters(contact: ContactSurface) -> dict[str, Any]:
         "foundation_stiffness": scene.foundation_stiffness,
         "friction_coefficient": scene.friction_coefficient,
     }
+    is_open = contact.is_coulomb and not contact.is_scaled  # it follows from pressures to come
     used = {
-        "regularisation_parameter": contact.regularisation_parameter,
+        "regularisation_parameter": None if is_open else contact.regularisation_parameter,
         "penalty_parameter": contact.penalty_parameter or None,
         "force": contact.force,
         **{name: "varies" if callable(value) else value for name, value in given.items()},

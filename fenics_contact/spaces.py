@@ -124,10 +124,6 @@ class Spaces:
             fem.locate_dofs_topological(self.displacement_space, group.dimension, entities)
         )
 
-    def is_owned(self, nodes: NDArray[np.int32]) -> NDArray[np.bool_]:
-        """Which of the nodes this rank owns, so that sums count each once."""
-        return nodes < self.owned_nodes
-
     def evaluate(self, value: Value, nodes: NDArray[np.int32], key: str) -> NDArray[np.float64]:
         """A scene's value at nodes, shape (nodes,); collective (see ``evaluate_at``)."""
         return self.evaluate_at(value, self.coordinates[nodes].T, key)
@@ -166,40 +162,13 @@ class Spaces:
             constant = np.array(least) if values.ndim == 2 else least[0]
             return fem.Constant(self.body.mesh, constant)
         if values.ndim == 2:
-            return self.vector_function("coefficient", values, nodes)
-        return self.nodal_function("coefficient", values, nodes)
-
-    def vector_function(
-        self, name: str, values: NDArray[np.float64], nodes: NDArray[np.int32]
-    ) -> Any:
-        """A vector function with given values (nodes, components) and zeros elsewhere."""
-        function = fem.Function(self.displacement_space, name=name)
-        function.x.array.reshape(-1, self.components)[nodes] = values
+            function = fem.Function(self.displacement_space)
+            function.x.array.reshape(-1, self.components)[nodes] = values
+            return function
+        space, scalar_of_node = self._scalar_space()
+        function = fem.Function(space)
+        function.x.array[scalar_of_node[nodes]] = values
         return function
-
-    def nodal_function(
-        self, name: str, values: NDArray[np.float64], nodes: NDArray[np.int32], empty: float = 0.0
-    ) -> Any:
-        """A scalar function with given values at some nodes and ``empty`` at the others."""
-        function = fem.Function(self._scalar_space()[0], name=name)
-        function.x.array[:] = empty
-        self.set_nodal(function, values, nodes)
-        return function
-
-    def set_nodal(
-        self, function: Any, values: NDArray[np.float64], nodes: NDArray[np.int32]
-    ) -> None:
-        """Set a scalar nodal function at some nodes."""
-        function.x.array[self._scalar_space()[1][nodes]] = values
-
-    def nodal_values(self, function: Any) -> NDArray[np.float64]:
-        """A scalar nodal function's values at all nodes of this rank."""
-        return function.x.array[self._scalar_space()[1]]
-
-    @property
-    def scalar_space(self) -> Any:
-        """The space of one displacement component."""
-        return self._scalar_space()[0]
 
     def _scalar_space(self) -> tuple[Any, NDArray[np.int64]]:
         """The space of one component, and its dof at every node."""
