@@ -62,13 +62,16 @@ class BodySystem(System):
             array[self._owned_constrained] = values[problem.constrained < self._owned_size]
         self.take(self.state)
 
+    def pair_anew(self) -> None:
+        """Tangents see it by themselves."""
+
     def take(self, state: Any) -> None:
         """A vector of unknowns into the displacement function and the jumps; collective."""
         function = self.problem.displacement.x
         function.array[: self._owned_size] = state.array_r[: self._owned_size]
         function.scatter_forward()
         displacement = self._nodal_displacement()
-        at_surfaces = [displacement[contact.trace.all_nodes] for contact in self.problem.contacts]
+        at_surfaces = [contact.kinematics.relative(displacement) for contact in self.problem.contacts]
         self.move_contacts(at_surfaces, self.scalar_values(state))
 
     def _nodal_displacement(self) -> Array:
@@ -94,7 +97,7 @@ class BodySystem(System):
         imbalances = self.scalar_imbalances(self.scalar_values(state), forces)
         found = np.zeros(state.getLocalSize())
         for contact, force in zip(self.problem.contacts, forces, strict=True):
-            pushed = contact.trace.surface.on_body(force).reshape(-1)
+            pushed = contact.kinematics.on_body(force).reshape(-1)
             found[: self._owned_size] -= pushed[: self._owned_size]
         if self.comm.rank == 0 and self.scalars:
             found[-self.scalars :] = imbalances

@@ -30,7 +30,7 @@ class BulkForces:
         self._given = solution.contact_force
         self.contacts = np.zeros_like(problem.load)
         for contact, force in zip(problem.contacts, self._given, strict=True):
-            self.contacts += contact.trace.on_body(force)
+            self.contacts += contact.kinematics.on_body(contact.trace.at_all_nodes(force))
         self.unbalanced = solution.internal_force - problem.load - self.contacts
         self._pressures: dict[int, Array] = {}
 

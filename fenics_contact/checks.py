@@ -110,9 +110,9 @@ def boundary_stress(forces: BulkForces) -> Check | None:
     worst: Check | None = None
     for number, contact in enumerate(problem.contacts):
         axes = ~contact.supports.held_axes()
-        if problem.is_loaded(contact.group) or not axes.any():
+        if problem.is_loaded(contact.sides.group) or not axes.any():
             continue
-        measure = spaces.boundary(contact.group)
+        measure = spaces.boundary(contact.sides.group)
         nodal = spaces.assemble(fem.form(spaces.weight * ufl.dot(stress_vector, test) * measure))
         found = total(problem.comm, nodal[: spaces.owned_nodes].sum(axis=0))
         state = forces.solution.states[number]

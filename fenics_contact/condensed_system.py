@@ -6,7 +6,6 @@ rank 0 has all of them. The bulk is factorised once, and solved for once a load 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,7 +15,9 @@ from scipy.sparse import csr_matrix
 
 from fenics_contact.condensed_loads import CondensedLoads
 from fenics_contact.contact_dofs import ContactDofs
+from fenics_contact.contact_jump import ContactJump, EntryPattern
 from fenics_contact.contact_tangent import ContactTangent
+from fenics_contact.contact_variables import ContactVariables
 from fenics_contact.local_stiffness import LocalStiffness
 from fenics_contact.problem import Problem
 from fenics_contact.schur import CondensedBulk
@@ -25,49 +26,6 @@ from fenics_contact.system import System
 from fenics_contact.timings import Timings
 
 Array = NDArray[np.float64]
-Numbers = NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class _Jump:
-    """The jump w = B y + c of one contact over the unknowns y; rows are dofs of its surface.
-
-    Attributes:
-        surface: Tangent in the jump.
-        places: Of this rank's nodes among the contact dofs, (nodes, components).
-        motion: B: free displacements, an obstacle's motion, the far field of resultants.
-        work: L: rows of the balance that its forces enter, Lᵀ: as B, without the far field,
-            and m for a resultant.
-    """
-
-    surface: SurfaceMatrix
-    places: NDArray[np.int64]
-    motion: csr_matrix
-    work: csr_matrix
-
-
-class _Pattern:
-    """Where the entries of K_c go in Lᵀ K_c B; one may go to several places.
-
-    Attributes:
-        entries: Numbers of K_c's entries.
-        rows: Of the unknowns that each goes to.
-        columns: Likewise.
-        weights: Its factors there.
-    """
-
-    def __init__(self, jump: _Jump, places: list[tuple[Numbers, Numbers]]) -> None:
-        rows, columns = (np.concatenate(part) for part in zip(*places, strict=True))
-        work, motion = jump.work[rows], jump.motion[columns]
-        by_work, by_motion = np.diff(work.indptr), np.diff(motion.indptr)
-        count = by_work * by_motion
-        self.entries = np.repeat(np.arange(len(rows)), count)
-        number = np.arange(len(self.entries)) - np.repeat(np.cumsum(count) - count, count)
-        first, second = np.divmod(number, np.maximum(by_motion, 1)[self.entries])
-        first += work.indptr[self.entries]
-        second += motion.indptr[self.entries]
-        self.rows, self.columns = work.indices[first], motion.indices[second]
-        self.weights = work.data[first] * motion.data[second]
 
 
 class CondensedSystem(System):
@@ -76,6 +34,7 @@ class CondensedSystem(System):
     Attributes:
         stiffness: That of each rank's cells.
         dofs: The contact dofs.
+        variables: What stands for them as unknowns.
         held: Which of this rank's unknowns of the stiffness supports hold.
     """
 
@@ -86,9 +45,10 @@ class CondensedSystem(System):
         super().__init__(problem)
         with timings.phase("assemble"):
             self.stiffness = LocalStiffness(problem)
-            surfaces = [SurfaceMatrix(c) if c.terms else None for c in problem.contacts]
+            self._surfaces = [SurfaceMatrix(c) if c.terms else None for c in problem.contacts]
         self._root = self.comm.rank == 0
-        self.dofs = ContactDofs(problem, [s for s in surfaces if s is not None])
+        acting = [surface for surface in self._surfaces if surface is not None]
+        self.dofs = ContactDofs(problem, acting)
         self.held = np.zeros(len(self.stiffness.numbers), dtype=bool)
         displacements = self.stiffness.displacements
         self.held[: len(displacements)] = self.dofs.constrained[displacements]
@@ -98,11 +58,28 @@ class CondensedSystem(System):
         self._loads = CondensedLoads(self._bulk)
         self._far_loads = [self._far_load(unknown.column) for unknown in problem.unknowns]
         self._size = len(self.dofs.free) + self.scalars
-        self._jumps = [None if s is None else self._jump(s) for s in surfaces]
-        self._patterns: dict[AssembledForm, _Pattern | None] = {}
         with timings.phase("factorise"):
-            self._dense = self._dense_tangent()
+            self._place_contacts()
         self._create_vectors()
+
+    def _place_contacts(self) -> None:
+        """The unknowns, the jumps over them and the tangent; collective."""
+        acting = [surface for surface in self._surfaces if surface is not None]
+        self.variables = ContactVariables(self.dofs, acting)
+        self._jumps = [None if s is None else self._jump(s) for s in self._surfaces]
+        self._patterns: dict[AssembledForm, EntryPattern | None] = {}
+        self._dense = self._dense_tangent()
+
+    def pair_anew(self) -> None:
+        """Take what faces what anew, without another factorisation of the bulk; collective."""
+        values = self._values(self.state)
+        count = self.variables.count
+        displacements = self.variables.displacements(values[:count])
+        self._place_contacts()
+        self.tangent.setPythonContext(_Operator(self._dense))
+        with self.state as array:
+            if self._root:
+                array[:count] = self.variables.unknowns(displacements)
 
     def _supported(self, at_constrained: Array) -> Array:
         """Displacements (nodes, components) of what is constrained, 0 elsewhere."""
@@ -128,34 +105,38 @@ class CondensedSystem(System):
         nodal = displacements.reshape(-1, self.problem.spaces.components)
         return self._bulk_load(np.zeros_like(nodal), nodal), self.dofs.gathered(displacements)
 
-    def _jump(self, surface: SurfaceMatrix) -> _Jump:
-        places = self.dofs.places(surface)
-        free = np.flatnonzero(self.dofs.is_free[places])
-        unknown_of = np.cumsum(self.dofs.is_free) - 1
-        entries = (np.ones(len(free)), (free, unknown_of[places[free]]))
-        points = csr_matrix(entries, shape=(len(places), self._size)).tolil()
-        motion, work = points.copy(), points
+    def _jump(self, surface: SurfaceMatrix) -> ContactJump:
+        places = self.dofs.places(surface.dofs)
+        points = self.variables.jump(surface)
+        points.resize(len(places), self._size)
+        if not self.scalars:
+            return ContactJump(surface, points, points, points)
+        motion, work = points.tolil(), points.tolil()
+        far = motion.copy()
         direction = np.resize(surface.contact.kinematics.direction, len(places))[:, None]
         for number, unknown in enumerate(self.problem.unknowns):
             column = len(self.dofs.free) + number
             if unknown.column is not None:
-                motion[:, column] = self._far_loads[number][1][places][:, None]
+                columns = self._far_loads[number][1][places][:, None]
+                motion[:, column] = far[:, column] = columns
             if unknown.contact is surface.contact and unknown.kind == "indentation":
                 motion[:, column] = work[:, column] = -direction
             elif unknown.contact is surface.contact:
                 work[:, column] = direction
-        local = self.dofs.local_places(surface)
-        return _Jump(surface, local, csr_matrix(motion), csr_matrix(work))
+        return ContactJump(surface, csr_matrix(far), csr_matrix(motion), csr_matrix(work))
 
     def _dense_tangent(self) -> ContactTangent | None:
         """A on rank 0, with what resultants do to the contact dofs through the bulk."""
         condensed = [self._loads.condense(load) for load, _ in self._far_loads]
-        schur, self._bulk.schur = self._bulk.schur, None
+        schur = self._bulk.schur
+        if not self.problem.can_pair_anew:
+            self._bulk.schur = None
         if schur is None:
             return None
+        condensed = [self.variables.forces(load) for load in condensed]
         columns = -np.array(condensed).reshape(self.scalars, len(self.dofs.free)).T
         resultant = [float(unknown.kind == "resultant") for unknown in self.problem.unknowns]
-        return ContactTangent(schur, columns, np.array(resultant))
+        return ContactTangent(self.variables.stiffness(schur), columns, np.array(resultant))
 
     def _create_vectors(self) -> None:
         own = self._size if self._root else 0
@@ -184,7 +165,8 @@ class CondensedSystem(System):
         at_contacts = self.dofs.gathered(displacement.reshape(-1))
         with self.state as array:
             if self._root:
-                array[:] = np.concatenate([at_contacts[self.dofs.is_free], self.starting_scalars()])
+                own = self.variables.unknowns(at_contacts[self.dofs.is_free])
+                array[:] = np.concatenate([own, self.starting_scalars()])
         self._started = self._displacements(self._values(self.state))
         self.take(self.state)
 
@@ -194,7 +176,11 @@ class CondensedSystem(System):
         supported = self._supported(problem.prescribed)
         self._load = self._bulk_load(problem.load, supported)
         self._held_values = self.dofs.gathered(supported.reshape(-1))
-        self._condensed = self._loads.condense(self._load)
+        self._held_parts = [
+            None if jump is None else self.variables.held_part(jump.surface, self._held_values)
+            for jump in self._jumps
+        ]
+        self._condensed = self.variables.forces(self._loads.condense(self._load))
 
     def follow_supports(self) -> None:
         """Bring supports and loads to their present values; collective."""
@@ -208,7 +194,7 @@ class CondensedSystem(System):
     def _displacements(self, values: Array) -> Array:
         """Of all contact dofs."""
         found = self._held_values.copy()
-        found[self.dofs.is_free] = values[: len(self.dofs.free)]
+        found[self.dofs.is_free] = self.variables.displacements(values[: len(self.dofs.free)])
         for value, (_, far) in zip(self._scalars_of(values), self._far_loads, strict=True):
             found += value * far
         return found
@@ -219,9 +205,25 @@ class CondensedSystem(System):
     def take(self, state: Any) -> None:
         """A vector of unknowns into the jumps; collective."""
         values = self._values(state)
-        self._present = self._displacements(values)
-        at_surfaces = [None if jump is None else self._present[jump.places] for jump in self._jumps]
+        at_surfaces = [
+            None if jump is None or held is None else self._relative(jump, held, values)
+            for jump, held in zip(self._jumps, self._held_parts, strict=True)
+        ]
         self.move_contacts(at_surfaces, self._scalars_of(values))
+
+    def _relative(self, jump: ContactJump, held: Array, values: Array) -> Array:
+        """Displacements relative to a body opposite, at this rank's nodes of a surface."""
+        surface = jump.surface.contact.trace.surface
+        found = jump.relative @ values + held
+        return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
+
+    def _take_others(self, displacement: Array) -> None:
+        """The jumps of contacts that exert no forces, from the displacement; collective."""
+        at_surfaces = [
+            contact.kinematics.relative(displacement) if jump is None else None
+            for contact, jump in zip(self.problem.contacts, self._jumps, strict=True)
+        ]
+        self.move_contacts(at_surfaces, self._scalars_of(self._values(self.state)))
 
     def balance(self, state: Any, residual: Any) -> None:
         """A y − b − Σ Lᵀ r_c; collective."""
@@ -242,7 +244,7 @@ class CondensedSystem(System):
         with residual as array:
             array[:] = left
 
-    def _of_all(self, jump: _Jump | None, force: Array) -> Array:
+    def _of_all(self, jump: ContactJump | None, force: Array) -> Array:
         """Forces at all dofs of a surface, on rank 0; collective."""
         if jump is None:
             return np.zeros(0)
@@ -262,11 +264,11 @@ class CondensedSystem(System):
         if self._dense is not None:
             self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
 
-    def _entries_in_unknowns(self, jump: _Jump, part: AssembledForm) -> list[Entries]:
+    def _entries_in_unknowns(self, jump: ContactJump, part: AssembledForm) -> list[Entries]:
         """Entries of Lᵀ K_c B, on rank 0; collective."""
         if part not in self._patterns:
             places = self.comm.gather((part.rows, part.columns))
-            self._patterns[part] = None if places is None else _Pattern(jump, places)
+            self._patterns[part] = None if places is None else EntryPattern(jump, places)
         parts = self.comm.gather(part.values())
         pattern = self._patterns[part]
         if parts is None or pattern is None:
@@ -285,7 +287,8 @@ class CondensedSystem(System):
 
     def moved(self) -> float:
         """Largest displacement of the contacts since the start (length)."""
-        return float(np.abs(self._present - self._started).max(initial=0.0))
+        present = self._displacements(self._values(self.state))
+        return float(np.abs(present - self._started).max(initial=0.0))
 
     def finish(self) -> tuple[Array, Array]:
         """Displacement and K u at the nodes; the functions follow; collective."""
@@ -293,12 +296,12 @@ class CondensedSystem(System):
         load = self._load.copy()
         for value, (far, _) in zip(self._scalars_of(values), self._far_loads, strict=True):
             load += value * far
-        found = self._bulk.expand(load, values[: len(self.dofs.free)])
+        at_contacts = self.variables.displacements(values[: len(self.dofs.free)])
+        found = self._bulk.expand(load, at_contacts)
         self.stiffness.set_functions(found)
         components = self.problem.spaces.components
         displacement = self.problem.displacement.x.array.reshape(-1, components).copy()
-        at_surfaces = [displacement[contact.trace.all_nodes] for contact in self.problem.contacts]
-        self.move_contacts(at_surfaces, self._scalars_of(values))
+        self._take_others(displacement)
         return displacement, self.stiffness.forces(found)
 
 

@@ -5,6 +5,7 @@ One object per ``[[contact]]``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,11 +14,14 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from fenics_contact.body_kinematics import BodyKinematics
 from fenics_contact.bulk import ElasticBody
 from fenics_contact.contact_kinematics import ContactKinematics
+from fenics_contact.contact_sides import ContactSides
 from fenics_contact.contact_terms import FrictionTerm, NormalTerm
 from fenics_contact.errors import InputError
 from fenics_contact.normal_contact import prescribed_pressure_energy
+from fenics_contact.obstacle_kinematics import ObstacleKinematics
 from fenics_contact.parallel import largest, smallest, total
 from fenics_contact.scene_contact import Contact, Obstacle
 from fenics_contact.scene_values import Value
@@ -70,6 +74,7 @@ class ContactSurface:
 
     Attributes:
         contact: What the scene says.
+        sides: Which surface it acts on, and what stands opposite.
         trace: The contact points: coordinates, weights, normals.
         nodes: Nodes among them (local, owned and ghost), which receive its forces.
         owned_nodes: Which of these this rank owns.
@@ -93,30 +98,22 @@ class ContactSurface:
         supports: Supports,
         constrained: NDArray[np.int64],
         elastic: ElasticBody,
+        masters: Sequence[str] = (),
     ) -> None:
         self.contact = contact
         self.label = contact.label
         self.spaces = spaces
-        self.group = spaces.body.boundary(contact.on, f"{key}.on")
-        if total(spaces.comm, len(spaces.facets(self.group))) == 0:
-            raise InputError(
-                f"{key}.on = '{contact.on}': no facet of it is on the boundary of the body"
-            )
-        self.trace = Trace(spaces, self.group, supports.flat_sides)
+        self.sides = ContactSides(contact, key, spaces, supports.flat_sides, masters)
+        self.trace = self.sides.trace
         self.nodes = self.trace.nodes
         self.owned_nodes = self.trace.owned[: len(self.nodes)]
+        self.kinematics = self._kinematics(key, constrained)
         self.supports = SurfaceSupports(self.trace, constrained)
         self.plane_strain_modulus = elastic.plane_strain_modulus
         self._given_pressure = self._given(contact.pressure or 0.0, f"{key}.pressure")
-        described = contact.obstacle or Obstacle()
-        self.kinematics = ContactKinematics(
-            self.trace, None if contact.kind == "prescribed" else described, f"{key}.obstacle"
-        )
         if contact.kind in ("unilateral", "winkler"):
             self.kinematics.require_one_sided(key)
-            self.kinematics.leave_out(self.supports.held_across)
-            if contact.obstacle is not None and contact.obstacle.force is not None:
-                self.kinematics.bring_up()
+            self._bring_up()
         self.force = None if contact.obstacle is None else contact.obstacle.force
         self.dissipated = 0.0
         self.penalty_parameter = self._penalty(elastic.confined_modulus)
@@ -130,6 +127,22 @@ class ContactSurface:
         given = contact.kind == "prescribed" or contact.regularisation_parameter != "auto"
         if self.friction is not None and given:
             self.scale_friction(elastic.reference_modulus, self._given_pressure)
+
+    def _kinematics(self, key: str, constrained: NDArray[np.int64]) -> ContactKinematics:
+        if self.sides.opposite is not None:
+            return BodyKinematics(self.trace, self.sides.opposite, constrained, key)
+        described = self.contact.obstacle or Obstacle()
+        prescribed = self.contact.kind == "prescribed"
+        return ObstacleKinematics(self.trace, None if prescribed else described, f"{key}.obstacle")
+
+    def _bring_up(self) -> None:
+        """Leave out what no obstacle can press, and bring one that a force drives up to it."""
+        kinematics, obstacle = self.kinematics, self.contact.obstacle
+        if not isinstance(kinematics, ObstacleKinematics):
+            return
+        kinematics.leave_out(self.supports.held_across)
+        if obstacle is not None and obstacle.force is not None:
+            kinematics.bring_up()
 
     def _friction_term(self, coefficient: Array) -> FrictionTerm | None:
         comm = self.spaces.comm
@@ -190,11 +203,17 @@ class ContactSurface:
         self.force = None if obstacle.force is None else obstacle.force * factor
         if obstacle.force is None:
             self.kinematics.indentation = (obstacle.indentation or 0.0) * factor
-        if obstacle.displacement is not None:
+        if obstacle.displacement is not None and isinstance(self.kinematics, ObstacleKinematics):
             moved = np.array(obstacle.displacement) * obstacle.displacement_path(time)
             self.kinematics.displace(moved)
             if self.normal is not None:
                 self.normal.set_gap(self.kinematics.gap)
+
+    def touch(self) -> None:
+        """Bring an obstacle that nothing presses on until it just touches; collective."""
+        if self.force == 0 and self.normal is None:
+            assert isinstance(self.kinematics, ObstacleKinematics)
+            self.kinematics.touch()
 
     def accept(self) -> None:
         """A load step is done: slip counts from here where the law is incremental."""

@@ -33,7 +33,10 @@ class ContactDofs:
         index_map = problem.spaces.displacement_space.dofmap.index_map
         first, last = (number * components for number in index_map.local_range)
         none = np.zeros(0, dtype=np.int64)
-        self.numbers = np.unique(np.concatenate([none, *(surface.dofs for surface in surfaces)]))
+        opposite = [surface.contact.kinematics.pairing for surface in surfaces]
+        masters = [pairing.dofs for pairing in opposite if pairing is not None]
+        every = [none, *(surface.dofs for surface in surfaces), *masters]
+        self.numbers = np.unique(np.concatenate(every))
         self._mine = self.numbers[(self.numbers >= first) & (self.numbers < last)] - first
         self.constrained = np.zeros(len(problem.spaces.coordinates) * components, dtype=bool)
         self.constrained[problem.constrained] = True
@@ -44,13 +47,6 @@ class ContactDofs:
         """Values at this rank's displacement dofs, at all contact dofs; collective."""
         return np.concatenate(self._comm.allgather(values[self._mine]))
 
-    def places(self, surface: SurfaceMatrix) -> NDArray[np.int64]:
-        """Where the dofs of a surface, by their numbers there, are among these."""
-        return np.searchsorted(self.numbers, surface.dofs)
-
-    def local_places(self, surface: SurfaceMatrix) -> NDArray[np.int64]:
-        """Where those of this rank's nodes of a surface are, (nodes, components)."""
-        space = surface.contact.trace.surface.space.dofmap
-        count = space.index_map.size_local + space.index_map.num_ghosts
-        nodes = space.index_map.local_to_global(np.arange(count, dtype=np.int32))
-        return self.places(surface).reshape(-1, space.index_map_bs)[nodes]
+    def places(self, dofs: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Where dofs of surfaces, by the body's global numbers, are among these."""
+        return np.searchsorted(self.numbers, dofs)

@@ -51,15 +51,11 @@ class ContactMatrix(AddedTangents):
         self.matrix.setOption(keep, True)
 
     def _between_nodes(self, surface: SurfaceMatrix) -> Pairs:
-        """Pairs of dofs of the same facet."""
-        space = surface.contact.trace.surface
-        nodes = space.space.dofmap.index_map.local_to_global(space.facet_nodes.ravel())
-        facets, width = space.facet_nodes.shape
-        places = nodes[:, None] * space.components + np.arange(space.components)
-        dofs = self._matrix_rows(surface.dofs[places.ravel()])
-        dofs = dofs.reshape(facets, width * space.components)
-        first = np.broadcast_to(dofs[:, :, None], (*dofs.shape, dofs.shape[1]))
-        return first.ravel(), np.swapaxes(first, 1, 2).ravel()
+        """Pairs of dofs of the same facet, or of two surfaces that touch each other."""
+        rows, columns = surface.pattern()
+        if surface.contact.kinematics.pairing is not None and self._problem.comm.rank > 0:
+            rows = columns = rows[:0]  # one rank gives all
+        return self._matrix_rows(rows), self._matrix_rows(columns)
 
     def _with_scalar(self, number: int) -> Pairs:
         """Pairs of a scalar with what it may be coupled with."""

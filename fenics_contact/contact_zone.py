@@ -142,8 +142,8 @@ def touching(problem: Problem) -> Nodes:
             acts |= (contact.pressure() > 0) | (not contact.is_one_sided)
         if contact.friction is not None:
             acts |= contact.friction.bound > 0
-        at_nodes = contact.trace.to_nodes(acts.astype(np.float64))
-        found |= contact.trace.on_body(at_nodes) > 0
+        at_nodes = contact.trace.to_nodes(acts.astype(np.float64)) > 0
+        found |= contact.kinematics.reaches(contact.trace.at_all_nodes(at_nodes) > 0)
     return found
 
 
@@ -151,8 +151,8 @@ def on_contacts(problem: Problem) -> Nodes:
     """All nodes of contacts that exert forces; collective."""
     found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
     for contact in (contact for contact in problem.contacts if contact.terms):
-        ones = np.ones(len(contact.trace.all_nodes))
-        found |= contact.trace.surface.on_body(ones) > 0
+        every = np.ones(len(contact.trace.all_nodes), dtype=bool)
+        found |= contact.kinematics.reaches(every)
     return found
 
 

@@ -91,8 +91,7 @@ class AddedTangents:
         """Add the tangents of all contacts' terms to a matrix of the size of K; collective."""
         add = PETSc.InsertMode.ADD_VALUES
         for surface in self.surfaces:
-            *places, values = surface.entries()
-            rows, columns = (surface.dofs[place] for place in places)
+            rows, columns, values = surface.on_body(*surface.entries())
             add_entries(tangent, self._matrix_rows(rows), self._matrix_rows(columns), values)
             direction = surface.contact.kinematics.direction
             for number, unknown in enumerate(self._unknowns):
@@ -167,6 +166,7 @@ class LinearSystem(AddedTangents):
         super().__init__(problem, displacement)
         self._mixed = problem.elastic.mixed
         self._far_volumes: list[Array] = []
+        displacement = self._with_opposites(displacement)
         if self._mixed is None and self.scalars == 0:
             self.stiffness = displacement
             return
@@ -185,6 +185,23 @@ class LinearSystem(AddedTangents):
     def destroy(self) -> None:
         """Free the matrix."""
         self.stiffness.destroy()
+
+    def _with_opposites(self, displacement: Any) -> Any:
+        """K with room for what couples bodies that touch each other; collective."""
+        coupled = [s for s in self.surfaces if s.contact.kinematics.pairing is not None]
+        if not coupled:
+            return displacement
+        sizes, first = displacement.getSizes(), self._first
+        room: Any = PETSc.Mat().createAIJ(sizes, comm=self._problem.comm)
+        room.setUp()
+        for surface in coupled:
+            rows, columns = surface.pattern()
+            mine = (rows >= first) & (rows < first + self._owned)
+            add_entries(room, rows[mine], columns[mine], np.zeros(int(mine.sum())))
+        room.assemble()
+        room.axpy(1.0, displacement, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        displacement.destroy()
+        return room
 
     def _with_mean_stress(self, displacement: Any) -> list[list[Any]]:
         mixed = self._mixed

@@ -189,7 +189,7 @@ class Newton:
         self.continues = False
         displacement, indentations = starting_point(self.problem)
         for contact, indentation in zip(self.problem.contacts, indentations, strict=True):
-            contact.kinematics.move(displacement[contact.trace.all_nodes], indentation)
+            contact.kinematics.move(contact.kinematics.relative(displacement), indentation)
         self.system.begin(displacement)
         self._stick_all()
 
@@ -259,8 +259,7 @@ class Newton:
         with self.timings.phase("solve"):
             displacement, internal = self.system.finish()
         for contact in self.problem.contacts:
-            if contact.force == 0 and contact.normal is None:
-                contact.kinematics.touch()
+            contact.touch()
         nodes = [contact.trace.numbers for contact in self.problem.contacts]
         normal = self.system.contact_forces("normal")
         friction = self.system.contact_forces("friction")

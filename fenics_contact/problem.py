@@ -86,6 +86,7 @@ class Problem:
             self.supports = Supports(scene, self.spaces)
             self.applied_supports = list(self.supports.applied)
             self._refuse_overlaps()
+            masters = self._surfaces_of_several()
             outer = outer_dofs(scene.half_space, self.spaces)
             self.constrained = np.union1d(self.supports.dofs, outer)
             self.elastic = ElasticBody(scene, self.spaces, self.displacement)
@@ -97,6 +98,7 @@ class Problem:
                     self.supports,
                     self.constrained,
                     self.elastic,
+                    masters,
                 )
                 for number, contact in enumerate(scene.contact)
             ]
@@ -121,6 +123,12 @@ class Problem:
         return [contact for contact in self.contacts if contact.is_coulomb]
 
     @property
+    def can_pair_anew(self) -> bool:
+        """Whether what faces what may change: two bodies touch, and there are load steps."""
+        between_bodies = any(contact.contact.against is not None for contact in self.contacts)
+        return between_bodies and len(self.scene.steps.all_times) > 1
+
+    @property
     def has_datum(self) -> bool:
         """Whether displacements have a datum: those of a half-plane grow without end."""
         return self.far_field is None or self.spaces.kinematics != "plane strain"
@@ -134,6 +142,11 @@ class Problem:
         """Hold the outer boundary of a half-space, by forces known or unknown."""
         if self.scene.half_space is None:
             return None
+        if any(contact.contact.against is not None for contact in self.contacts):
+            raise InputError(
+                "half_space: the far field is that of forces of obstacles; leave it out where "
+                "bodies touch each other (contact.against), and let the mesh reach farther"
+            )
         far_field = FarField(self.scene, self.spaces, self.supports, outer, self.contacts)
         for number, contact in enumerate(self.contacts):
             if contact.force is None:
@@ -158,8 +171,24 @@ class Problem:
                 values += (contact.force or 0.0) * self.far_field.columns[number]
             self.prescribed = np.concatenate([self.prescribed, values])[self._order]
 
+    def _surfaces_of_several(self) -> list[str]:
+        """Names of groups that several contacts act on, or that share facets with such."""
+        sides = [
+            (number, name)
+            for number, contact in enumerate(self.scene.contact)
+            for name in (contact.on, contact.against)
+            if name is not None
+        ]
+        tags = {name: set(found.tags) for _, name in sides if (found := self.body.find(name))}
+        return [
+            name
+            for number, name in sides
+            for other, its_name in sides
+            if number != other and tags.get(name, set()) & tags.get(its_name, set())
+        ]
+
     def _refuse_overlaps(self) -> None:
-        """Contacts may not share facets with supports or other contacts (Γ_C ∩ Γ_D = ∅)."""
+        """Contacts may not share facets with supports, nor two with obstacles (Γ_C ∩ Γ_D = ∅)."""
         taken: dict[int, str] = {}
         held = [(f"support[{i}].on", support.on) for i, support in enumerate(self.scene.support)]
         if self.scene.half_space is not None:
@@ -169,19 +198,27 @@ class Problem:
             group = self.body.group(on, key)
             if group.dimension == self.body.dimension - 1:
                 taken |= dict.fromkeys(group.tags, f"the support on '{on}'")
-        for number, contact in enumerate(self.scene.contact):
-            group = self.body.boundary(contact.on, f"contact[{number}].on")
-            for tag in group.tags:
-                if tag in taken:
+        # Those of two bodies may share a side with each other, but not with an obstacle's.
+        contacts = sorted(enumerate(self.scene.contact), key=lambda item: bool(item[1].against))
+        for number, contact in contacts:
+            for side, name in (("on", contact.on), ("against", contact.against)):
+                if name is None:
+                    continue
+                group = self.body.boundary(name, f"contact[{number}].{side}")
+                shared = [taken[tag] for tag in group.tags if tag in taken]
+                if shared:
                     raise InputError(
-                        f"contact[{number}].on = '{contact.on}': shares boundary with "
-                        f"{taken[tag]}; a contact surface must be free of both"
+                        f"contact[{number}].{side} = '{name}': shares boundary with {shared[0]}; "
+                        "a contact surface must be free of both"
                     )
-            taken |= dict.fromkeys(group.tags, f"the contact '{contact.label}'")
+                if contact.against is None:
+                    taken |= dict.fromkeys(group.tags, f"the contact '{contact.label}'")
 
     def _refuse_held_contacts(self) -> None:
         """Friction on a surface that supports hold everywhere does nothing: surely a slip."""
         for number, contact in enumerate(self.contacts):
+            if contact.contact.against is not None:
+                continue  # what stands opposite may move
             free = contact.owned_nodes & contact.supports.movable
             if contact.friction is not None and self.comm.allreduce(int(free.sum())) == 0:
                 raise InputError(

@@ -70,7 +70,8 @@ class RigidMotions:
         for contact in problem.contacts:
             if contact.contact.kind == "bonded":
                 reached = contact.kinematics.reached[: len(contact.nodes)]
-                fields = self._fields[contact.nodes[contact.owned_nodes & reached]]
+                every = contact.kinematics.relative(self._fields)
+                fields = every[contact.trace.numbers[contact.owned_nodes & reached]]
                 jumps = np.concatenate([fields, self._of_obstacles(contact, len(fields))], axis=-1)
                 every.append(jumps.reshape(-1, modes + floats))
         stacked = np.concatenate(every)
@@ -78,7 +79,7 @@ class RigidMotions:
 
     def _jumps(self, contact: ContactSurface) -> Array:
         """Jumps at the points of a contact in each motion, (points, components, count)."""
-        moved = contact.trace.at_points(self._fields[contact.trace.all_nodes]) @ self._body
+        moved = contact.trace.at_points(contact.kinematics.relative(self._fields)) @ self._body
         return np.asarray(moved + self._of_obstacles(contact, len(moved)) @ self._obstacles)
 
     def slips(self, coulomb: bool = False) -> tuple[Array, Array]:

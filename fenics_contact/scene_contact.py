@@ -132,6 +132,20 @@ class Contact:
         Obstacle | None,
         Field(description="what stands against it; by default it touches everywhere, and is fixed"),
     ] = None
+    against: Annotated[
+        Text | None,
+        Field(
+            description="instead of an obstacle: physical group of the surface opposite, of "
+            "another body or of the same one; meshes need not match"
+        ),
+    ] = None
+    slave: Annotated[
+        Literal["auto", "on", "against"],
+        Field(
+            description="of two surfaces, the one whose points contact acts at, and whose results "
+            "are given; `auto` takes the one that the other covers, not a much finer one"
+        ),
+    ] = "auto"
     penalty_parameter: Annotated[
         Positive | Literal["auto"],
         Field(
@@ -168,6 +182,13 @@ class Contact:
             )
         if (self.kind == "winkler") != (self.foundation_stiffness is not None):
             raise ValueError("foundation_stiffness belongs to winkler contact, and only there")
+        if self.against is not None and (prescribed or self.obstacle is not None):
+            other = "a pressure that is given" if prescribed else "an obstacle"
+            raise ValueError(f"against: a contact has either a surface opposite or {other}")
+        if self.against == self.on:
+            raise ValueError(f"against = '{self.on}': a surface cannot stand against itself")
+        if self.against is None and self.slave != "auto":
+            raise ValueError("slave: only contact of two surfaces has one; see against")
         if prescribed and self.obstacle is not None:
             raise ValueError("obstacle: prescribed contact has none, only its pressure")
         if self.penalty_parameter != "auto" and self.kind not in ("unilateral", "bonded"):

@@ -72,10 +72,11 @@ class Spaces:
         Distorted cells have rational integrands, which this rule does not integrate exactly: it
         changes the solution by less than a hundredth of the discretisation error.
         """
-        return 2 * self.degree + 2 * (self._geometry_order - 1) + self._extra_degree
+        return 2 * self.degree + 2 * (self.geometry_order - 1) + self._extra_degree
 
     @property
-    def _geometry_order(self) -> int:
+    def geometry_order(self) -> int:
+        """Order of the cells' geometry."""
         return int(self.body.mesh.ufl_domain().ufl_coordinate_element().degree)
 
     @property

@@ -9,6 +9,7 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from fenics_contact.contact import ContactSurface
+from fenics_contact.pairing import Pairing
 from fenics_contact.surface_space import SurfaceSpace
 
 Array = NDArray[np.float64]
@@ -26,12 +27,7 @@ class SurfaceMatrix:
         self.contact = contact
         self._surface = contact.trace.surface
         self._assembled: dict[Any, AssembledForm] = {}
-        spaces = contact.spaces
-        mine = self._surface.body_nodes[: self._surface.owned_nodes]
-        numbers = spaces.displacement_space.dofmap.index_map.local_to_global(mine)
-        nodes = np.concatenate(spaces.comm.allgather(numbers)).astype(np.int64)
-        components = spaces.components
-        self.dofs = (nodes[:, None] * components + np.arange(components)).ravel()
+        self.dofs = self._surface.dofs
 
     def entries(self) -> Entries:
         """Rows, columns (dofs of the surface) and values; every rank has some of them."""
@@ -41,6 +37,30 @@ class SurfaceMatrix:
         rows, columns, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
         return rows, columns, values
 
+    def on_body(
+        self, rows: NDArray[np.int64], columns: NDArray[np.int64], values: Array
+    ) -> Entries:
+        """Entries between dofs of the surface as those between dofs of the body.
+
+        Against a second body w = u − P u', so K_c gives Jᵀ K_c J with J = (1, −P).
+        """
+        pairing = self.contact.kinematics.pairing
+        if pairing is None:
+            return self.dofs[rows], self.dofs[columns], values
+        return coupled_entries(pairing, self.dofs, rows, columns, values)
+
+    def pattern(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Pairs of the body's dofs between which a tangent can have entries.
+
+        Of this rank's facets; against a second body all pairs of whole surfaces.
+        """
+        pairing, surface = self.contact.kinematics.pairing, self._surface
+        if pairing is not None:
+            return every_pair(np.concatenate([self.dofs, pairing.dofs])[None])
+        nodes = surface.numbers[surface.facet_nodes]
+        places = nodes[..., None] * surface.components + np.arange(surface.components)
+        return every_pair(self.dofs[places.reshape(len(nodes), -1)])
+
     def parts(self) -> list[AssembledForm]:
         """The forms that the contact's terms have at present; collective."""
         forms = [form for term in self.contact.terms for form in term.tangents]
@@ -48,6 +68,52 @@ class SurfaceMatrix:
             if form not in self._assembled:
                 self._assembled[form] = AssembledForm(form, self._surface)
         return [self._assembled[form] for form in forms]
+
+
+def every_pair(dofs: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """All pairs of dofs in each row of an array (groups, dofs)."""
+    first = np.broadcast_to(dofs[:, :, None], (*dofs.shape, dofs.shape[1]))
+    return first.ravel(), np.swapaxes(first, 1, 2).ravel()
+
+
+def coupled_entries(
+    pairing: Pairing,
+    dofs: NDArray[np.int64],
+    rows: NDArray[np.int64],
+    columns: NDArray[np.int64],
+    values: Array,
+) -> Entries:
+    """Jᵀ K_c J of entries of K_c, J = (1, −P); only where K_c has entries."""
+    kept = values != 0
+    rows, columns, values = rows[kept], columns[kept], values[kept]
+    size, masters = len(pairing.blocks), pairing.dofs.reshape(-1, len(pairing.blocks))
+    found: list[Entries] = [(dofs[rows], dofs[columns], values)]
+    for i in range(size):
+        for j in range(size):
+            mine = (rows % size == i) & (columns % size == j)
+            if not mine.any():
+                continue
+            used, at = np.unique(rows[mine] // size, return_inverse=True)
+            others, there = np.unique(columns[mine] // size, return_inverse=True)
+            block = np.zeros((len(used), len(others)))
+            np.add.at(block, (at, there), values[mine])
+            left, right = pairing.blocks[i][used], pairing.blocks[j][others]
+            below, across = left.T @ block, block @ right
+            own = dofs[used * size + i], dofs[others * size + j]
+            opposite = masters[:, i], masters[:, j]
+            found.append((*_grid(opposite[0], own[1]), -below.ravel()))
+            found.append((*_grid(own[0], opposite[1]), -across.ravel()))
+            found.append((*_grid(*opposite), (below @ right).ravel()))
+    merged = (np.concatenate(part) for part in zip(*found, strict=True))
+    rows, columns, values = merged
+    return rows, columns, values
+
+
+def _grid(
+    rows: NDArray[np.int64], columns: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """All pairs of a row and a column, row by row."""
+    return np.repeat(rows, len(columns)), np.tile(columns, len(rows))
 
 
 class AssembledForm:

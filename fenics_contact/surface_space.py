@@ -5,6 +5,7 @@ Contact and friction live here, so that what they cost grows with the surface al
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -64,6 +65,24 @@ class SurfaceSpace:
         self.body_nodes = self._nodes_in_body()
         self.position = ufl.SpatialCoordinate(self.mesh)
         self.weight = measure_weight(spaces.kinematics, self.position, self._thickness())
+
+    @cached_property
+    def dofs(self) -> NDArray[np.int64]:
+        """The body's global number of every dof of the whole surface, by its number here."""
+        mine = self.body_nodes[: self.owned_nodes]
+        numbers = self.spaces.displacement_space.dofmap.index_map.local_to_global(mine)
+        nodes = np.concatenate(self.comm.allgather(numbers)).astype(np.int64)
+        return (nodes[:, None] * self.components + np.arange(self.components)).ravel()
+
+    @cached_property
+    def numbers(self) -> NDArray[np.int64]:
+        """Number of each node of this rank on the whole surface."""
+        local = np.arange(len(self.coordinates), dtype=np.int32)
+        return np.asarray(self.space.dofmap.index_map.local_to_global(local))
+
+    def gathered(self, nodal: Array) -> Array:
+        """Values at this rank's nodes, first axis nodes, for the whole surface; collective."""
+        return np.concatenate(self.comm.allgather(nodal[: self.owned_nodes]))
 
     def _nodes_in_body(self) -> NDArray[np.int32]:
         """The body's node at the place of each node here, facet by facet."""

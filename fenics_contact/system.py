@@ -84,6 +84,10 @@ class System(ABC):
         """Displacement and K u at the nodes, (nodes, components) each; collective."""
 
     @abstractmethod
+    def pair_anew(self) -> None:
+        """Take what faces what as the contacts of bodies know it now; collective."""
+
+    @abstractmethod
     def destroy(self) -> None:
         """Free PETSc's objects: factors hold communicators, of which there are few."""
 
@@ -139,7 +143,10 @@ class System(ABC):
         return found
 
     def move_contacts(self, displacements: Sequence[Array | None], scalars: Array) -> None:
-        """Set the jumps from displacements at all nodes of each surface; none where not known."""
+        """Set the jumps from displacements relative to bodies opposite, at all nodes of surfaces.
+
+        None where they are not known.
+        """
         driven = {
             unknown.contact: float(value)
             for unknown, value in zip(self.problem.unknowns, scalars, strict=True)

@@ -42,6 +42,8 @@ class Trace:
         coordinates: Of the points, shape (points, 3) (length).
         weights: Area that each stands for, > 0, shape (points,).
         normals: Outward unit normals, single-valued at shared nodes, (points, components).
+        normals_at_nodes: Those of the surface itself, at all of its nodes.
+        area: Of the surface.
         owned: Which points this rank counts.
     """
 
@@ -55,7 +57,8 @@ class Trace:
         self._centres = FacetCentres(self.surface) if _needs_centres(spaces) else None
         self.weight = self._point_weight()
         weights, normals = self._at_nodes()
-        self._mirror(normals, flat_sides)
+        self._flat_sides = flat_sides
+        self.mirror(normals)
         heaviest = largest(spaces.comm, weights)
         # A point on the axis of revolution stands for no area.
         self.numbers = np.flatnonzero(weights > 1e-12 * heaviest)
@@ -65,16 +68,70 @@ class Trace:
         self.coordinates = self.surface.coordinates[self.numbers]
         self.owned = self.numbers < self.surface.owned_nodes
         # Zero-weight nodes count in quadrature sums, times zero: their normals must exist.
-        self.normal = self.surface.vector_function(normals, "normal")
+        self.normals_at_nodes = normals
+        self._nodal_normal = self.surface.vector_function(normals, "normal")
+        self.normal = self._nodal_normal
         if self._centres is not None:
             self._append(self._centres)
-            self.normal += self._centres.vector_correction(self.normal, self._centres.normals)
+            centred = self._centres.vector_correction(self.normal, self._centres.normals)
+            self._centred_normal = centred
+            self.normal += centred
+        self._counted: Any = None
+        self._area_form: Any = None
+        self._whole_weights = self.weights
+        self.area = float(self.integral(np.ones(len(self.weights))))
 
     def _append(self, centres: FacetCentres) -> None:
         self.weights = np.concatenate([self.weights, centres.weights])
         self.normals = np.concatenate([self.normals, centres.normals])
         self.coordinates = np.concatenate([self.coordinates, centres.coordinates])
         self.owned = np.concatenate([self.owned, np.ones(len(centres.weights), dtype=bool)])
+
+    @property
+    def centres(self) -> Array:
+        """Points that are no nodes, one a facet of this rank, (centres, 3); mostly none."""
+        return self.coordinates[len(self.nodes) :]
+
+    def turn(self, normals: Array, at_centres: Array) -> None:
+        """Take other normals, as those between two bodies are; forms follow.
+
+        Args:
+            normals: Unit normals at all nodes, (nodes, components).
+            at_centres: Likewise, at ``centres``.
+        """
+        self.normals = np.concatenate([normals[self.numbers], at_centres])
+        self._nodal_normal.x.array[:] = normals.reshape(-1)
+        if self._centres is not None:
+            self._centres.set_correction(self._nodal_normal, self._centred_normal, at_centres)
+
+    def count(self, shares: Array) -> NDArray[np.bool_]:
+        """Let only a share of each facet of this rank count from now on; forms follow; collective.
+
+        Args:
+            shares: 0 … 1, (facets,).
+
+        Returns:
+            Points that stand for any area; the others keep their weights, and are to be idle.
+        """
+        if self._counted is None:
+            space = fem.functionspace(self.surface.mesh, ("DG", 0))
+            self._counted = fem.Function(space)
+            self.weight = self.weight * self._counted
+            test = ufl.TestFunction(self.surface.space)
+            along = ufl.as_vector([1.0] * self.surface.components)
+            measure = self.surface.measure(self._nodal_rule())
+            self._area_form = fem.form(self.weight * ufl.dot(along, test) * measure)
+        cells = self._counted.function_space.dofmap.list[: len(shares), 0]
+        self._counted.x.array[cells] = shares
+        weights = self.surface.assemble(self._area_form)[:, 0]
+        if self._centres is not None:
+            weights = weights * self._centres.node_factor
+        weights = weights[self.numbers]
+        if self._centres is not None:
+            weights = np.concatenate([weights, self._centres.weights * shares])
+        counts = weights > 1e-6 * self._whole_weights
+        self.weights = np.where(counts, weights, self._whole_weights)
+        return counts
 
     @property
     def measure(self) -> Any:
@@ -126,16 +183,20 @@ class Trace:
             area = area * self._centres.node_factor
         return area, averaged / np.where(lengths > 0, lengths, 1.0)[:, None]
 
-    def _mirror(self, normals: Array, flat_sides: Sequence[tuple[int, float]]) -> None:
-        """In a plane of symmetry, or on the axis, normals have no part across it.
+    def in_planes(self) -> NDArray[np.bool_]:
+        """Across which axes nodes lie in planes of symmetry, (nodes, components); collective."""
+        found = np.zeros((len(self.surface.coordinates), self.surface.components), dtype=bool)
+        size = self.extent()
+        for axis, at in self._flat_sides:
+            found[:, axis] |= np.abs(self.surface.coordinates[:, axis] - at) <= 1e-9 * size
+        return found
+
+    def mirror(self, normals: Array) -> None:
+        """In a plane of symmetry, or on the axis, normals have no part across it; collective.
 
         The average over one side alone would be tilted where the surface is curved.
         """
-        points = self.surface.coordinates
-        size = self.extent()
-        for axis, at in flat_sides:
-            inside = np.abs(points[:, axis] - at) <= 1e-9 * size
-            normals[inside, axis] = 0.0
+        normals[self.in_planes()] = 0.0
         lengths = np.linalg.norm(normals, axis=1)
         normals /= np.where(lengths > 0, lengths, 1.0)[:, None]
 
@@ -164,11 +225,11 @@ class Trace:
         count = len(self.nodes)
         return values[:count] + self._centres.spread(values[count:])[self.numbers]
 
-    def on_body(self, values: Array) -> Array:
-        """Values at ``nodes`` as an array of the body's nodes, 0 elsewhere; collective."""
+    def at_all_nodes(self, values: Array) -> Array:
+        """Values at ``nodes`` as an array of all nodes of the surface, 0 elsewhere."""
         nodal = np.zeros((len(self.all_nodes), *values.shape[1:]))
         nodal[self.numbers] = values
-        return self.surface.on_body(nodal)
+        return nodal
 
     def coefficient(self, values: Array) -> Any:
         """Scalars at the points in UFL: a constant where they are, else a function."""

@@ -1,0 +1,100 @@
+"""A contact surface against another deformable body, or another surface of the same one.
+
+The jump is w = u − P u' with the displacement u' opposite, projected onto this surface (see
+``pairing``). Gap and slip are along and across the mean normal n̄ ∝ n − n' of both surfaces: with
+either's own normal, closing would turn into slip. What faces what is found on the bodies as they
+are meshed, or as they stand after a load step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact_kinematics import ContactKinematics, require_smooth
+from fenics_contact.pairing import Pairing
+from fenics_contact.parallel import largest
+from fenics_contact.trace import Trace
+
+Array = NDArray[np.float64]
+
+
+class BodyKinematics(ContactKinematics):
+    """The jump w = u − P u' of the slave surface.
+
+    Args:
+        trace: The slave's contact points, whose normals become the mean ones.
+        opposite: The master's.
+        constrained: Dofs that supports hold (local indices, owned and ghost).
+        key: Where the scene describes the contact, for messages.
+
+    Raises:
+        InputError: The surfaces do not face each other.
+    """
+
+    pairing: Pairing
+
+    def __init__(
+        self, trace: Trace, opposite: Trace, constrained: NDArray[np.int64], key: str
+    ) -> None:
+        super().__init__(trace)
+        self._opposite = opposite
+        self.pairing = Pairing(trace, opposite, constrained)
+        self._face()
+        self._require_reached(
+            self.reached,
+            f"{key}.against: the two surfaces do not face each other: no outward normal of one "
+            "meets the other",
+        )
+
+    def _face(self) -> None:
+        pairing = self.pairing
+        self.trace.turn(pairing.normals, pairing.centre_normals)
+        counts = self.trace.count(pairing.shares)
+        self.gap = np.where(counts, pairing.distances, np.inf)
+        self._first_jump = self.jump_at_points()
+
+    def require_one_sided(self, key: str) -> None:
+        """Refuse surfaces with a sharp edge.
+
+        Raises:
+            InputError: On every rank.
+        """
+        super().require_one_sided(key)
+        require_smooth(self._opposite, f"{key}.against")
+
+    def pair_anew(self, displacement: Array) -> None:
+        """Find what faces what on the displaced bodies; collective.
+
+        Gaps are still those before anything moves: what the jump has closed is added.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components) (length).
+        """
+        self.pairing.update(displacement)
+        self.move(self.relative(displacement))
+        self._face()
+        self.gap = self.gap + self.normal(self._first_jump)
+
+    def slip_since_pairing(self, closed: NDArray[np.bool_]) -> float:
+        """Largest slip at some points since it was found what faces what (length); collective."""
+        slip = self.tangential(self.jump_at_points() - self._first_jump)[closed]
+        return largest(self._spaces.comm, np.linalg.norm(slip, axis=1))
+
+    def relative(self, displacement: Array) -> Array:
+        """u − P u' at all nodes of the surface, (nodes, components, ...); collective."""
+        return displacement[self.trace.all_nodes] - self.pairing.opposite(displacement)
+
+    def on_body(self, force: Array) -> Array:
+        """Forces on the surface, and their reaction opposite, at the body's nodes; collective."""
+        return self.trace.surface.on_body(force) + self.pairing.on_master(force)
+
+    def reaches(self, flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """The nodes themselves, and all opposite where there are any; collective."""
+        found = self.trace.surface.on_body(flags.astype(np.float64)) > 0
+        if self._spaces.comm.allreduce(int(flags.sum())):
+            found |= self.pairing.master_nodes()
+        return found
+
+    def _gap(self, points: Array, normals: Array) -> Array:
+        return self.pairing.distances_from(points, normals)

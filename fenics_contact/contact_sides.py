@@ -1,0 +1,126 @@
+"""Which surface a contact acts on, and which stands opposite."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.errors import InputError
+from fenics_contact.facing import hits
+from fenics_contact.mesh import Group
+from fenics_contact.pairing import gathered
+from fenics_contact.parallel import on_root, total
+from fenics_contact.scene_contact import Contact
+from fenics_contact.spaces import Spaces
+from fenics_contact.trace import Trace
+
+Array = NDArray[np.float64]
+
+# A surface is covered whose facets, but for this share, have the other before their middle.
+_UNCOVERED = 1e-6
+# Of two surfaces that are both covered, or both not, one that is finer by this is no slave.
+_MUCH_FINER = 0.5
+_MORE_COVERED = 0.05
+
+
+class ContactSides:
+    """The surface whose points a contact acts at, the slave, and the master opposite, if any.
+
+    The slave is to be the surface that the other covers, and not the much finer one.
+
+    Attributes:
+        slave: Name of the slave's group.
+        master: Name of the master's, empty against an obstacle.
+        why: Why it is the slave; empty against an obstacle.
+        group: The slave's facets.
+        trace: Its contact points.
+        opposite: The master's, None against an obstacle.
+
+    Args:
+        contact: What the scene says.
+        key: Where, for messages.
+        spaces: Those of the body.
+        flat_sides: Axis and coordinate of planes of symmetry.
+        masters: Groups that can be masters only, as other contacts have them, too.
+
+    Raises:
+        InputError: A surface is not on the boundary, or neither can be the slave.
+    """
+
+    def __init__(
+        self,
+        contact: Contact,
+        key: str,
+        spaces: Spaces,
+        flat_sides: list[tuple[int, float]],
+        masters: Sequence[str] = (),
+    ) -> None:
+        self._spaces, self._key, self._flat_sides = spaces, key, flat_sides
+        self.slave, self.master, self.why = contact.on, "", ""
+        self.group, self.trace = self._surface("on", contact.on)
+        self.opposite: Trace | None = None
+        if contact.against is None:
+            return
+        self.master = contact.against
+        group, self.opposite = self._surface("against", contact.against)
+        keeps, self.why = self._keeps(contact, masters)
+        if not keeps:
+            self.slave, self.master = self.master, self.slave
+            self.group = group
+            self.trace, self.opposite = self.opposite, self.trace
+
+    def _surface(self, side: str, name: str) -> tuple[Group, Trace]:
+        group = self._spaces.body.boundary(name, f"{self._key}.{side}")
+        if total(self._spaces.comm, len(self._spaces.facets(group))) == 0:
+            raise InputError(
+                f"{self._key}.{side} = '{name}': no facet of it is on the boundary of the body"
+            )
+        return group, Trace(self._spaces, group, self._flat_sides)
+
+    def _keeps(self, contact: Contact, masters: Sequence[str]) -> tuple[bool, str]:
+        """Whether `on` is the slave, and why; collective."""
+        shared = contact.on in masters, contact.against in masters
+        if all(shared):
+            raise InputError(
+                f"{self._key}: both '{contact.on}' and '{contact.against}' are in other contacts, "
+                "too, but one of the two must be in this one alone"
+            )
+        if contact.slave != "auto":
+            keeps = contact.slave == "on"
+            if shared[0 if keeps else 1]:
+                name = contact.on if keeps else contact.against
+                raise InputError(
+                    f"{self._key}.slave = '{contact.slave}': '{name}' is in other contacts, too, "
+                    "so it cannot be the slave of this one"
+                )
+            return keeps, "as the scene says"
+        if any(shared):
+            return shared[1], "the other is in several contacts"
+        return self._compared()
+
+    def _compared(self) -> tuple[bool, str]:
+        """By what covers what, and by the sizes of facets; collective."""
+        assert self.opposite is not None
+        surfaces = gathered(self.trace), gathered(self.opposite)
+
+        def compare() -> tuple[list[float], list[float]]:
+            shares, sizes = [], []
+            for one, other in (surfaces, surfaces[::-1]):
+                areas = one.areas()
+                centres, normals = one.centres()
+                faced = np.isfinite(hits(other, centres, normals).distance)
+                shares.append(float(areas[faced].sum() / areas.sum()))
+                sizes.append(float(areas.mean()) ** (1 / (one.dimension - 1)))
+            return shares, sizes
+
+        shares, sizes = on_root(self._spaces.comm, compare)
+        covered = [share > 1 - _UNCOVERED for share in shares]
+        if covered[0] != covered[1]:
+            return covered[0], "the other covers it"
+        if not covered[0] and abs(shares[0] - shares[1]) > _MORE_COVERED:
+            return shares[0] > shares[1], "the other covers more of it"
+        if sizes[0] < _MUCH_FINER * sizes[1]:
+            return False, "it is not the much finer one"
+        return True, "it comes first"

@@ -1,0 +1,117 @@
+"""A contact surface against a rigid obstacle, or against nothing where the pressure is given."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact_kinematics import ContactKinematics
+from fenics_contact.errors import FenicsContactError, InputError
+from fenics_contact.obstacle import RigidObstacle
+from fenics_contact.parallel import gather_rows, raise_together, smallest
+from fenics_contact.scene_contact import Obstacle
+from fenics_contact.trace import Trace
+
+Array = NDArray[np.float64]
+
+
+class ObstacleKinematics(ContactKinematics):
+    """The jump w = u − d m against a rigid obstacle, or w = u against nothing.
+
+    Args:
+        trace: The contact points.
+        obstacle: The scene's obstacle; None where there is none.
+        key: Where the scene describes it, for messages.
+
+    Raises:
+        InputError: The obstacle does not fit the model, or misses the surface.
+    """
+
+    def __init__(self, trace: Trace, obstacle: Obstacle | None, key: str) -> None:
+        super().__init__(trace)
+        self._left_out = np.zeros(len(trace.weights), dtype=bool)
+        if obstacle is not None:
+            self._place(obstacle, key)
+
+    def _place(self, obstacle: Obstacle, key: str) -> None:
+        trace, comm = self.trace, self._spaces.comm
+        normals = gather_rows(comm, trace.normals[trace.owned])
+        self._obstacle = RigidObstacle(obstacle, self._spaces.kinematics, normals, key)
+        self.direction = self._obstacle.direction
+        error: FenicsContactError | None = None
+        try:
+            self.gap = self._gap(trace.coordinates, trace.normals)
+        except InputError as caught:
+            error = caught
+        raise_together(comm, error)
+        self._require_in_its_way(self.reached, key)
+
+    def _require_in_its_way(self, points: NDArray[np.bool_], key: str) -> None:
+        self._require_reached(
+            points,
+            f"{key}: no point of the surface lies in its way; see its position, normal and "
+            "direction",
+        )
+
+    def require_one_sided(self, key: str) -> None:
+        """Refuse an obstacle that is driven away from the surface, and a sharp edge in that.
+
+        Raises:
+            InputError: On every rank.
+        """
+        if self.direction.any():
+            self._require_in_its_way(self.reached & (self.facing > 0), f"{key}.obstacle")
+        super().require_one_sided(key)
+
+    def leave_out(self, points: NDArray[np.bool_]) -> None:
+        """Take points out of the obstacle's reach."""
+        self._left_out = points
+        self.gap = np.where(points, np.inf, self.gap)
+
+    def _gap(self, points: Array, normals: Array) -> Array:
+        aside = self.displacement - (normals @ self.displacement)[:, None] * normals
+        moved = points.copy()
+        moved[:, : normals.shape[1]] -= aside
+        return self._obstacle.gap(moved, normals, self._spaces.position)
+
+    def displace(self, displacement: Array) -> None:
+        """Move the obstacle, and its gap with it.
+
+        The part along a normal closes the gap through the jump; the gap itself is that of
+        the obstacle moved by the part along the surface.
+
+        Args:
+            displacement: From where it stood at first, (components,) (length).
+        """
+        self.displacement = displacement
+        gap = self._gap(self.trace.coordinates, self.trace.normals)
+        self.gap = np.where(self._left_out, np.inf, gap - self.brought_up * self.facing)
+
+    def bring_up(self) -> None:
+        """Take the obstacle to where it first touches the undeformed surface; collective."""
+        ahead = self.reached & (self.facing > 0)
+        distance = self.gap[ahead] / self.facing[ahead]
+        self.brought_up = smallest(self._spaces.comm, distance)
+        self.gap = self.gap - self.brought_up * self.facing
+
+    def relative(self, displacement: Array) -> Array:
+        """Displacement at all nodes of the surface: the obstacle's own is no unknown here."""
+        return displacement[self.trace.all_nodes]
+
+    def on_body(self, force: Array) -> Array:
+        """Forces at the nodes of the surface, at the body's nodes; collective."""
+        return self.trace.surface.on_body(force)
+
+    def reaches(self, flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """The same nodes by the body's numbers; collective."""
+        return self.trace.surface.on_body(flags.astype(np.float64)) > 0
+
+    def touch(self) -> None:
+        """Drive the obstacle until it just touches the body; collective."""
+        ahead = self.reached & (self.facing > 0)
+        normal = self.normal(self.jump_at_points())
+        distance = (self.gap - normal)[ahead] / self.facing[ahead]
+        nearest = smallest(self._spaces.comm, distance)
+        jump = self.jump.x.array.reshape(-1, self._spaces.components)
+        motion = self.indentation * self.direction + self.displacement
+        self.move(jump + motion, self.indentation + nearest)
