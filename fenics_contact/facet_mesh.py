@@ -1,0 +1,160 @@
+"""The facets of a contact surface as plain arrays, for contact between two bodies.
+
+Every rank may hold all of it: nothing here knows a mesh of FEniCSx.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Any
+
+import basix
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.integer[Any]]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class FacetMesh:
+    """All facets of a contact surface.
+
+    Points on it are given by their facets (points,) and reference coordinates
+    (points, dimension − 1).
+
+    Attributes:
+        shape: Reference cell of basix: "interval", "triangle" or "quadrilateral".
+        order: Of the geometry, 1 or 2.
+        degree: Of the Lagrange space of displacements, 1 or 2.
+        geometry: Geometry nodes in the order of basix, (facets, geometry nodes, dimension)
+            (length).
+        nodes: Numbers of the displacement nodes, (facets, nodes of a facet).
+        normals: Outward unit normals at all displacement nodes, (nodes, dimension).
+    """
+
+    shape: str
+    order: int
+    degree: int
+    geometry: Array
+    nodes: IntArray
+    normals: Array
+
+    @property
+    def dimension(self) -> int:
+        """Of space."""
+        return self.geometry.shape[2]
+
+    @property
+    def node_count(self) -> int:
+        """Displacement nodes."""
+        return len(self.normals)
+
+    @cached_property
+    def centres(self) -> Array:
+        """Positions of the facets' midpoints, (facets, dimension) (length)."""
+        values, _ = _tabulate(self.shape, self.order, self._midpoint)
+        return np.einsum("n,fnd->fd", values[0], self.geometry)
+
+    @cached_property
+    def radii(self) -> Array:
+        """Of spheres about the midpoints that hold the facets, (facets,) (length)."""
+        distances = np.linalg.norm(self.geometry - self.centres[:, None], axis=2)
+        # A curved facet leaves the sphere through its nodes a little.
+        return distances.max(axis=1, initial=0) * (1.0 if self.order == 1 else 1.2)
+
+    def shape_functions(self, reference: Array) -> Array:
+        """Those of the space at reference points, (points, nodes of a facet)."""
+        return self.space_gradients(reference)[0]
+
+    def space_gradients(self, reference: Array) -> tuple[Array, Array]:
+        """The same, and their gradients, (dimension − 1, points, nodes of a facet)."""
+        return _tabulate(self.shape, self.degree, reference)
+
+    def interpolate(self, nodal: Array, facets: IntArray, reference: Array) -> Array:
+        """A function of the space, given at all nodes (nodes, components), at points."""
+        return np.einsum("pn,pnc->pc", self.shape_functions(reference), nodal[self.nodes[facets]])
+
+    def positions(self, facets: IntArray, reference: Array) -> Array:
+        """Places of points, (points, dimension) (length)."""
+        values, _ = _tabulate(self.shape, self.order, reference)
+        return np.einsum("pn,pnd->pd", values, self.geometry[facets])
+
+    def tangents(self, facets: IntArray, reference: Array) -> Array:
+        """Derivatives of the place by reference coordinates, (points, dimension, dimension − 1)."""
+        _, gradients = _tabulate(self.shape, self.order, reference)
+        return np.einsum("kpn,pnd->pdk", gradients, self.geometry[facets])
+
+    def area_normals(self, facets: IntArray, reference: Array) -> Array:
+        """Outward normals as long as the surface Jacobian, (points, dimension)."""
+        return self._raw_normals(facets, reference) * self._orientations[facets, None]
+
+    def geometry_gradients(self, reference: Array) -> tuple[Array, Array]:
+        """Shape functions of the geometry, (points, geometry nodes), and their gradients.
+
+        The gradients are (dimension − 1, points, geometry nodes).
+        """
+        return _tabulate(self.shape, self.order, reference)
+
+    def moved(self, displacement: Array, normals: Array | None = None) -> FacetMesh:
+        """The surface displaced.
+
+        Args:
+            displacement: At all displacement nodes, (nodes, dimension) (length).
+            normals: At all displacement nodes of the displaced surface; the present ones if None.
+        """
+        places = reference_nodes(self.shape, self.order)
+        shift = np.einsum("gn,fnd->fgd", self.shape_functions(places), displacement[self.nodes])
+        return replace(
+            self,
+            geometry=self.geometry + shift,
+            normals=self.normals if normals is None else normals,
+        )
+
+    @property
+    def _midpoint(self) -> Array:
+        return reference_nodes(self.shape, 1).mean(axis=0)[None]
+
+    @cached_property
+    def _orientations(self) -> Array:
+        """1 where the numbering of a facet gives the outward normal, −1 elsewhere, (facets,)."""
+        facets = np.arange(len(self.nodes))
+        reference = np.repeat(self._midpoint, len(facets), axis=0)
+        outward = self.interpolate(self.normals, facets, reference)
+        turned = np.einsum("fd,fd->f", outward, self._raw_normals(facets, reference)) < 0
+        return np.where(turned, -1.0, 1.0)
+
+    def _raw_normals(self, facets: IntArray, reference: Array) -> Array:
+        tangents = self.tangents(facets, reference)
+        if self.dimension == 2:
+            return np.stack([tangents[:, 1, 0], -tangents[:, 0, 0]], axis=1)
+        return np.cross(tangents[:, :, 0], tangents[:, :, 1])
+
+
+def reference_nodes(shape: str, degree: int) -> Array:
+    """Nodes of a Lagrange element on the reference cell, (nodes, dimension − 1)."""
+    return np.asarray(_element(shape, degree).points)
+
+
+def normalised(vectors: Array) -> Array:
+    """Vectors of length 1, (vectors, dimension)."""
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+
+
+def _tabulate(shape: str, degree: int, reference: Array) -> tuple[Array, Array]:
+    """Shape functions (points, nodes) and gradients (dimension − 1, points, nodes)."""
+    table = _element(shape, degree).tabulate(1, np.ascontiguousarray(reference))[..., 0]
+    return table[0], table[1:]
+
+
+@lru_cache
+def _element(shape: str, degree: int) -> Any:
+    # Equispaced at these degrees: the element of both the geometry and the displacement.
+    return basix.create_element(
+        basix.ElementFamily.P,
+        getattr(basix.CellType, shape),
+        degree,
+        basix.LagrangeVariant.gll_warped,
+    )
