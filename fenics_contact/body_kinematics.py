@@ -82,7 +82,7 @@ class BodyKinematics(ContactKinematics):
         return largest(self._spaces.comm, np.linalg.norm(slip, axis=1))
 
     def relative(self, displacement: Array) -> Array:
-        """u − P u' at all nodes of the surface, (nodes, components, ...); collective."""
+        """U − P u' at all nodes of the surface, (nodes, components, ...); collective."""
         return displacement[self.trace.all_nodes] - self.pairing.opposite(displacement)
 
     def on_body(self, force: Array) -> Array:

@@ -71,7 +71,9 @@ class BodySystem(System):
         function.array[: self._owned_size] = state.array_r[: self._owned_size]
         function.scatter_forward()
         displacement = self._nodal_displacement()
-        at_surfaces = [contact.kinematics.relative(displacement) for contact in self.problem.contacts]
+        at_surfaces = [
+            contact.kinematics.relative(displacement) for contact in self.problem.contacts
+        ]
         self.move_contacts(at_surfaces, self.scalar_values(state))
 
     def _nodal_displacement(self) -> Array:

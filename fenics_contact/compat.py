@@ -114,6 +114,12 @@ def quadrature_points(mesh: Any, degree: int) -> NDArray[np.float64]:
     return basix.make_quadrature(cell, degree)[0]
 
 
+def geometry_nodes(mesh: Any) -> NDArray[np.int32]:
+    """Numbers of each cell's points in the mesh's geometry, (cells, points)."""
+    geometry = mesh.geometry
+    return np.asarray(geometry.dofmaps[0] if hasattr(geometry, "dofmaps") else geometry.dofmap)
+
+
 def is_tensor_cell(mesh: Any) -> bool:
     """Whether the cells are quadrilaterals or hexahedra."""
     return mesh.topology.cell_name() in ("quadrilateral", "hexahedron")

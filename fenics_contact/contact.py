@@ -22,13 +22,12 @@ from fenics_contact.contact_terms import FrictionTerm, NormalTerm
 from fenics_contact.errors import InputError
 from fenics_contact.normal_contact import prescribed_pressure_energy
 from fenics_contact.obstacle_kinematics import ObstacleKinematics
-from fenics_contact.parallel import largest, smallest, total
+from fenics_contact.parallel import largest, smallest
 from fenics_contact.scene_contact import Contact, Obstacle
 from fenics_contact.scene_values import Value
 from fenics_contact.spaces import Spaces
 from fenics_contact.supports import Supports
 from fenics_contact.surface_supports import SurfaceSupports
-from fenics_contact.trace import Trace
 
 Array = NDArray[np.float64]
 

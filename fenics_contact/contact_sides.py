@@ -108,9 +108,10 @@ class ContactSides:
         def compare() -> tuple[list[float], list[float]]:
             shares, sizes = [], []
             for one, other in (surfaces, surfaces[::-1]):
-                areas = one.areas()
-                centres, normals = one.centres()
-                faced = np.isfinite(hits(other, centres, normals).distance)
+                normals = one.normals_at_centres()
+                areas = np.linalg.norm(normals, axis=1)
+                found = hits(other, one.centres, normals / areas[:, None])
+                faced = np.isfinite(found.distance)
                 shares.append(float(areas[faced].sum() / areas.sum()))
                 sizes.append(float(areas.mean()) ** (1 / (one.dimension - 1)))
             return shares, sizes

@@ -73,8 +73,8 @@ class ContactVariables:
         for axis, block in enumerate(pairing.blocks):
             mine, others = slave[axis::size], master[axis::size]
             part = block[np.ix_(free[mine], free[others])]
-            places = (self._unknown_of[dofs[free[dofs]]] for dofs in (mine, others))
-            found.append(_Block(*places, part))
+            slaves, masters = (self._unknown_of[dofs[free[dofs]]] for dofs in (mine, others))
+            found.append(_Block(slaves, masters, part))
         return found
 
     def stiffness(self, schur: Array) -> Array:
@@ -135,7 +135,7 @@ class ContactVariables:
         return np.asarray(self._relative(surface) @ held)
 
     def _relative(self, surface: SurfaceMatrix) -> csr_matrix:
-        """u − P u' of a surface over all contact dofs."""
+        """U − P u' of a surface over all contact dofs."""
         places = self._dofs.places(surface.dofs)
         shape = (len(places), len(self._dofs.numbers))
         own = csr_matrix((np.ones(len(places)), (np.arange(len(places)), places)), shape=shape)
@@ -146,10 +146,10 @@ class ContactVariables:
         entries: list[tuple[Array, Numbers, Numbers]] = []
         for axis, block in enumerate(pairing.blocks):
             rows, columns = np.nonzero(block)
-            places = rows * size + axis, master[columns * size + axis]
-            entries.append((block[rows, columns], *places))
-        values, rows, columns = (np.concatenate(part) for part in zip(*entries, strict=True))
-        return csr_matrix(own - csr_matrix((values, (rows, columns)), shape=shape))
+            there = master[columns * size + axis]
+            entries.append((block[rows, columns], rows * size + axis, there))
+        values, *numbers = (np.concatenate(part) for part in zip(*entries, strict=True))
+        return csr_matrix(own - csr_matrix((values, tuple(numbers)), shape=shape))
 
     def _transform(self) -> csr_matrix:
         """T, sparse."""

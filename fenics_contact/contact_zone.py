@@ -143,7 +143,7 @@ def touching(problem: Problem) -> Nodes:
         if contact.friction is not None:
             acts |= contact.friction.bound > 0
         at_nodes = contact.trace.to_nodes(acts.astype(np.float64)) > 0
-        found |= contact.kinematics.reaches(contact.trace.at_all_nodes(at_nodes) > 0)
+        found |= contact.kinematics.reaches(contact.trace.at_all_nodes(at_nodes))
     return found
 
 

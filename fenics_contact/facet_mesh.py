@@ -13,6 +13,8 @@ import basix
 import numpy as np
 from numpy.typing import NDArray
 
+_REFERENCE_SIZES = {"interval": 1.0, "triangle": 0.5, "quadrilateral": 1.0}
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.integer[Any]]
 BoolArray = NDArray[np.bool_]
@@ -86,6 +88,20 @@ class FacetMesh:
         """Derivatives of the place by reference coordinates, (points, dimension, dimension − 1)."""
         _, gradients = _tabulate(self.shape, self.order, reference)
         return np.einsum("kpn,pnd->pdk", gradients, self.geometry[facets])
+
+    def node_positions(self) -> Array:
+        """Places of the displacement nodes, (nodes, dimension) (length)."""
+        places = reference_nodes(self.shape, self.degree)
+        facets = np.repeat(np.arange(len(self.nodes)), len(places))
+        found = np.empty_like(self.normals)
+        found[self.nodes.ravel()] = self.positions(facets, np.tile(places, (len(self.nodes), 1)))
+        return found
+
+    def normals_at_centres(self) -> Array:
+        """Outward normals at ``centres``, as long as the facets' areas, (facets, dimension)."""
+        facets = np.arange(len(self.nodes))
+        found = self.area_normals(facets, np.repeat(self._midpoint, len(facets), axis=0))
+        return found * _REFERENCE_SIZES[self.shape]
 
     def area_normals(self, facets: IntArray, reference: Array) -> Array:
         """Outward normals as long as the surface Jacobian, (points, dimension)."""

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.facet_mesh import FacetMesh
+from fenics_contact import compat
+from fenics_contact.facet_mesh import FacetMesh, normalised
 from fenics_contact.facing import face, hits
 from fenics_contact.mortar import integrate, projection
 from fenics_contact.parallel import on_root
@@ -112,8 +113,8 @@ class Pairing:
             blocks.append(blocks[same[0]] if same else projection(integrals, fixed))
         centre_normals, centre_distances = np.zeros((0, slave.dimension)), np.zeros(0)
         if not self._slave.nodal:
-            centres, own = slave.centres()
-            centre_normals, at_centres = face(centres, own, master)
+            own = normalised(slave.normals_at_centres())
+            centre_normals, at_centres = face(slave.centres, own, master)
             centre_distances = at_centres.distance
         return _Faced(
             normals, found.distance, centre_normals, centre_distances, integrals.coverage, blocks
@@ -161,7 +162,7 @@ def gathered(trace: Trace) -> FacetMesh:
     surface, comm = trace.surface, trace.spaces.comm
     mesh, size = surface.mesh, surface.components
     count = len(surface.facet_nodes)
-    points = mesh.geometry.x[np.asarray(mesh.geometry.dofmap)[:count]][..., :size]
+    points = mesh.geometry.x[compat.geometry_nodes(mesh)[:count]][..., :size]
     return FacetMesh(
         shape=mesh.topology.cell_name(),
         order=trace.spaces.geometry_order,

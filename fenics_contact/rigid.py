@@ -70,8 +70,8 @@ class RigidMotions:
         for contact in problem.contacts:
             if contact.contact.kind == "bonded":
                 reached = contact.kinematics.reached[: len(contact.nodes)]
-                every = contact.kinematics.relative(self._fields)
-                fields = every[contact.trace.numbers[contact.owned_nodes & reached]]
+                moved = contact.kinematics.relative(self._fields)
+                fields = moved[contact.trace.numbers[contact.owned_nodes & reached]]
                 jumps = np.concatenate([fields, self._of_obstacles(contact, len(fields))], axis=-1)
                 every.append(jumps.reshape(-1, modes + floats))
         stacked = np.concatenate(every)

@@ -80,7 +80,7 @@ class SurfaceSpace:
         local = np.arange(len(self.coordinates), dtype=np.int32)
         return np.asarray(self.space.dofmap.index_map.local_to_global(local))
 
-    def gathered(self, nodal: Array) -> Array:
+    def gathered(self, nodal: NDArray[Any]) -> NDArray[Any]:
         """Values at this rank's nodes, first axis nodes, for the whole surface; collective."""
         return np.concatenate(self.comm.allgather(nodal[: self.owned_nodes]))
 

@@ -225,9 +225,9 @@ class Trace:
         count = len(self.nodes)
         return values[:count] + self._centres.spread(values[count:])[self.numbers]
 
-    def at_all_nodes(self, values: Array) -> Array:
+    def at_all_nodes(self, values: NDArray[Any]) -> NDArray[Any]:
         """Values at ``nodes`` as an array of all nodes of the surface, 0 elsewhere."""
-        nodal = np.zeros((len(self.all_nodes), *values.shape[1:]))
+        nodal = np.zeros((len(self.all_nodes), *values.shape[1:]), values.dtype)
         nodal[self.numbers] = values
         return nodal
 

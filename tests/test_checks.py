@@ -157,7 +157,10 @@ def test_contacts_that_share_a_point_pass_and_can_fail():
     prepared = two_pads()
     assert prepared.solve().passed
     problem, solution = prepared.problem, prepared.solution
-    ones = [contact.trace.surface.on_body(contact.trace.at_all_nodes(np.ones(len(contact.nodes)))) for contact in problem.contacts]
+    ones = [
+        contact.trace.surface.on_body(contact.trace.at_all_nodes(np.ones(len(contact.nodes))))
+        for contact in problem.contacts
+    ]
     assert COMM.allreduce(int((ones[0] * ones[1] > 0).sum())) > 0
     friction = [force.copy() for force in solution.friction_force]
     friction[1] *= 0.99
