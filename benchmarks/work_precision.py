@@ -99,10 +99,9 @@ def hertz(mesh: str, size: float) -> Scene:
 def of_element(scene: Scene, element: str) -> Scene:
     """The same scene with other elements."""
     cell, degree = ELEMENTS[element]
-    assert scene.mesh is not None
     return dataclasses.replace(
         scene,
-        mesh=dataclasses.replace(scene.mesh, cell=cell),
+        mesh=tuple(dataclasses.replace(mesh, cell=cell) for mesh in scene.mesh),
         discretisation=Discretisation(degree),
     )
 

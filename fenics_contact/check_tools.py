@@ -12,4 +12,6 @@ def nearer_to_failing(first: Check | None, second: Check) -> Check:
     """The one that fails, is not a number, or uses more of its limit."""
     if first is None:
         return second
+    if first.value != first.value:
+        return first
     return first if second.value / second.limit <= first.value / first.limit else second

@@ -61,6 +61,13 @@ def distributed_tags(
     )
 
 
+def input_nodes(mesh: Any) -> NDArray[np.int64]:
+    """Numbers that the geometry nodes of each cell had where the mesh was made, (cells, nodes)."""
+    geometry = mesh.geometry
+    nodes = geometry.dofmaps[0] if DOLFINX_VERSION >= (0, 11) else geometry.dofmap
+    return np.asarray(geometry.input_global_indices[nodes])
+
+
 def exterior_facets(mesh: Any) -> NDArray[np.int32]:
     """Owned facets on the boundary of the body."""
     mesh.topology.create_connectivity(mesh.topology.dim - 1, mesh.topology.dim)

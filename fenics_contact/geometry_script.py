@@ -42,11 +42,15 @@ _LITERAL = re.compile(r'\s*\(?\s*"([^"\n]*)"\s*\)?\s*[;\n]')
 _READABLE = (".geo", ".msh", ".step", ".stp", ".brep")
 
 
-def require_harmless(path: Path) -> None:
+def require_harmless(path: Path, key: str) -> None:
     """Refuse a file whose scripts do more than describe a geometry.
 
     Files that a script includes or merges are examined likewise, and must be in its
     folder or below. With any file Gmsh also reads a script of options beside it.
+
+    Args:
+        path: The file.
+        key: The scene's key that names it, such as ``mesh.file``.
 
     Raises:
         InputError: Naming the file, the line and the command.
@@ -63,15 +67,19 @@ def require_harmless(path: Path) -> None:
         if options.is_file():
             waiting.append(options)
         if file.suffix == ".msh":
-            require_mesh(file)
+            require_mesh(file, key)
         elif file.suffix in (".geo", ".opt"):
-            text = _read(file)
-            _refuse_commands(file, text)
-            waiting += _files_read(file, text, folder)
+            text = _read(file, key)
+            _refuse_commands(file, text, key)
+            waiting += _files_read(file, text, folder, key)
 
 
-def require_mesh(path: Path) -> int:
+def require_mesh(path: Path, key: str) -> int:
     """Refuse a ``.msh`` that does not start as one: Gmsh would run it as a script.
+
+    Args:
+        path: The file.
+        key: The scene's key that names it.
 
     Returns:
         The format's major version.
@@ -80,40 +88,39 @@ def require_mesh(path: Path) -> int:
         with path.open("rb") as file:
             start = file.read(4096)
     except OSError as error:
-        raise InputError(f"mesh.file: {path}: cannot be read: {error.strerror}") from None
+        raise InputError(f"{key}: {path}: cannot be read: {error.strerror}") from None
     found = re.match(rb"\s*\$MeshFormat\s+(\d+)\.?\d*\s+[01]\s+\d+", start)
     if found is None or int(found[1]) not in (2, 4):
         raise InputError(
-            f"mesh.file = '{path}': does not start as a Gmsh mesh of version 2 or 4 does "
-            "($MeshFormat)"
+            f"{key} = '{path}': does not start as a Gmsh mesh of version 2 or 4 does ($MeshFormat)"
         )
     return int(found[1])
 
 
-def _read(script: Path) -> str:
+def _read(script: Path, key: str) -> str:
     try:
         return script.read_bytes().decode("latin-1")  # as Gmsh: commands are ASCII
     except OSError as error:
-        raise InputError(f"mesh.file: {script}: cannot be read: {error.strerror}") from None
+        raise InputError(f"{key}: {script}: cannot be read: {error.strerror}") from None
 
 
-def _refuse_commands(script: Path, text: str) -> None:
+def _refuse_commands(script: Path, text: str, key: str) -> None:
     found = _COMMAND.search(text)
     if found is not None:
         raise InputError(
-            f"mesh.file: {_line(script, text, found)}: the word '{found[0]}' is not allowed, not "
+            f"{key}: {_line(script, text, found)}: the word '{found[0]}' is not allowed, not "
             "even in a comment; a scene's geometry may not run programs nor write files"
         )
     for version in (text, _COMMENT.sub(lambda match: match[1] or " ", text)):
         found = _PRINTF_TO_FILE.search(version)
         if found is not None:
             raise InputError(
-                f"mesh.file: {script}: Printf(…) > is not allowed; "
+                f"{key}: {script}: Printf(…) > is not allowed; "
                 "a scene's geometry may not write files"
             )
 
 
-def _files_read(script: Path, text: str, folder: Path) -> list[Path]:
+def _files_read(script: Path, text: str, folder: Path, key: str) -> list[Path]:
     """Files that a script reads; each must be named outright, and be in the folder."""
     files = []
     for found in _READS.finditer(text):
@@ -121,19 +128,19 @@ def _files_read(script: Path, text: str, folder: Path) -> list[Path]:
         where = _line(script, text, found)
         if literal is None:
             raise InputError(
-                f'mesh.file: {where}: {found[0]} must be followed by a file name, {found[0]} "…";, '
+                f'{key}: {where}: {found[0]} must be followed by a file name, {found[0]} "…";, '
                 "not an expression, and may not stand in a comment"
             )
         # Gmsh takes a name from the file that reads it, and from the working folder.
         file = script.parent / literal[1]
         if Path(literal[1]).is_absolute() or not file.resolve().is_relative_to(folder):
             raise InputError(
-                f'mesh.file: {where}: {found[0]} "{literal[1]}" is outside the folder of the '
+                f'{key}: {where}: {found[0]} "{literal[1]}" is outside the folder of the '
                 "geometry, which it may not read"
             )
         if file.suffix not in _READABLE:
             raise InputError(
-                f'mesh.file: {where}: {found[0]} "{literal[1]}" must end in {", ".join(_READABLE)}'
+                f'{key}: {where}: {found[0]} "{literal[1]}" must end in {", ".join(_READABLE)}'
             )
         files.append(file)
     return files

@@ -12,7 +12,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fenics_contact import compat, mesh_arrays
+from fenics_contact import compat, mesh_arrays, mesh_join
 from fenics_contact.errors import InputError
 from fenics_contact.geometry_script import require_harmless, require_mesh
 from fenics_contact.mesh import Body
@@ -37,21 +37,24 @@ _BASE_SECONDS, _SECONDS_PER_BYTE = 60.0, 2e-6
 _STEP_UNITS = {"$": "M", ".MILLI.": "MM", ".CENTI.": "CM", ".KILO.": "KM", ".MICRO.": "UM"}
 
 
-def load_body(source: MeshSource, dimension: int, comm: MPI.Comm) -> Body:
-    """Mesh a geometry, or read a mesh, and distribute it.
+def load_body(sources: MeshSource | Sequence[MeshSource], dimension: int, comm: MPI.Comm) -> Body:
+    """Mesh geometries, or read meshes, put them together and distribute the whole.
 
     Args:
-        source: File and how to mesh it.
-        dimension: Dimension of the model, 2 or 3; the mesh must have the same.
+        sources: Files and how to mesh them.
+        dimension: Dimension of the model, 2 or 3; the meshes must have the same.
         comm: Communicator; collective.
 
     Raises:
-        InputError: The file is missing, Gmsh refuses it, or its mesh is unsound.
+        InputError: A file is missing, Gmsh refuses it, or its mesh is unsound; or the meshes
+            are of several kinds of cells.
     """
+    if isinstance(sources, MeshSource):
+        sources = [sources]
     arrays: list[MeshArrays] = []  # stays on rank 0
 
     def prepare() -> tuple[Any, ...]:
-        made = _load(source, dimension)
+        made = _load_all(sources, dimension)
         arrays.append(made)
         return made.cell, made.order, made.facets.shape[1], made.groups, made.numbers
 
@@ -71,25 +74,41 @@ def load_body(source: MeshSource, dimension: int, comm: MPI.Comm) -> Body:
         compat.distributed_tags(mesh, dimension, cells, cell_tags),
         compat.distributed_tags(mesh, dimension - 1, facets, facet_tags),
         groups,
-        source.file,
+        " and ".join(dict.fromkeys(source.file for source in sources)),
         numbers,
     )
 
 
-def _load(source: MeshSource, dimension: int) -> MeshArrays:
-    """The mesh of a file, examined; on rank 0."""
+def _load_all(sources: Sequence[MeshSource], dimension: int) -> MeshArrays:
+    """The meshes of all files as one; on rank 0."""
+    if len(sources) == 1:
+        return mesh_join.with_name("mesh", sources[0], _load("mesh", sources[0], dimension))
+    keys = [f"mesh[{number}]" for number in range(len(sources))]
+    meshes = [_load(key, source, dimension) for key, source in zip(keys, sources, strict=True)]
+    return mesh_join.joined(sources, meshes)
+
+
+def _load(key: str, source: MeshSource, dimension: int) -> MeshArrays:
+    """The mesh of a file, examined; on rank 0.
+
+    Args:
+        key: Of the mesh in the scene, for messages: ``mesh``, or ``mesh[1]``.
+        source: The file and how to mesh it.
+        dimension: Of the model.
+    """
+    where = f"{key}.file = '{source.file}'"
     path = Path(source.file)
     if not path.is_file():
-        raise InputError(f"mesh.file = '{source.file}': there is no such file")
+        raise InputError(f"{where}: there is no such file")
     suffix = path.suffix.lower()
     if suffix not in _KINDS:
-        raise InputError(f"mesh.file = '{source.file}': must end in {_either(_KINDS)}")
-    _check_settings(source, _KINDS[suffix])
-    description, read = _run_gmsh(source, _job(source, path, suffix, dimension))
-    return mesh_arrays.build(read, description, source.groups, dimension, source.file)
+        raise InputError(f"{where}: must end in {_either(_KINDS)}")
+    _check_settings(key, source, _KINDS[suffix])
+    description, read = _run_gmsh(where, _job(key, source, path, suffix, dimension))
+    return mesh_arrays.build(read, description, source, dimension, key)
 
 
-def _check_settings(source: MeshSource, kind: str) -> None:
+def _check_settings(key: str, source: MeshSource, kind: str) -> None:
     """Settings that the kind of file has no use for are mistakes."""
     meshing = {
         "cell": source.cell != "as meshed",
@@ -97,25 +116,26 @@ def _check_settings(source: MeshSource, kind: str) -> None:
         "size": source.size is not None,
         "curvature": source.curvature is not None,
     }
-    given = [key for key, is_given in meshing.items() if is_given]
+    given = [name for name, is_given in meshing.items() if is_given]
     if kind == "msh" and (given or source.parameters):
         raise InputError(
-            f"mesh.file = '{source.file}' is a mesh already: "
+            f"{key}.file = '{source.file}' is a mesh already: "
             f"{', '.join(given or ['parameters'])} cannot change it"
         )
     if kind == "cad" and source.parameters:
-        raise InputError(f"mesh.parameters: only .geo files have parameters, not '{source.file}'")
+        raise InputError(f"{key}.parameters: only .geo files have parameters, not '{source.file}'")
 
 
-def _job(source: MeshSource, path: Path, suffix: str, dimension: int) -> dict[str, Any]:
+def _job(key: str, source: MeshSource, path: Path, suffix: str, dimension: int) -> dict[str, Any]:
     """What ``gmsh_process`` is to do."""
     kind = _KINDS[suffix]
-    job: dict[str, Any] = {"kind": kind, "file": source.file, "dimension": dimension, "memory": 0}
+    job: dict[str, Any] = {"key": key, "kind": kind, "file": source.file, "memory": 0}
+    job["dimension"] = dimension
     if kind != "cad":  # which is no script, and is read without Gmsh's way of opening files
-        require_harmless(path)
+        require_harmless(path, f"{key}.file")
     if kind == "msh":
         memory = _BASE_MEMORY + _MEMORY_PER_BYTE * path.stat().st_size
-        return job | {"version": require_mesh(path), "memory": memory}
+        return job | {"version": require_mesh(path, f"{key}.file"), "memory": memory}
     job |= {
         "cell": source.cell,
         "order": source.order,
@@ -138,17 +158,14 @@ def _step_unit(path: Path) -> str:
     return _STEP_UNITS.get(si[1], "") if si is not None else ""
 
 
-def _run_gmsh(
-    source: MeshSource, job: Mapping[str, Any]
-) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+def _run_gmsh(where: str, job: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Run ``gmsh_process`` on a job: the model's description and the mesh's arrays."""
     program = Path(__file__).with_name("gmsh_process.py")
     # -P: the modules of this package must not stand in for those that Gmsh's imports want.
     command = [sys.executable, "-P", "-B", str(program), json.dumps(job)]
-    where = f"mesh.file = '{source.file}'"
     seconds = None
     if job["kind"] == "msh":
-        seconds = _BASE_SECONDS + _SECONDS_PER_BYTE * Path(source.file).stat().st_size
+        seconds = _BASE_SECONDS + _SECONDS_PER_BYTE * Path(job["file"]).stat().st_size
     try:
         done = subprocess.run(
             command, stdin=subprocess.DEVNULL, capture_output=True, check=False, timeout=seconds

@@ -81,12 +81,12 @@ def _parts_share_groups() -> bool:
 
 
 def _mesh_script(job: Job) -> None:
-    parameters = job["parameters"]
+    key, parameters = job["key"], job["parameters"]
     known = _constants(job["file"]) if parameters else []
     for name, value in parameters.items():
         if name not in known:
             raise RefusedError(
-                f"mesh.parameters.{name} = {value:g}: {job['file']} defines no such constant; "
+                f"{key}.parameters.{name} = {value:g}: {job['file']} defines no such constant; "
                 f"it has: {', '.join(known) or 'none'}"
             )
         gmsh.parser.setNumber(name, [value])
@@ -95,7 +95,7 @@ def _mesh_script(job: Job) -> None:
     for name, value in parameters.items():
         if list(gmsh.parser.getNumber(name)) != [value]:
             raise RefusedError(
-                f"mesh.parameters.{name} = {value:g}: {job['file']} overwrites it; "
+                f"{key}.parameters.{name} = {value:g}: {job['file']} overwrites it; "
                 "let the file set it with DefineConstant"
             )
     _generate(job)

@@ -28,7 +28,7 @@ from fenics_contact.linear_system import assembled
 from fenics_contact.multigrid import Multigrid
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
-from fenics_contact.rigid import null_space, rigid_fields
+from fenics_contact.rigid import apart, null_space, rigid_fields
 from fenics_contact.timings import Timings
 
 Array = NDArray[np.float64]
@@ -87,18 +87,22 @@ class IterativeSystem(BodySystem):
         stiffness.zeroRowsColumns(held, diag=self._diagonal)
 
     def _set_up(self) -> None:
-        problem = self.problem
-        _, fields = rigid_fields(problem)
-        owned = fields[: problem.spaces.owned_nodes].reshape(self._owned_size, fields.shape[-1])
+        problem, spaces = self.problem, self.problem.spaces
+        _, fields = rigid_fields(spaces)
         self._on_contacts = on_contacts(problem)
-        self._add_springs(owned)
+        self._add_springs(self._owned_columns(apart(spaces.parts, fields)))
         self._place_zone()
-        self.multigrid = Multigrid(self._stiffness, owned)
+        self.multigrid = Multigrid(self._stiffness, self._owned_columns(fields))
         self.residual = self.contacts.matrix.createVecLeft()
         self.state, self._work = self.residual.duplicate(), self.residual.duplicate()
         sizes = self.contacts.matrix.getSizes()
         self.tangent = PETSc.Mat().createPython(sizes, _Tangent(self), comm=self.comm)
         self.tangent.setUp()
+
+    def _owned_columns(self, fields: Array) -> Array:
+        """Nodal fields (nodes, components, modes) as columns at this rank's own dofs."""
+        owned = fields[: self.problem.spaces.owned_nodes]
+        return owned.reshape(self._owned_size, fields.shape[-1])
 
     def _place_zone(self) -> None:
         """A zone around what touches, with its neighbours, which may touch next.
@@ -118,7 +122,7 @@ class IterativeSystem(BodySystem):
             self._place_zone()
 
     def _add_springs(self, rigid: Array) -> None:
-        """Springs at the contacts in multigrid's K where supports do not hold the body.
+        """Springs at the contacts in multigrid's K where supports do not hold every body.
 
         As stiff as the cells there; all else takes them off again.
         """

@@ -40,7 +40,7 @@ class Body:
         cell_tags: dolfinx mesh tags of the cells.
         facet_tags: dolfinx mesh tags of the facets.
         groups: Name → group; groups may share parts.
-        source: What messages call this mesh, such as its file name.
+        source: What messages call this mesh, such as the names of its files.
         numbers: Number → group: physical groups by their tags, or, where the boundary
             has none, its geometric parts.
     """
@@ -67,8 +67,8 @@ class Body:
         group = self.find(name)
         if group is None:
             raise InputError(
-                f"{key} = '{name}': {self.source} has no such physical group; "
-                f"it has: {self._known()}"
+                f"{key} = '{name}': there is no such physical group in {self.source}; there are: "
+                f"{self._known()}"
             )
         kind = "cells" if group.dimension == self.dimension else "facets"
         if group.outside:
@@ -125,8 +125,14 @@ class Body:
     def _known(self) -> str:
         """Names of the groups, and numbers of the geometric parts with their places."""
         names = sorted(self.groups)
-        for number, group in sorted(self.numbers.items(), key=lambda item: int(item[0])):
+        for number, group in sorted(self.numbers.items(), key=lambda item: _in_order(item[0])):
             if group.centre and number not in self.groups:
                 place = ", ".join(f"{value:.4g}" for value in group.centre)
                 names.append(f"{number} at ({place})")
         return ", ".join(names) or "none"
+
+
+def _in_order(number: str) -> tuple[str, int]:
+    """Where a number of a group stands, such as ``3``, or ``upper.3`` of one of several meshes."""
+    mesh, _, digits = number.rpartition(".")
+    return mesh, int(digits)

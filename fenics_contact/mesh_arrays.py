@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from fenics_contact import mesh_checks
 from fenics_contact.errors import InputError
 from fenics_contact.mesh import Group
+from fenics_contact.scene import MeshSource
 
 Points = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -78,20 +79,20 @@ class MeshArrays:
 def build(
     read: Mapping[str, Any],
     description: Mapping[str, Any],
-    named: Mapping[str, tuple[int, ...]],
+    source: MeshSource,
     dimension: int,
-    file: str,
+    key: str,
 ) -> MeshArrays:
     """Choose the body's cells and its facets, name the groups, and refuse what is unsound.
 
     Args:
         read: Arrays of ``gmsh_process``.
         description: Its description of the model.
-        named: The scene's groups: name → numbers of boundary parts.
+        source: The scene's mesh, with the groups that it names.
         dimension: Of the model.
-        file: For messages.
+        key: Of the mesh in the scene, for messages: ``mesh``, or ``mesh[1]``.
     """
-    where = f"mesh.file = '{file}'"
+    where = f"{key}.file = '{source.file}'"
     mesh_checks.check_dimension(where, description, dimension)
     parts = _body_parts(description, dimension)
     kind, nodes, cell_parts = _cells(where, read, description, parts, dimension)
@@ -110,7 +111,7 @@ def build(
     facets, facet_tags, boundary = _unique(facets, facet_parts, corners, len(points))
     facets = facets[:, _permutation(_SIDES[corners], facets.shape[1])]
     tags = _Tags(dimension, body, boundary, outside)
-    groups, numbers = _groups(where, description, tags, named)
+    groups, numbers = _groups(key, source, description, tags)
     return MeshArrays(cell, order, points, cells, cell_tags, facets, facet_tags, groups, numbers)
 
 
@@ -203,7 +204,8 @@ def _facets(
     corners, types = _FACETS[cell]
     kind = types[order]
     if f"nodes_{kind}" not in read:
-        return np.zeros((0, 2), dtype=np.int64), np.zeros(0, dtype=np.int64), {}
+        width = nodes_of(_SIDES[len(corners[0])], order)
+        return np.zeros((0, width), dtype=np.int64), np.zeros(0, dtype=np.int64), {}
     nodes, parts = read[f"nodes_{kind}"].astype(np.int64), read[f"parts_{kind}"]
     place = np.minimum(np.searchsorted(old_tags, nodes), len(old_tags) - 1)
     known = (old_tags[place] == nodes).all(axis=1)
@@ -265,12 +267,10 @@ class _Tags:
 
 
 def _groups(
-    where: str,
-    description: Mapping[str, Any],
-    tags: _Tags,
-    named: Mapping[str, tuple[int, ...]],
+    key: str, source: MeshSource, description: Mapping[str, Any], tags: _Tags
 ) -> tuple[dict[str, Group], dict[str, Group]]:
     """Groups by name (of the file, of the scene, the whole body) and by number."""
+    where = f"{key}.file = '{source.file}'"
     groups: dict[str, Group] = {}
     numbers: dict[str, Group] = {}
     has_boundaries = False
@@ -289,13 +289,14 @@ def _groups(
         for part in description["parts"]
         if part["dimension"] == tags.dimension - 1
     }
-    for name, parts in named.items():
+    for name, parts in source.groups.items():
         if name in groups:
-            raise InputError(f"mesh.groups.{name}: {where} has a group of that name already")
+            raise InputError(f"{key}.groups.{name}: {where} has a group of that name already")
         for part in parts:
             if str(part) not in sides:
                 raise InputError(
-                    f"mesh.groups.{name}: {where} has no {_BOUNDARY_PARTS[tags.dimension]} {part}; "
+                    f"{key}.groups.{name}: {where} has no "
+                    f"{_BOUNDARY_PARTS[tags.dimension]} {part}; "
                     f"it has: {', '.join(sides) or 'none'}"
                 )
         groups[name] = tags.group(tags.dimension - 1, parts)

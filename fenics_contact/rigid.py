@@ -1,4 +1,4 @@
-"""Rigid motions: those of the body that the supports leave free, and those of obstacles."""
+"""Rigid motions: those of bodies that the supports leave free, and those of obstacles."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.contact import ContactSurface
-from fenics_contact.parallel import gather_rows, largest, total
+from fenics_contact.parallel import gather_rows, total
+from fenics_contact.parts import Parts
 from fenics_contact.problem import Problem
 from fenics_contact.scene_values import AXES
+from fenics_contact.spaces import Spaces
 
 Array = NDArray[np.float64]
 
@@ -16,8 +18,9 @@ Array = NDArray[np.float64]
 class RigidMotions:
     """What can move without straining the body, as columns of a common basis.
 
-    Combinations of translations and rotations (scaled to the body's size) and of the obstacles
-    that a force drives, each along its direction, that leave supports and glue alone.
+    Combinations of translations and rotations of each part of the body (scaled to its size) and
+    of the obstacles that a force drives, each along its direction, that leave supports and glue
+    alone.
 
     Attributes:
         count: Number of columns.
@@ -29,7 +32,8 @@ class RigidMotions:
         self._problem = problem
         spaces = problem.spaces
         self.floating = [contact for contact in problem.contacts if contact.floats]
-        self._names, self._fields = rigid_fields(problem)
+        self._names, fields = rigid_fields(spaces)
+        self._fields = apart(spaces.parts, fields)
         free = self._free_combinations()
         self._body = free[: self._fields.shape[-1]]
         self._obstacles = free[self._fields.shape[-1] :]
@@ -141,48 +145,56 @@ class RigidMotions:
 
     def describe(self, motion: Array) -> str:
         """A motion in words."""
-        combination = self._body @ motion
-        translation, rotation = np.zeros(3), np.zeros(3)
-        for (kind, axis), share in zip(self._names, combination, strict=True):
-            (translation if kind == "translation" else rotation)[axis] += share
+        parts = self._problem.spaces.parts
         scale = np.abs(motion).max(initial=0.0) or 1.0
         words = []
-        for kind, vector in (("translation along", translation), ("rotation about", rotation)):
-            axes = [AXES[i] for i in range(3) if abs(vector[i]) > 1e-6 * scale]
-            if axes:
-                words.append(f"{kind} {' and '.join(axes)}")
+        shares = (self._body @ motion).reshape(parts.count, len(self._names))
+        for name, of_part in zip(parts.names, np.abs(shares) > 1e-6 * scale, strict=True):
+            for kind in ("translation along", "rotation about"):
+                named = zip(self._names, of_part, strict=True)
+                axes = [AXES[axis] for (k, axis), moves in named if k == kind and moves]
+                if axes:
+                    whose = f" of '{name}'" if parts.count > 1 else ""
+                    words.append(f"{kind} {' and '.join(axes)}{whose}")
         for contact, share in zip(self.floating, self.indentations(motion), strict=True):
             if abs(share) > 1e-6 * scale:
                 words.append(f"the obstacle at '{contact.label}'")
         return ", ".join(words)
 
 
-def rigid_fields(problem: Problem) -> tuple[list[tuple[str, int]], Array]:
-    """Translations, then rotations about the body's centre, scaled to its size; collective.
+def rigid_fields(spaces: Spaces) -> tuple[list[tuple[str, int]], Array]:
+    """Translations, then rotations of each part about its own centre, scaled to its size.
 
     Returns:
         Kind and axis of each, and their values at the nodes of this rank, of shape
         (nodes, components, modes).
     """
-    spaces = problem.spaces
-    owned, points = spaces.owned_nodes, spaces.coordinates
-    count = total(problem.comm, owned)
-    centre = total(problem.comm, points[:owned].sum(axis=0)) / count
-    offset = points - centre
-    offset = offset / largest(problem.comm, np.abs(offset[:owned]).ravel(), empty=1.0)
+    parts = spaces.parts
+    offset = parts.arms / parts.sizes[parts.of_node, None]
     names: list[tuple[str, int]] = []
     fields: list[Array] = []
     axes = range(spaces.components) if spaces.kinematics != "axisymmetric" else (1,)
     for axis in axes:
-        field = np.zeros((len(points), 3))
+        field = np.zeros((len(offset), 3))
         field[:, axis] = 1.0
         fields.append(field)
-        names.append(("translation", axis))
+        names.append(("translation along", axis))
     spins = {"3D": (0, 1, 2), "axisymmetric": ()}.get(spaces.kinematics, (2,))
     for axis in spins:
         fields.append(np.cross(np.eye(3)[axis], offset))
-        names.append(("rotation", axis))
+        names.append(("rotation about", axis))
     return names, np.stack(fields, axis=-1)[:, : spaces.components]
+
+
+def apart(parts: Parts, fields: Array) -> Array:
+    """Fields of shape (nodes, components, modes) on each part alone, zero on all others.
+
+    Returns:
+        Shape (nodes, components, parts × modes), the first part's modes first.
+    """
+    members = parts.of_node[:, None] == np.arange(parts.count)
+    spread = members[:, None, :, None] * fields[:, :, None, :]
+    return spread.reshape(*fields.shape[:2], parts.count * fields.shape[2])
 
 
 def null_space(gram: Array) -> Array:

@@ -34,7 +34,7 @@ from fenics_contact.scene_values import (
 
 @dataclass(frozen=True, config=CLOSED)
 class MeshSource:
-    """Where the mesh comes from."""
+    """Where the mesh of a body comes from."""
 
     file: Annotated[
         Text,
@@ -69,6 +69,17 @@ class MeshSource:
             "curves (2D), such as `{ fixed = [3, 4] }`"
         ),
     ] = Field(default_factory=dict)
+    name: Annotated[
+        str,
+        Field(
+            description="of all its cells; where there are several meshes each needs one, and its "
+            "groups are called `name.group`"
+        ),
+    ] = ""
+
+    def __post_init__(self) -> None:
+        if "." in self.name:
+            raise ValueError(f"name = '{self.name}' must not contain a '.'")
 
 
 @dataclass(frozen=True, config=CLOSED)
@@ -176,6 +187,11 @@ class SolverSettings:
     ] = 50
 
 
+def _as_list(value: Any) -> Any:
+    """One table as a list of one."""
+    return value if isinstance(value, list | tuple) else (value,)
+
+
 @dataclass(frozen=True, config=CLOSED)
 class Scene:
     """Everything a run needs to know."""
@@ -185,7 +201,7 @@ class Scene:
     ]
     material: Annotated[
         tuple[Material, ...],
-        BeforeValidator(lambda value: value if isinstance(value, list | tuple) else (value,)),
+        BeforeValidator(_as_list),
         Field(
             min_length=1,
             description="the elastic material: one `[material]`, or several `[[material]]`, "
@@ -193,9 +209,13 @@ class Scene:
         ),
     ]
     mesh: Annotated[
-        MeshSource | None,
-        Field(description="the mesh; in Python it may be left out and a `Body` passed instead"),
-    ] = None
+        tuple[MeshSource, ...],
+        BeforeValidator(_as_list),
+        Field(
+            description="one `[mesh]`, or several `[[mesh]]`, each with a `name`; in Python it may "
+            "be left out and a `Body` passed instead"
+        ),
+    ] = ()
     title: Annotated[str, Field(description="one line for results and pictures")] = ""
     thickness: Annotated[
         Value | None,
@@ -253,6 +273,8 @@ class Scene:
             raise ValueError("half_space: only the contacts' forces reach it, so leave out load")
         if self.half_space is not None and self.kinematics == "plane stress":
             raise ValueError("half_space is for plane strain, axisymmetric and 3D models")
+        if len(self.mesh) > 1:
+            _require_names(self.mesh)
         labels = [contact.label for contact in self.contact]
         for label in labels:
             if labels.count(label) > 1:
@@ -262,6 +284,16 @@ class Scene:
     def dimension(self) -> int:
         """Number of displacement components: 3 for 3D, else 2."""
         return 3 if self.kinematics == "3D" else 2
+
+
+def _require_names(meshes: tuple[MeshSource, ...]) -> None:
+    """Several meshes are told apart by their names."""
+    names = [mesh.name for mesh in meshes]
+    for number, name in enumerate(names):
+        if not name:
+            raise ValueError(f"mesh[{number}].name is missing: each of several meshes needs one")
+        if name in names[:number]:
+            raise ValueError(f"mesh[{number}].name = '{name}': another mesh has it already")
 
 
 def _require_axes(obstacle: Obstacle | None, dimension: int, key: str) -> None:

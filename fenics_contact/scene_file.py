@@ -23,7 +23,7 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     """Read a scene file.
 
     Args:
-        path: TOML file; a relative mesh file in it is sought beside it.
+        path: TOML file; relative mesh files in it are sought beside it.
         overrides: ``table.key=value`` settings that replace those of the file;
             entries of a list are counted from 0 (``contact.0.pressure=200``).
 
@@ -35,7 +35,7 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     for setting in overrides:
         _override(data, setting)
     _refuse_extremes(data, path)
-    if "mesh" not in data:
+    if data.get("mesh", []) == []:
         raise InputError(f"{path}: the table [mesh] is missing; it names the mesh's file")
     try:
         scene = TypeAdapter(Scene).validate_python(data)
@@ -70,11 +70,9 @@ def _refuse_extremes(data: Any, file: Path, path: tuple[Any, ...] = ()) -> None:
 
 
 def _beside(scene: Scene, folder: Path) -> Scene:
-    """The scene with its mesh file's path taken from the scene file's folder."""
-    if scene.mesh is None:
-        return scene
-    mesh = dataclasses.replace(scene.mesh, file=str(folder / scene.mesh.file))
-    return dataclasses.replace(scene, mesh=mesh)
+    """The scene with its mesh files' paths taken from the scene file's folder."""
+    meshes = [dataclasses.replace(mesh, file=str(folder / mesh.file)) for mesh in scene.mesh]
+    return dataclasses.replace(scene, mesh=tuple(meshes))
 
 
 def _override(data: dict[str, Any], setting: str) -> None:

@@ -62,7 +62,7 @@ class Run:
         self.solution: Solution | None = None
         self.timings = Timings()
         if body is None:
-            if scene.mesh is None:
+            if not scene.mesh:
                 raise InputError("mesh: the scene names no mesh and no body was passed")
             with self.timings.phase("mesh"):
                 body = load_body(scene.mesh, scene.dimension, comm)
@@ -82,6 +82,7 @@ class Run:
             "kinematics": self.scene.kinematics,
             "degree": problem.spaces.degree,
             "cell": problem.body.mesh.topology.cell_name(),
+            "bodies": list(problem.spaces.parts.names),
             "cells": int(cells.size_global),
             "dofs": int(index_map.size_global) * problem.spaces.components,
             "contact_points": int(points),

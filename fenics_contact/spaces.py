@@ -18,6 +18,7 @@ from fenics_contact.elasticity import measure_weight
 from fenics_contact.errors import FenicsContactError, InputError
 from fenics_contact.mesh import Body, Group
 from fenics_contact.parallel import largest, raise_together, smallest
+from fenics_contact.parts import Parts
 from fenics_contact.scene import Scene
 from fenics_contact.scene_values import Value
 
@@ -30,6 +31,7 @@ class Spaces:
         components: Displacement components a node (2 or 3).
         coordinates: Nodes of this rank, owned then ghost, shape (nodes, 3).
         owned_nodes: How many of them this rank owns.
+        parts: The connected parts of the body.
         weight: UFL factor of every integral (2πr where axisymmetric).
         thickness: As the scene says.
     """
@@ -52,6 +54,7 @@ class Spaces:
         )
         self.coordinates = self.displacement_space.tabulate_dof_coordinates()
         self.owned_nodes = self.displacement_space.dofmap.index_map.size_local
+        self.parts = Parts(body, self.displacement_space)
         self.position = ufl.SpatialCoordinate(body.mesh)
         self._scalar: tuple[Any, NDArray[np.int64]] | None = None
         self.weight = measure_weight(scene.kinematics, self.position, self._thickness(scene))

@@ -17,7 +17,7 @@ AREA = 20 * 20
 
 
 def solved(size):
-    mesh = dataclasses.replace(SCENE.mesh, size=size)
+    mesh = dataclasses.replace(SCENE.mesh[0], size=size)
     return run(dataclasses.replace(SCENE, mesh=mesh), COMM)
 
 

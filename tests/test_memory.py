@@ -85,8 +85,8 @@ def arrays_of(thing, seen):
 
 def prepared():
     scene = slab(300, cells=CELLS, degree=DEGREE)
-    parameters = {**scene.mesh.parameters, "height": 12}
-    mesh = dataclasses.replace(scene.mesh, parameters=parameters)
+    parameters = {**scene.mesh[0].parameters, "height": 12}
+    mesh = dataclasses.replace(scene.mesh[0], parameters=parameters)
     return Run(dataclasses.replace(scene, mesh=mesh), ListeningComm(COMM))
 
 

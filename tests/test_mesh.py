@@ -307,7 +307,7 @@ def test_bracket_has_numbers_and_names():
     assert area(body, "pads") == pytest.approx(2 * 400)
     assert area(body, "9", body.numbers) == pytest.approx(30 * 8)
     with pytest.raises(
-        InputError, match=r"= 'end': .* it has: body, pads, wall, 1 at \(0, 15, 20\)"
+        InputError, match=r"= 'end': .* there are: body, pads, wall, 1 at \(0, 15, 20\)"
     ):
         body.boundary("end", "load[0].on")
     said = refusal(dataclasses.replace(source, groups={"wall": (1, 44)}), 3)
@@ -404,7 +404,7 @@ def test_empty_group_of_ones_own_mesh():
 @pytest.mark.serial
 def test_gmsh_process_may_not_write(folder, monkeypatch):
     """The second line of defence: what the words let pass."""
-    monkeypatch.setattr(gmsh_files, "require_harmless", lambda path: None)
+    monkeypatch.setattr(gmsh_files, "require_harmless", lambda path, key: None)
     target = folder / "written"
     load_body(write(folder, RECTANGLE + f'Printf("a") > "{target}";'), 2, COMM)
     assert not target.exists() or target.stat().st_size == 0

@@ -39,7 +39,7 @@ def write(folder, text):
 def test_scene_file_becomes_the_same_dataclasses(folder):
     scene = load_scene(write(folder, GOOD))
     assert isinstance(scene, Scene)
-    assert scene.mesh.file == str(folder / "slab.geo")
+    assert scene.mesh[0].file == str(folder / "slab.geo")
     assert scene.contact[0].label == "top"
     assert scene.load[0].traction == (-300, 0)
 

@@ -111,10 +111,12 @@ def _block(quick: bool) -> Iterator[Finding]:
     side = _BLOCK_SIDE
     scene = Scene(
         kinematics="axisymmetric",
-        mesh=MeshSource(
-            mesh_file("slab.geo"),
-            cell="quadrilateral",
-            parameters={"length": side, "height": side, "cells_along": 64, "cells_across": 64},
+        mesh=(
+            MeshSource(
+                mesh_file("slab.geo"),
+                cell="quadrilateral",
+                parameters={"length": side, "height": side, "cells_along": 64, "cells_across": 64},
+            ),
         ),
         material=MATERIAL,
         symmetry=("left",),
@@ -157,7 +159,7 @@ def _sheared_scene(steps: int) -> Scene:
     )
     scene = Scene(
         kinematics="plane strain",
-        mesh=MeshSource(mesh_file("strip.geo"), cell="quadrilateral"),
+        mesh=(MeshSource(mesh_file("strip.geo"), cell="quadrilateral"),),
         material=_SHEARED,
         support=(Support("bottom", {"x": 0, "y": 0}),),
         contact=(Contact("contact", obstacle=obstacle),),

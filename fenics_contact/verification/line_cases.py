@@ -22,7 +22,7 @@ def _line(quick: bool) -> Iterator[Finding]:
     for held_by in ("half-space", "supports"):
         scene = Scene(
             kinematics="plane strain",
-            mesh=MeshSource(mesh_file("half_space.geo"), cell="quadrilateral"),
+            mesh=(MeshSource(mesh_file("half_space.geo"), cell="quadrilateral"),),
             material=MATERIAL,
             symmetry=("axis",),
             half_space=HalfSpace(("outer",)) if held_by == "half-space" else None,
@@ -39,11 +39,13 @@ def _cylinder(quick: bool) -> Iterator[Finding]:
     force = formulas.line_force(MODULUS, _CYLINDER_RADIUS, _CYLINDER_HALF_WIDTH)
     scene = Scene(
         kinematics="plane strain",
-        mesh=MeshSource(
-            mesh_file("cylinder.geo"),
-            cell="quadrilateral",
-            order=2,
-            parameters={"radius": _CYLINDER_RADIUS, "contact_angle": 5},
+        mesh=(
+            MeshSource(
+                mesh_file("cylinder.geo"),
+                cell="quadrilateral",
+                order=2,
+                parameters={"radius": _CYLINDER_RADIUS, "contact_angle": 5},
+            ),
         ),
         material=MATERIAL,
         symmetry=("axis",),

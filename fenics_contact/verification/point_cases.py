@@ -30,8 +30,10 @@ def half_space_scene(obstacle: Obstacle, **parameters: float) -> Scene:
     """An axisymmetric piece of a half-space; the parameters are those of its mesh."""
     return Scene(
         kinematics="axisymmetric",
-        mesh=MeshSource(
-            mesh_file("half_space.geo"), cell="quadrilateral", parameters=dict(parameters)
+        mesh=(
+            MeshSource(
+                mesh_file("half_space.geo"), cell="quadrilateral", parameters=dict(parameters)
+            ),
         ),
         material=MATERIAL,
         symmetry=("axis",),
@@ -120,7 +122,7 @@ def _quarter(**parameters: float) -> Finding:
     """A quarter of a 3D half-space, degree 2."""
     scene = Scene(
         kinematics="3D",
-        mesh=MeshSource(mesh_file("quarter_space.geo"), parameters=parameters),
+        mesh=(MeshSource(mesh_file("quarter_space.geo"), parameters=parameters),),
         material=MATERIAL,
         discretisation=Discretisation(2),
         symmetry=("symmetry_x", "symmetry_y"),

@@ -35,10 +35,12 @@ def annulus_scene(kind: Literal["unilateral", "bonded"] = "unilateral") -> Scene
     """A flat annular punch driven into a half-space."""
     return Scene(
         kinematics="axisymmetric",
-        mesh=MeshSource(
-            mesh_file("annular_punch.geo"),
-            cell="quadrilateral",
-            parameters={"inner_radius": _INNER, "outer_radius": _OUTER, "extent": 1000},
+        mesh=(
+            MeshSource(
+                mesh_file("annular_punch.geo"),
+                cell="quadrilateral",
+                parameters={"inner_radius": _INNER, "outer_radius": _OUTER, "extent": 1000},
+            ),
         ),
         material=MATERIAL,
         symmetry=("axis",),

@@ -34,10 +34,12 @@ def slab_scene(end_load: float = 300.0, cells: tuple[int, int] = (16, 1)) -> Sce
     """
     return Scene(
         kinematics="plane stress",
-        mesh=MeshSource(
-            mesh_file("slab.geo"),
-            cell="quadrilateral",
-            parameters={"cells_along": cells[0], "cells_across": cells[1]},
+        mesh=(
+            MeshSource(
+                mesh_file("slab.geo"),
+                cell="quadrilateral",
+                parameters={"cells_along": cells[0], "cells_across": cells[1]},
+            ),
         ),
         material=(Material(1000, 0.3),),
         support=(Support("bottom", {"y": 0}), Support("left", {"x": 0})),
@@ -69,10 +71,12 @@ def winkler_scene(stiffness: float) -> Scene:
     """Example 2 without friction: half a slab on springs, with a patch of pressure on top."""
     return Scene(
         kinematics="plane stress",
-        mesh=MeshSource(
-            mesh_file("foundation_slab.geo"),
-            cell="quadrilateral",
-            parameters={"cells_along": 160, "cells_across": 16},
+        mesh=(
+            MeshSource(
+                mesh_file("foundation_slab.geo"),
+                cell="quadrilateral",
+                parameters={"cells_along": 160, "cells_across": 16},
+            ),
         ),
         material=(Material(1000, 0.3),),
         symmetry=("left",),
