@@ -26,6 +26,7 @@ _GRAZING = 1e-6  # cosine of lines along a facet, which have no point in common 
 _SAME_DISTANCE = 1e-9  # of the facet's radius
 _MEAN_STEPS = 10
 _SAME_DIRECTION = 1e-12
+_MARGIN = 1.001  # of spheres: a line at a corner of a facet touches that of its corners
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +140,7 @@ def near_lines(
         x, d = starts[part], directions[part]
         along = d @ ends.T - np.einsum("pd,pd->p", x, d)[:, None]
         lateral = -2 * (x @ ends.T) + squares + np.einsum("pd,pd->p", x, x)[:, None] - along**2
-        reach = widths[part, None] + radii
+        reach = widths[part, None] + _MARGIN * radii
         if spreads[part].any():
             reach = reach + spreads[part, None] * np.abs(along)
         line, sphere = np.nonzero(lateral <= reach**2)
