@@ -102,7 +102,7 @@ def _quadrature_degree(slave: FacetMesh, master: FacetMesh) -> int:
     """That products of shape functions need on flat facets that are not distorted."""
     degree = slave.degree + max(slave.degree, master.degree)
     if slave.dimension == 2:
-        return degree + 2  # the radius is one more, and rays differ along a segment
+        return degree + 2  # the radius of rings is of the geometry's order
     return degree * (2 if "quadrilateral" in (slave.shape, master.shape) else 1)
 
 

@@ -1,5 +1,6 @@
 """Mortar coupling of surfaces whose meshes do not match, against geometry known exactly."""
 
+import basix
 import numpy as np
 import pytest
 
@@ -116,6 +117,53 @@ def test_numbering_of_facets_does_not_matter():
     assert there.mass.sum() == pytest.approx(1, abs=1e-12)
 
 
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_mass_matrix(shape, degree):
+    """One facet against three each way: as by a rule of high degree on the facet."""
+    slave = flat(shape, 1, 1, degree)
+    integrals, _ = coupled(slave, flat(shape, 3, -1, degree))
+    np.testing.assert_allclose(integrals.mass.toarray(), mass_matrix(slave), atol=1e-15)
+
+
+def test_mass_matrix_of_rings():
+    """A flat ring whose geometry is quadratic: its middle node is not in the middle."""
+    straight = flat("interval", 1, 1, 2)
+    geometry = np.array([[[0.0, 0.0], [1.0, 0.0], [0.55, 0.0]]])
+    slave = FacetMesh("interval", 2, 2, geometry, straight.nodes, straight.normals)
+    master = flat("interval", 3, -1, 2)
+    integrals = integrate(slave, master, slave.normals, True)
+    expected = mass_matrix(slave, is_axisymmetric=True)
+    np.testing.assert_allclose(integrals.mass.toarray(), expected, rtol=0, atol=1e-14)
+
+
+def mass_matrix(mesh, is_axisymmetric=False):
+    points, weights = basix.make_quadrature(getattr(basix.CellType, mesh.shape), 20)
+    matrix = np.zeros((mesh.node_count, mesh.node_count))
+    values = mesh.shape_functions(points)
+    for facet, nodes in enumerate(mesh.nodes):
+        facets = np.full(len(points), facet)
+        areas = weights * np.linalg.norm(mesh.area_normals(facets, points), axis=1)
+        if is_axisymmetric:
+            areas *= 2 * np.pi * mesh.positions(facets, points)[:, 0]
+        matrix[np.ix_(nodes, nodes)] += values.T @ (areas[:, None] * values)
+    return matrix
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_area_does_not_depend_on_the_rays(shape):
+    """Oblique rays: still the slave's area, and where they lead."""
+    slave = flat(shape, 3, 1)
+    master = flat(shape, 4, -1, height=0.5, corner=(-0.1, -0.5), size=2.0)
+    oblique = np.eye(slave.dimension)[-1] + 0.6 * np.eye(slave.dimension)[0]
+    rays = np.tile(oblique / np.linalg.norm(oblique), (slave.node_count, 1))
+    integrals = integrate(slave, master, rays, False)
+    assert integrals.mass.sum() == pytest.approx(1, abs=1e-12)
+    projected = projection(integrals, np.zeros(slave.node_count, dtype=bool))
+    found = projected @ node_places(master)[:, 0]
+    np.testing.assert_allclose(found, node_places(slave)[:, 0] + 0.3, atol=1e-12)
+
+
 # Parts of surfaces
 
 
@@ -151,6 +199,9 @@ def test_surfaces_that_do_not_face_each_other():
         assert integrals.mass.sum() == 0
         assert not integrals.coverage.any()
         assert not projected.any()
+        directions, found = face(node_places(slave), slave.normals, master)
+        np.testing.assert_array_equal(found.facet, -1)
+        np.testing.assert_array_equal(directions, slave.normals)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -204,6 +255,7 @@ def test_circles_in_circles(order, rate):
         lengths.append(integrals.mass.sum() - 2 * np.pi)
         gaps.append(np.abs(found.distance - 0.1).max())
         np.testing.assert_allclose(integrals.coverage, 1, atol=1e-7)
+        assert integrals.coverage.max() <= 1
         np.testing.assert_allclose(projected.sum(axis=1), 1, atol=1e-12)
         np.testing.assert_allclose(
             np.asarray(integrals.coupling.sum(axis=1)),
@@ -212,6 +264,17 @@ def test_circles_in_circles(order, rate):
         )
     np.testing.assert_allclose(orders(np.array(lengths)), rate, atol=0.1)
     np.testing.assert_allclose(orders(np.array(gaps)), rate, atol=0.3)
+
+
+@pytest.mark.parametrize("radius", [0.3, 3.0])
+def test_wide_gaps(radius):
+    """Rays spread over a gap as wide as the circle, whether the slave is outside or inside."""
+    side = 1 if radius > 1 else -1
+    slave, master = arc(12, 1.0, side, 2, 2), arc(75, radius, -side, 2, 2)
+    integrals, projected = coupled(slave, master)
+    np.testing.assert_allclose(integrals.coverage, 1, atol=1e-3)
+    x = [mesh.normals @ [0.6, 0.8] for mesh in (slave, master)]
+    np.testing.assert_allclose(projected @ x[1], -x[0], atol=5e-3)
 
 
 @pytest.mark.parametrize("side", [1, -1])
