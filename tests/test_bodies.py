@@ -274,9 +274,9 @@ def strips(cells, rows, scattered=False):
     return Body(mesh, None, None, {})
 
 
-def parts_of(body):
+def parts_of(body, components=2):
     """The parts, and the nodes of this rank with how many it owns, of degree 2."""
-    space = fem.functionspace(body.mesh, ("Lagrange", 2, (2,)))
+    space = fem.functionspace(body.mesh, ("Lagrange", 2, (components,)))
     return (
         Parts(body, space),
         space.tabulate_dof_coordinates(),
@@ -415,11 +415,40 @@ def test_friction_of_one_body_does_not_hold_the_other(folder):
         Run(slabs(folder, -0.2, 2.2), COMM)
 
 
+BOX_SIDES = ("box.bottom", "box.top", "box.side")
+
+
 def box(folder, name, z):
     """A geometry of a block of 1 × 1 × 0.5 from z on."""
     text = f'SetFactory("OpenCASCADE");\nBox(1) = {{0, 0, {z}, 1, 1, 0.5}};\n'
     source = MeshSource(write(folder, f"{name}.geo", text), size=0.25, name=name)
     return dataclasses.replace(source, groups={"bottom": (5,), "top": (6,), "side": (2,)})
+
+
+BARE = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+4
+1 5 0 0
+2 6 0 0
+3 5 1 0
+4 5 0 1
+$EndNodes
+$Elements
+1
+1 4 2 1 1 1 2 3 4
+$EndElements
+"""
+
+
+def test_a_mesh_without_any_facets_beside_one_with(folder):
+    bare = MeshSource(write(folder, "bare.msh", BARE), name="bare")
+    body = load_body((bare, box(folder, "box", 0)), 3, COMM)
+    assert set(body.groups) == {"bare", "bare.1", "box", "box.body", *BOX_SIDES}
+    assert parts_of(body, 3)[0].names == ("bare", "box")
+    facets = body.entities(body.boundary("box.top", "on"))
+    assert (body.mesh.geometry.x[entities_to_geometry(body.mesh, 2, facets), 2] == 0.5).all()
 
 
 @pytest.mark.parametrize("degree", [1, 2])
