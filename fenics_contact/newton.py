@@ -12,6 +12,7 @@ from petsc4py import PETSc
 from fenics_contact.errors import NotConvergedError
 from fenics_contact.parallel import largest, smallest
 from fenics_contact.problem import Problem
+from fenics_contact.rigid import RigidMotions
 from fenics_contact.solution import Solution
 from fenics_contact.start import starting_point
 from fenics_contact.system import System
@@ -262,6 +263,11 @@ class Newton:
         advice = "Try a larger solver.max_iterations, or a finer mesh at the contact"
         if self.problem.frictional:
             advice = "Try a larger solver.max_iterations, or a larger regularisation_parameter"
+        if RigidMotions(self.problem).slides_on_coulomb:
+            advice = (
+                "Only friction holds a body back here: the loads may be more than it can hold, "
+                "and then there is no answer"
+            )
         if known and self.history[-1] <= 1e3 * _LARGEST_FLOOR * forces:
             advice = (
                 "So small a rest may be round-off: is a penalty_parameter too small, or the "

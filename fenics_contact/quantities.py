@@ -54,14 +54,14 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
 def _normal_force(contact: ContactSurface, state: ContactState) -> float:
     """Resultant of the pressure along the obstacle's axis; of two bodies, its size; collective.
 
-    Without an axis, such as under a given pressure, the sum of what acts along the normals.
+    The size is that within planes of symmetry, < 0 in tension. Without an axis, such as under a
+    given pressure, the sum of what acts along the normals.
     """
     integral, pressure = contact.trace.integral, state.contact_pressure
     if contact.sides.opposite is not None:
         resultant = integral(pressure[:, None] * contact.trace.normals)
-        if contact.spaces.kinematics == "axisymmetric":
-            resultant[0] = 0.0
-        return float(np.linalg.norm(resultant))
+        resultant[contact.trace.mirrored_axes] = 0.0
+        return float(np.copysign(np.linalg.norm(resultant), integral(pressure)))
     if contact.kinematics.direction.any():
         pressure = pressure * contact.kinematics.facing
     return float(integral(pressure))

@@ -127,11 +127,15 @@ def unknowns(problem: Problem) -> int:
 
 def contact_unknowns(problem: Problem) -> int:
     """Displacements of the surfaces on which contacts act, on all ranks."""
-    return sum(
-        int(contact.trace.surface.space.dofmap.index_map.size_global) * problem.spaces.components
+    every = [
+        trace
         for contact in problem.contacts
         if contact.terms
-    )
+        for trace in (contact.trace, contact.sides.opposite)
+        if trace is not None
+    ]
+    nodes = sum(int(trace.surface.space.dofmap.index_map.size_global) for trace in every)
+    return nodes * problem.spaces.components
 
 
 def memory_estimate(problem: Problem, name: Name) -> float:

@@ -183,6 +183,11 @@ class Trace:
             area = area * self._centres.node_factor
         return area, averaged / np.where(lengths > 0, lengths, 1.0)[:, None]
 
+    @property
+    def mirrored_axes(self) -> list[int]:
+        """Axes across planes of symmetry, and across the axis of revolution."""
+        return sorted({axis for axis, _ in self._flat_sides})
+
     def in_planes(self) -> NDArray[np.bool_]:
         """Across which axes nodes lie in planes of symmetry, (nodes, components); collective."""
         found = np.zeros((len(self.surface.coordinates), self.surface.components), dtype=bool)
