@@ -1,0 +1,174 @@
+"""Two deformable bodies on meshes that do not match: patch tests, and one answer in several ways.
+
+A uniform pressure crosses the interface exactly, whichever surface is the slave; a pressure that
+is not uniform converges to that of an Airy stress function (``airy``).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from math import pi
+from typing import Any, Literal
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+
+from fenics_contact.gmsh_files import load_body
+from fenics_contact.mesh import Body
+from fenics_contact.parallel import largest, total
+from fenics_contact.result import Result
+from fenics_contact.scene import (
+    Discretisation,
+    Load,
+    MeshSource,
+    Scene,
+    SolverSettings,
+    Support,
+)
+from fenics_contact.scene_contact import Contact, Obstacle
+from fenics_contact.scene_material import Material
+from fenics_contact.simulation import Run
+from fenics_contact.verification.airy import AiryField
+from fenics_contact.verification.case import Case, Finding, UntrustedError, mesh_file, solved
+
+LOWER, UPPER = "lower", "upper"
+Slave = Literal["on", "against"]
+
+_PRESSURE = 5.0
+_MODULI = {LOWER: 300.0, UPPER: 1000.0}
+_RATIOS = {LOWER: 0.2, UPPER: 0.3}
+_EPSILON = 1e-6  # times h/E
+_CELLS = ("quadrilateral", "triangle", "hexahedron", "tetrahedron")
+# Cells along a side: below and above.
+_FINER = {"1:1": (4, 4), "2:3": (4, 6), "1:7": (2, 14)}
+_FINER_3D = {"1:1": (2, 2), "2:3": (2, 3), "1:7": (1, 7)}
+_TIGHT = 1e-12
+
+_WAVE = (1.0, 0.6)  # mean pressure and amplitude
+_AIRY_MODULI = {LOWER: 1000.0, UPPER: 10000.0}
+_AIRY_CELLS = ((12, 18), (24, 36))
+
+
+def block(name: str, cells: int, cell: str = "quadrilateral", **parameters: float) -> MeshSource:
+    """A unit square above or below y = 0, or what the parameters of ``block.geo`` make of it."""
+    base = 0 if name == UPPER else -1
+    sizes = {"base": base, "cells_along": cells, "cells_across": cells}
+    shape: Any = cell
+    return MeshSource(
+        mesh_file("block.geo"), cell=shape, name=name, parameters=sizes | parameters
+    )
+
+
+def _brick(name: str, cells: int, cell: str) -> MeshSource:
+    """A unit cube above or below z = 0."""
+    parameters = {
+        "base": 0 if name == UPPER else -1,
+        "cells_along": cells,
+        "hexahedra": int(cell == "hexahedron"),
+    }
+    return MeshSource(mesh_file("brick.geo"), name=name, parameters=parameters)
+
+
+def pair_scene(cell: str, cells: tuple[int, int], pressed: Any = _PRESSURE) -> Scene:
+    """A block on another, held below and pressed from above.
+
+    Args:
+        cell: Type of the cells.
+        cells: Along a side of the lower and of the upper block.
+        pressed: Pressure on top (stress).
+    """
+    in_space = cell in ("hexahedron", "tetrahedron")
+    make = _brick if in_space else block
+    sides = {"left": "x"} | ({"front": "y"} if in_space else {})
+    held = tuple(
+        Support(f"{name}.{side}", {axis: 0})  # type: ignore[dict-item]
+        for name in _MODULI
+        for side, axis in sides.items()
+    )
+    spacing = 1 / max(cells)
+    return Scene(
+        kinematics="3D" if in_space else "plane strain",
+        mesh=tuple(make(name, count, cell) for name, count in zip(_MODULI, cells, strict=True)),
+        material=tuple(Material(_MODULI[name], _RATIOS[name], on=name) for name in _MODULI),
+        support=(Support("lower.bottom", {"z" if in_space else "y": 0}), *held),
+        load=(Load("upper.top", pressure=pressed),),
+        contact=(
+            Contact(
+                "upper.bottom",
+                against="lower.top",
+                penalty_parameter=_EPSILON * spacing / _MODULI[UPPER],
+            ),
+        ),
+    )
+
+
+def with_slave(scene: Scene, slave: Slave) -> Scene:
+    """The scene with the slave surface chosen."""
+    contact = dataclasses.replace(scene.contact[0], slave=slave)
+    return dataclasses.replace(scene, contact=(contact,))
+
+
+def trusted(scene: Scene, body: Body | None = None) -> tuple[Run, Result]:
+    """Solve a scene and keep its fields; collective.
+
+    Raises:
+        UntrustedError: It did not converge, or a check failed.
+    """
+    run = Run(scene, body=body)
+    result = run.solve()
+    if not result.passed:
+        raise UntrustedError(result.verdict)
+    return run, result
+
+
+def pressures(result: Result) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Contact pressures at all points (stress)."""
+    assert result.points is not None
+    return result.points.contact_pressure
+
+
+def _stress_error(run: Run) -> float:
+    """Root mean square of what stresses differ from the uniform one, over the pressure."""
+    problem, comm = run.problem, run.problem.comm
+    assert run.solution is not None
+    problem.displacement.x.array[:] = run.solution.displacement.reshape(-1)
+    size = problem.spaces.components
+    along = ufl.as_vector([0] * (size - 1) + [1])
+    stress = problem.elastic.stress()
+    in_plane = ufl.as_matrix([[stress[i, j] for j in range(size)] for i in range(size)])
+    error = in_plane + _PRESSURE * ufl.outer(along, along)
+    squares = fem.form(ufl.inner(error, error) * problem.spaces.bulk)
+    volume = 2.0
+    mean = total(comm, fem.assemble_scalar(squares)) / volume
+    return float(np.sqrt(mean)) / _PRESSURE
+
+
+def _patch(quick: bool) -> Iterator[Finding]:
+    """The worst of both degrees and both slaves, each cell and ratio."""
+    for cell in _CELLS:
+        in_space = cell in _CELLS[2:]
+        for ratio, cells in (_FINER_3D if in_space else _FINER).items():
+            if quick and (ratio != "2:3" or cell == "hexahedron"):
+                continue
+            scene = pair_scene(cell, cells)
+            body = load_body(scene.mesh, scene.dimension, MPI.COMM_WORLD)
+            stress, pressure = 0.0, 0.0
+            for degree in (1, 2):
+                for slave in ("on", "against"):
+                    chosen = with_slave(scene, slave)  # type: ignore[arg-type]
+                    chosen = dataclasses.replace(chosen, discretisation=Discretisation(degree))
+                    run, result = trusted(chosen, body)
+                    stress = max(stress, _stress_error(run))
+                    worst = np.abs(pressures(result) / _PRESSURE - 1).max()
+                    pressure = max(pressure, float(worst))
+            label = f"{cell}, {ratio}"
+            yield Finding(f"stress error, {label}", stress, 0, 1e-9, absolute=True)
+            yield Finding(f"pressure error, {label}", pressure, 0, 1e-7, absolute=True)
+
+
+def _uneven(x: np.ndarray[Any, Any]) -> Any:
+    """A pressure on top that bends the bodies (stress)."""
+    return _PRESSURE * (1 + 0.3 * np.cos(pi * x[0]))
