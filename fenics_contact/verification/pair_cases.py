@@ -41,6 +41,9 @@ _PRESSURE = 5.0
 _MODULI = {LOWER: 300.0, UPPER: 1000.0}
 _RATIOS = {LOWER: 0.2, UPPER: 0.3}
 _EPSILON = 1e-6  # times h/E
+# Where two ways of solving are compared: forces of a stiffer penalty on the difference of two
+# displacements have a round-off of 1e-16 over it, 1e-10 at the other.
+_SOFT_EPSILON = 1e-2
 _CELLS = ("quadrilateral", "triangle", "hexahedron", "tetrahedron")
 # Cells along a side: below and above.
 _FINER = {"1:1": (4, 4), "2:3": (4, 6), "1:7": (2, 14)}
@@ -172,3 +175,163 @@ def _patch(quick: bool) -> Iterator[Finding]:
 def _uneven(x: np.ndarray[Any, Any]) -> Any:
     """A pressure on top that bends the bodies (stress)."""
     return _PRESSURE * (1 + 0.3 * np.cos(pi * x[0]))
+
+
+def _difference(one: Any, other: Any) -> float:
+    """Largest difference of two arrays over the largest value; collective."""
+    comm = MPI.COMM_WORLD
+    return largest(comm, np.abs(one - other)) / largest(comm, np.abs(other))
+
+
+def _rough(scene: Scene, coefficient: float, **changes: float) -> Scene:
+    """The scene with friction, and with other changes of its contact."""
+    contact = dataclasses.replace(
+        scene.contact[0], friction_coefficient=coefficient, **changes
+    )  # type: ignore[arg-type]
+    return dataclasses.replace(scene, contact=(contact,))
+
+
+def _solvers(quick: bool) -> Iterator[Finding]:
+    """Newton on the jump alone against Newton on all displacements."""
+    for cell, cells in (("quadrilateral", (4, 6)), ("hexahedron", (2, 3))):
+        if quick and cell == "hexahedron":
+            return
+        for coefficient in (0.0, 0.3):
+            epsilon = _SOFT_EPSILON / max(cells) / _MODULI[UPPER]
+            scene = pair_scene(cell, cells, _uneven)
+            scene = _rough(scene, coefficient, penalty_parameter=epsilon)
+            found = []
+            for solver in ("condensed", "full"):
+                settings = SolverSettings(solver=solver, tolerance=_TIGHT, outer_tolerance=_TIGHT)  # type: ignore[arg-type]
+                run, result = trusted(dataclasses.replace(scene, solver=settings))
+                assert run.solution is not None
+                found.append((run.solution.displacement, pressures(result)))
+            for number, name in enumerate(("displacement", "pressure")):
+                difference = _difference(found[0][number], found[1][number])
+                label = f"{name}, {cell}, friction {coefficient:g}"
+                yield Finding(label, difference, 0, 1e-10, absolute=True)
+
+
+def _reaction(quick: bool) -> Iterator[Finding]:
+    """What the contact carries against what the lower block's support does."""
+    for slave in ("on", "against"):
+        scene = _rough(pair_scene("quadrilateral", (4, 6), _uneven), 0.3)
+        result = solved(with_slave(scene, slave))  # type: ignore[arg-type]
+        (support,) = (row for row in result.supports if row["on"] == "lower.bottom")
+        force = result.quantities["normal_force"]
+        yield Finding(f"normal_force, slave '{slave}'", force, support["reaction"][1], 1e-7)
+
+
+def _one_mesh(quick: bool) -> Iterator[Finding]:
+    """Two parts of one mesh against two meshes."""
+    two = _rough(pair_scene("quadrilateral", (4, 6), _uneven), 0.3)
+    settings = SolverSettings(tolerance=_TIGHT, outer_tolerance=_TIGHT)
+    two = dataclasses.replace(two, solver=settings)
+    mesh = MeshSource(
+        mesh_file("two_blocks.geo"),
+        cell="quadrilateral",
+        parameters={"cells_below": 4, "cells_above": 6},
+    )
+    results = [solved(dataclasses.replace(two, mesh=source)) for source in ((mesh,), two.mesh)]
+    one, other = (pressures(result) for result in results)
+    yield Finding("pressure", _difference(one, other), 0, 1e-12, absolute=True)
+    for quantity in ("normal_force", "strain_energy"):
+        one, other = (result.quantities[quantity] for result in results)
+        yield Finding(quantity, one, other, 1e-12)
+
+
+def _airy_scene(cells: tuple[int, int]) -> tuple[Scene, AiryField]:
+    """Two blocks with the displacements of an Airy stress function around them."""
+    fields = {
+        name: AiryField(*_WAVE, pi, 1.0, modulus, _RATIOS[name])
+        for name, modulus in _AIRY_MODULI.items()
+    }
+    supports = []
+    for name, field in fields.items():
+        outside = "bottom" if name == LOWER else "top"
+        supports += [
+            Support(f"{name}.{outside}", {"y": field.across}),
+            *(Support(f"{name}.{side}", {"x": field.along}) for side in ("left", "right")),
+        ]
+        supports.append(Support(f"{name}.{outside}", {"x": field.along}))
+    scene = Scene(
+        kinematics="plane strain",
+        mesh=tuple(block(name, count) for name, count in zip(fields, cells, strict=True)),
+        material=tuple(Material(_AIRY_MODULI[name], _RATIOS[name], on=name) for name in fields),
+        support=tuple(supports),
+        contact=(
+            Contact(
+                "upper.bottom",
+                against="lower.top",
+                penalty_parameter=1e-8 / max(cells) / max(_AIRY_MODULI.values()),
+            ),
+        ),
+    )
+    return scene, fields[LOWER]
+
+
+def _pressure_error(scene: Scene, field: AiryField) -> float:
+    """Error of the pressure in the mean square, relative."""
+    points = solved(scene).points
+    assert points is not None
+    exact = field.pressure(points.coordinates[:, 0])
+    squares = points.weights @ (points.contact_pressure - exact) ** 2
+    return float(np.sqrt(squares / (points.weights @ exact**2)))
+
+
+def _airy(quick: bool) -> Iterator[Finding]:
+    for slave in ("on", "against"):
+        errors = []
+        for cells in _AIRY_CELLS[: 1 if quick else 2]:
+            scene, field = _airy_scene(cells)
+            errors.append(_pressure_error(with_slave(scene, slave), field))  # type: ignore[arg-type]
+        label = f"pressure error, {_AIRY_CELLS[0][0]}:{_AIRY_CELLS[0][1]}, slave '{slave}'"
+        yield Finding(label, errors[0], 0, 5e-3, absolute=True)
+        if not quick:
+            order = float(np.log2(errors[0] / errors[1]))
+            yield Finding(f"order, slave '{slave}'", order, 2, 1, absolute=True)
+
+
+def _rigid_scene(ratio: float | None) -> Scene:
+    """A soft block that is bent against a stiff one, or against a rigid plane.
+
+    Args:
+        ratio: Of the moduli; None for the plane.
+    """
+    def bent(x: np.ndarray[Any, Any]) -> Any:
+        return 0.004 * (1 + 2 * np.cos(pi * x[0]))
+
+    soft = _MODULI[LOWER]
+    prefix = "" if ratio is None else f"{LOWER}."  # groups of a single mesh have none
+    supports = [Support(f"{prefix}bottom", {"x": 0, "y": bent})]
+    if ratio is not None:
+        supports.append(Support("upper.top", {"x": 0, "y": 0}))
+    names = (LOWER,) if ratio is None else (LOWER, UPPER)
+    return Scene(
+        kinematics="plane strain",
+        mesh=tuple(block(name, 12 if name == LOWER else 18) for name in names),
+        material=tuple(
+            Material(soft * (1 if name == LOWER else ratio or 1), 0.3, on=name) for name in names
+        ),
+        support=tuple(supports),
+        contact=(
+            Contact(
+                f"{prefix}top",
+                against=None if ratio is None else "upper.bottom",
+                slave="auto" if ratio is None else "on",
+                obstacle=Obstacle("plane", position=(0, 0)) if ratio is None else None,
+                penalty_parameter=1e-4 / 12 / soft,
+            ),
+        ),
+    )
+
+
+def _rigid(quick: bool) -> Iterator[Finding]:
+    rigid = solved(_rigid_scene(None))
+    for ratio, tolerance in ((1e3, 1.2e-3), (1e6, 2e-6)):
+        stiff = solved(_rigid_scene(ratio))
+        for quantity in ("normal_force", "max_contact_pressure", "contact_area"):
+            value, reference = stiff.quantities[quantity], rigid.quantities[quantity]
+            yield Finding(f"{quantity}, moduli 1:{ratio:.0e}", value, reference, tolerance)
+        difference = _difference(pressures(stiff), pressures(rigid))
+        yield Finding(f"pressure, moduli 1:{ratio:.0e}", difference, 0, tolerance, absolute=True)
