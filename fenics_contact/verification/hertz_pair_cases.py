@@ -37,7 +37,8 @@ _PRESSED: dict[Kinematics, float] = {"plane strain": 0.082, "axisymmetric": 0.04
 _LOADS = tuple(float(time) for time in np.linspace(0.88, 1, 9))
 
 _COEFFICIENT = 0.3
-_SIDEWAYS = 0.01
+# Needs about .57 of the shear that makes all of the contact slip.
+_SIDEWAYS = 0.0212
 
 
 def cushions(half: bool, order: int = 2) -> tuple[MeshSource, ...]:
@@ -179,10 +180,10 @@ def _cattaneo(quick: bool) -> Iterator[Finding]:
     x = np.abs(result.points.coordinates[:, 0])
     exact = formulas.partial_slip(expected, _COEFFICIENT, c, x)
     error = np.abs(np.abs(result.points.friction_traction[:, 0]) - exact)
-    away = np.abs(x - c) > cell
-    yield Finding(
-        "traction error, over its peak", float(error[away].max() / exact.max()), 0, 1.5e-2, True
-    )
+    smooth = (np.abs(x - c) > cell) & (x < 0.9 * a)
+    worst = float(error[smooth].max() / exact.max())
+    label = "traction error, r < .9 a, an element from c"
+    yield Finding(label, worst, 0, 1.5e-2, absolute=True)
 
 
 CASES: tuple[Case, ...] = (
