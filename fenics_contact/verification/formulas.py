@@ -107,7 +107,7 @@ def line_force(modulus: float, radius: float, half_width: float) -> float:
 def partial_slip(
     contact: HertzContact, coefficient: float, stick: float, x: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Tangential traction of a line contact that was pressed, then sheared (Johnson, (7.24)-(7.28)).
+    """Tangential traction of a line contact, pressed, then sheared (Johnson, (7.24)-(7.28)).
 
     q = μ p₀ (√(1 − x²/a²) − c/a √(1 − x²/c²)), the second term where |x| < c.
 

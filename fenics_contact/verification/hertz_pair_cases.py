@@ -6,7 +6,6 @@ their meshes are fine around it and do not match. The formulas take the force th
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterator
 from math import pi, sqrt
 from typing import Any, Literal
@@ -107,6 +106,8 @@ def _hertz(kinematics: Kinematics, quick: bool) -> Iterator[Finding]:
         result = solved(pressed_scene(kinematics, degree))
         expected = theory(kinematics, _reaction(result, "lower.foot")[1])
         label = f", degree {degree}"
+        force = result.quantities["normal_force"]
+        yield Finding(f"normal_force{label}", force, _reaction(result, "lower.foot")[1], 1e-7)
         ratios = [
             _half_width(kinematics, step["quantities"]["contact_area"])
             / theory(kinematics, step["quantities"]["normal_force"]).radius

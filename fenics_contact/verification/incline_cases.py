@@ -8,17 +8,15 @@ G (μ + tan α) / (1 − μ tan α).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import atan, cos, hypot, nan, sin
-
-import numpy as np
+from math import atan, cos, hypot, sin
 
 from fenics_contact.errors import NoEquilibriumError
 from fenics_contact.scene import Load, Scene, SolverSettings, Support
 from fenics_contact.scene_contact import Contact
 from fenics_contact.scene_material import Material
 from fenics_contact.simulation import run
+from fenics_contact.verification.block_pair import LOWER, UPPER, block
 from fenics_contact.verification.case import Case, Finding, solved
-from fenics_contact.verification.pair_cases import LOWER, UPPER, block
 
 _SLOPE, _COEFFICIENT, _TOO_SMOOTH = 0.1, 0.3, 0.099
 _WEIGHT = 2.0
@@ -46,9 +44,7 @@ def incline_scene(coefficient: float, pushed: float | None = None) -> Scene:
         material=tuple(Material(modulus, 0.3, on=name) for name, modulus in _MODULI.items()),
         support=(Support("lower.bottom", {"x": 0, "y": 0}), *rear),
         load=(Load(UPPER, body_force=(0, -weight)),),
-        contact=(
-            Contact("upper.bottom", against="lower.top", friction_coefficient=coefficient),
-        ),
+        contact=(Contact("upper.bottom", against="lower.top", friction_coefficient=coefficient),),
         solver=SolverSettings(tolerance=1e-12, outer_tolerance=1e-10),
     )
 
@@ -79,6 +75,10 @@ def _answers() -> float:
 
 
 CASES: tuple[Case, ...] = (
-    Case("incline", "block pushed up a slope, both deformable", "statics of a rigid block", _pushed),
-    Case("resting", "block at rest on a slope, both deformable", "statics of a rigid block", _resting),
+    Case(
+        "incline", "block pushed up a slope, both deformable", "statics of a rigid block", _pushed
+    ),
+    Case(
+        "resting", "block at rest on a slope, both deformable", "statics of a rigid block", _resting
+    ),
 )
