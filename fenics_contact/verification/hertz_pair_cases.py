@@ -27,12 +27,16 @@ Array = NDArray[np.float64]
 _RADIUS = 50.0
 # Of two equal bodies: 1/E* and 1/R add up (Johnson, (4.1), (4.2)).
 _BOTH_MODULUS, _BOTH_RADIUS = MODULUS / 2, _RADIUS / 2
-# Cells of the two bodies on the half-width or radius of the contact, which is about 1.
+# Cells of the two bodies on the half-width or radius of the contact, which is about 1. With half as
+# many, 16:24 on its whole width, the pressure at r < .9 a is off by 1.8 % (cylinders) and 2.2 %
+# (spheres) where the wanted limit is .5 %, and p₀ of the spheres by .37 % where it is .3 %.
 _CELLS = {"lower": 16, "upper": 24}
 # How far the bodies are pressed for that (length).
 _PRESSED: dict[Kinematics, float] = {"plane strain": 0.082, "axisymmetric": 0.04}
 # The edge is found within an element to some tenth of it, so that its place there decides:
-# over these loads it moves by an element.
+# over these loads it moves by an element. Wanted is .3 % of a (degree 1: 1.5 %): the mean keeps
+# that, but not each load, of which the worst is off by .9 % (degree 1: 1.8 %).
+_WORST = {2: 1e-2, 1: 2e-2}
 _LOADS = tuple(float(time) for time in np.linspace(0.88, 1, 9))
 
 _COEFFICIENT = 0.3
@@ -114,6 +118,8 @@ def _hertz(kinematics: Kinematics, quick: bool) -> Iterator[Finding]:
             for step in result.steps
         ]
         yield Finding(f"a over theory, mean{label}", float(np.mean(ratios)), 1, tolerance)
+        worst_ratio = max(ratios, key=lambda ratio: abs(ratio - 1))
+        yield Finding(f"a over theory, worst{label}", worst_ratio, 1, _WORST[degree])
         peak = result.quantities["max_contact_pressure"]
         yield Finding(f"max_contact_pressure{label}", peak, expected.peak, tolerance)
         worst = _pressure_error(result, expected)
@@ -181,10 +187,16 @@ def _cattaneo(quick: bool) -> Iterator[Finding]:
     x = np.abs(result.points.coordinates[:, 0])
     exact = formulas.partial_slip(expected, _COEFFICIENT, c, x)
     error = np.abs(np.abs(result.points.friction_traction[:, 0]) - exact)
-    smooth = (np.abs(x - c) > cell) & (x < 0.9 * a)
-    worst = float(error[smooth].max() / exact.max())
-    label = "traction error, r < .9 a, an element from c"
-    yield Finding(label, worst, 0, 1.5e-2, absolute=True)
+    away = np.abs(x - c) > cell
+    # Wanted is 1.5 % wherever it is an element from c. In the last element before a, where the
+    # pressure is off, too, it is 1.7 %.
+    for where, chosen, tolerance in (
+        ("", away, 2e-2),
+        (", r < .9 a", away & (x < 0.9 * a), 1.5e-2),
+    ):
+        worst = float(error[chosen].max() / exact.max())
+        label = f"traction error, an element from c{where}"
+        yield Finding(label, worst, 0, tolerance, absolute=True)
 
 
 CASES: tuple[Case, ...] = (
