@@ -3,6 +3,7 @@
 import json
 import math
 
+import numpy as np
 import pytest
 from mpi4py import MPI
 from scipy.integrate import quad
@@ -10,6 +11,7 @@ from scipy.integrate import quad
 from fenics_contact import main, verification
 from fenics_contact.errors import NotConvergedError
 from fenics_contact.verification import Case, Finding, formulas
+from fenics_contact.verification.airy import AiryField
 from fenics_contact.verification.command import verify
 
 COMM = MPI.COMM_WORLD
@@ -93,6 +95,47 @@ def test_annular_punch_tends_to_the_whole_and_to_a_thin_ring():
     assert thin == pytest.approx(math.pi**2 / math.log(16 / half), rel=1e-6)
 
 
+def test_partial_slip_carries_the_shear_and_no_more_than_friction():
+    contact = formulas.line_contact(MODULUS, RADIUS, formulas.line_force(MODULUS, RADIUS, 2.0))
+
+    def traction(x, stick=1.2):
+        return formulas.partial_slip(contact, 0.3, stick, np.array([x]))[0]
+
+    shear = quad(traction, -2, 2, points=[-1.2, 1.2])[0]
+    assert shear == pytest.approx(0.3 * contact.force * (1 - 0.6**2), rel=1e-8)
+    assert traction(1.5) == pytest.approx(0.3 * contact.peak * math.sqrt(1 - 0.75**2))
+    assert traction(0.0) == pytest.approx(0.3 * contact.peak * 0.4)
+
+
+@pytest.mark.parametrize(("modulus", "poisson"), [(1000.0, 0.2), (300.0, 0.4)])
+def test_airy_field_is_in_equilibrium_and_lies_flat_on_the_interface(modulus, poisson):
+    """Stresses from its displacements, by differences, at points around the interface."""
+    field = AiryField(1.0, 0.6, math.pi, 1.0, modulus, poisson)
+    shear = modulus / 2 / (1 + poisson)
+    volume = 2 * shear * poisson / (1 - 2 * poisson)
+    step = 1e-3
+
+    def gradient(function, points):
+        moved = step * np.eye(3)[:2, :, None]
+        return [(function(points + by) - function(points - by)) / (2 * step) for by in moved]
+
+    def stress(points):
+        (xx, xy), (yx, yy) = (gradient(f, points) for f in (field.along, field.across))
+        dilation = volume * (xx + yy)
+        return 2 * shear * xx + dilation, 2 * shear * yy + dilation, shear * (xy + yx)
+
+    points = np.array([[0.1, 0.4, 0.8], [-0.3, 0.2, 0.0], [0.0, 0.0, 0.0]])
+    xx_x, _ = gradient(lambda x: stress(x)[0], points)
+    xy_x, xy_y = gradient(lambda x: stress(x)[2], points)
+    _, yy_y = gradient(lambda x: stress(x)[1], points)
+    assert np.abs(xx_x + xy_y).max() < 1e-4 * np.abs(xx_x).max()
+    assert np.abs(xy_x + yy_y).max() < 1e-4 * np.abs(xx_x).max()
+    points[1] = 0.0
+    assert field.across(points) == pytest.approx(0, abs=1e-15)
+    assert -stress(points)[1] == pytest.approx(field.pressure(points[0]), rel=1e-4)
+    assert stress(points)[2] == pytest.approx(0, abs=1e-4)
+
+
 def test_rows_of_a_quick_case_are_those_of_the_interface(folder, capsys):
     path = folder / "found.json"
     assert main(["verify", "springs", "--quick", "--json", str(path)]) == 0
@@ -108,6 +151,32 @@ def test_slab_finds_the_last_sticking_points():
     (case,) = (case for case in verification.CASES if case.name == "slab")
     findings = list(case.run(True))
     assert [finding.passed for finding in findings] == [True] * 8
+
+
+@pytest.mark.parametrize(
+    "name", ["patch", "airy", "pair_solvers", "pair_reaction", "pair_rigid", "incline", "resting"]
+)
+def test_two_bodies(name):
+    (case,) = (case for case in verification.CASES if case.name == name)
+    findings = list(case.run(True))
+    assert [finding for finding in findings if not finding.passed] == []
+
+
+def test_surface_taken_to_the_nearest_nodes_fails_the_patch_test(monkeypatch):
+    """Forces are in balance, and yet no uniform pressure crosses meshes that do not match."""
+    from fenics_contact import pairing
+
+    projection = pairing.projection
+
+    def nearest(*arguments):
+        found = projection(*arguments)
+        nodes = np.zeros_like(found)
+        nodes[np.arange(len(found)), found.argmax(axis=1)] = found.any(axis=1)
+        return nodes
+
+    monkeypatch.setattr(pairing, "projection", nearest)
+    (case,) = (case for case in verification.CASES if case.name == "patch")
+    assert verify((), quick=True, cases=[case]) == 4
 
 
 @pytest.mark.parametrize("arguments", [["nonsense"], ["slab", "nonsense"]])

@@ -5,7 +5,11 @@ A module of cases ends with a tuple ``CASES``; the one below lists them all.
 
 from fenics_contact.verification import (
     friction_cases,
+    hertz_pair_cases,
+    incline_cases,
     line_cases,
+    pair_cases,
+    pair_ways_cases,
     point_cases,
     punch_cases,
     slab_cases,
@@ -18,6 +22,10 @@ CASES: tuple[Case, ...] = (
     *line_cases.CASES,
     *punch_cases.CASES,
     *friction_cases.CASES,
+    *pair_cases.CASES,
+    *pair_ways_cases.CASES,
+    *hertz_pair_cases.CASES,
+    *incline_cases.CASES,
 )
 
 __all__ = ["CASES", "Case", "Finding", "Outcome"]

@@ -104,6 +104,27 @@ def line_force(modulus: float, radius: float, half_width: float) -> float:
     return pi * modulus * half_width**2 / (4 * radius)
 
 
+def partial_slip(
+    contact: HertzContact, coefficient: float, stick: float, x: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Tangential traction of a line contact, pressed, then sheared (Johnson, (7.24)-(7.28)).
+
+    q = μ p₀ (√(1 − x²/a²) − c/a √(1 − x²/c²)), the second term where |x| < c.
+
+    Args:
+        contact: Its half-width a and p₀.
+        coefficient: μ.
+        stick: Half-width c of what sticks (length).
+        x: From the middle (length).
+    """
+
+    def ellipse(half_width: float) -> NDArray[np.float64]:
+        return np.sqrt(np.maximum(1 - (x / half_width) ** 2, 0.0))
+
+    inner = stick / contact.radius * ellipse(stick)
+    return np.asarray(coefficient * contact.peak * (ellipse(contact.radius) - inner))
+
+
 def flat_punch_force(modulus: float, radius: float, indentation: float) -> float:
     """Flat circular punch: F = 2 E* a d (Johnson, section 3.4; Sneddon 1965)."""
     return 2 * modulus * radius * indentation
