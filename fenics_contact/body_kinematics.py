@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.contact_kinematics import ContactKinematics, require_smooth
 from fenics_contact.pairing import Pairing
-from fenics_contact.parallel import largest
+from fenics_contact.parallel import largest, smallest
 from fenics_contact.trace import Trace
 
 Array = NDArray[np.float64]
@@ -76,10 +76,17 @@ class BodyKinematics(ContactKinematics):
         self._face()
         self.gap = self.gap + self.normal(self._first_jump)
 
-    def slip_since_pairing(self, closed: NDArray[np.bool_]) -> float:
-        """Largest slip at some points since it was found what faces what (length); collective."""
+    def slid_share(self, closed: NDArray[np.bool_]) -> float:
+        """Slip since it was found what faces what, over the size of the contact; collective.
+
+        Args:
+            closed: Which points are in contact.
+        """
+        comm, points = self._spaces.comm, self.trace.coordinates[closed].T
         slip = self.tangential(self.jump_at_points() - self._first_jump)[closed]
-        return largest(self._spaces.comm, np.linalg.norm(slip, axis=1))
+        extent = np.linalg.norm([largest(comm, x) - smallest(comm, x) for x in points])
+        facet = self.trace.relative_facet_size() * self.trace.extent()
+        return largest(comm, np.linalg.norm(slip, axis=1)) / max(float(extent), facet)
 
     def relative(self, displacement: Array) -> Array:
         """U − P u' at all nodes of the surface, (nodes, components, ...); collective."""

@@ -18,10 +18,13 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx import fem
+from numpy.typing import NDArray
 
 from fenics_contact import compat, material
 from fenics_contact.elasticity import Isotropic, strain, strain_energy
 from fenics_contact.material import Elasticities
+from fenics_contact.moduli import Moduli
+from fenics_contact.parallel import total
 from fenics_contact.scene import Scene
 from fenics_contact.spaces import Spaces
 
@@ -59,7 +62,7 @@ class ElasticBody:
         elasticities = Elasticities(scene, spaces)
         self.law = elasticities.law
         self.reference_modulus = elasticities.reference_modulus
-        self._poissons_ratio = elasticities.largest_poissons_ratio
+        self._moduli = elasticities.moduli
         self.name = "elastic energy"
         self.mixed: MixedForms | None = None
         e = self.strain(displacement)
@@ -74,20 +77,13 @@ class ElasticBody:
         residual = ufl.derivative(energy, displacement)
         self.stiffness = fem.form(ufl.derivative(residual, displacement))
 
-    @property
-    def plane_strain_modulus(self) -> float:
-        """E/(1 − ν²) of the stiffest part (E in plane stress), for estimates (stress)."""
-        if self._spaces.kinematics == "plane stress" or self._poissons_ratio <= -1:
-            return self.reference_modulus
-        return self.reference_modulus / (1 - self._poissons_ratio**2)
-
-    @property
-    def confined_modulus(self) -> float:
-        """E (1 − ν) / ((1 + ν)(1 − 2ν)) of the stiffest part: stress over uniaxial strain."""
-        if self._spaces.kinematics == "plane stress" or self._poissons_ratio <= -1:
-            return self.reference_modulus
-        nu = self._poissons_ratio
-        return self.reference_modulus * max((1 - nu) / ((1 + nu) * (1 - 2 * nu)), 1.0)
+    def moduli_behind(self, nodes: NDArray[np.int32]) -> Moduli:
+        """Those of the stiffest of the parts that nodes of this rank belong to; collective."""
+        parts = self._spaces.parts
+        present = np.zeros(parts.count)
+        present[parts.of_node[nodes]] = 1.0
+        reached = np.flatnonzero(total(self._spaces.comm, present))
+        return max((self._moduli[part] for part in reached), key=lambda found: found.reference)
 
     @property
     def forms(self) -> tuple[Any, ...]:

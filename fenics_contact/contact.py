@@ -20,6 +20,7 @@ from fenics_contact.contact_kinematics import ContactKinematics
 from fenics_contact.contact_sides import ContactSides
 from fenics_contact.contact_terms import FrictionTerm, NormalTerm
 from fenics_contact.errors import InputError
+from fenics_contact.moduli import Moduli
 from fenics_contact.normal_contact import prescribed_pressure_energy
 from fenics_contact.obstacle_kinematics import ObstacleKinematics
 from fenics_contact.parallel import largest, smallest
@@ -79,7 +80,8 @@ class ContactSurface:
         owned_nodes: Which of these this rank owns.
         supports: What supports hold of it.
         kinematics: Jump, gap and slip against the obstacle.
-        plane_strain_modulus: E/(1 − ν²) of the body, about (stress).
+        moduli: Stiffnesses of the body, or of the two that touch.
+        facet_size: Shortest edge of the cells at the contact (length).
         penalty_parameter: ε₁ as used (length/stress), 0 without a penalty.
         pressure_load: Compiled linear form of a prescribed pressure's work on the surface, or None.
         force: That drives the obstacle at present, None where none does (force).
@@ -108,14 +110,14 @@ class ContactSurface:
         self.owned_nodes = self.trace.owned[: len(self.nodes)]
         self.kinematics = self._kinematics(key, constrained)
         self.supports = SurfaceSupports(self.trace, constrained)
-        self.plane_strain_modulus = elastic.plane_strain_modulus
+        self.moduli, self.facet_size = self._scales(elastic)
         self._given_pressure = self._given(contact.pressure or 0.0, f"{key}.pressure")
         if contact.kind in ("unilateral", "winkler"):
             self.kinematics.require_one_sided(key)
             self._bring_up()
         self.force = None if contact.obstacle is None else contact.obstacle.force
         self.dissipated = 0.0
-        self.penalty_parameter = self._penalty(elastic.confined_modulus)
+        self.penalty_parameter = self._penalty()
         self.normal = self._normal_term(f"{key}.foundation_stiffness")
         coefficient = self._given(contact.friction_coefficient, f"{key}.friction_coefficient")
         if contact.law == "none" or (contact.kind != "prescribed" and self.normal is None):
@@ -125,7 +127,7 @@ class ContactSurface:
         self.friction = self._friction_term(coefficient)
         given = contact.kind == "prescribed" or contact.regularisation_parameter != "auto"
         if self.friction is not None and given:
-            self.scale_friction(elastic.reference_modulus, self._given_pressure)
+            self.scale_friction(self._given_pressure)
 
     def _kinematics(self, key: str, constrained: NDArray[np.int64]) -> ContactKinematics:
         if self.sides.opposite is not None:
@@ -133,6 +135,15 @@ class ContactSurface:
         described = self.contact.obstacle or Obstacle()
         prescribed = self.contact.kind == "prescribed"
         return ObstacleKinematics(self.trace, None if prescribed else described, f"{key}.obstacle")
+
+    def _scales(self, elastic: ElasticBody) -> tuple[Moduli, float]:
+        """Stiffness and facet size, also of what is opposite; collective."""
+        moduli, size = elastic.moduli_behind(self.nodes), self.trace.smallest_edge()
+        opposite = self.sides.opposite
+        if opposite is None:
+            return moduli, size
+        others = elastic.moduli_behind(opposite.nodes)
+        return moduli.against(others), min(size, opposite.smallest_edge())
 
     def _bring_up(self) -> None:
         """Leave out what no obstacle can press, and bring one that a force drives up to it."""
@@ -177,14 +188,14 @@ class ContactSurface:
         """Whether its friction depends on a pressure that is not known."""
         return self.friction is not None and self.normal is not None
 
-    def scale_friction(self, reference_modulus: float, pressure: Array) -> None:
+    def scale_friction(self, pressure: Array) -> None:
         """Set ε: the scene's, or one whose bias is below .1 % at a pressure; collective."""
         assert self.friction is not None
         epsilon = self.contact.regularisation_parameter
         if epsilon == "auto":
             strongest = largest(self.spaces.comm, self.friction.bound_of(pressure))
-            size = self.trace.smallest_edge()
-            epsilon = _REGULARISATION_SHARE * strongest * size / reference_modulus
+            share = _REGULARISATION_SHARE * self.facet_size / self.moduli.combined
+            epsilon = share * strongest
         self.is_scaled = epsilon > 0
         self.friction.regularisation_parameter = float(epsilon) or 1.0
 
@@ -213,6 +224,28 @@ class ContactSurface:
         if self.force == 0 and self.normal is None:
             assert isinstance(self.kinematics, ObstacleKinematics)
             self.kinematics.touch()
+
+    def slid_share(self) -> float:
+        """Slip of two bodies since it was found what faces what, over the size of the contact.
+
+        Collective.
+        """
+        if not isinstance(self.kinematics, BodyKinematics) or self.normal is None:
+            return 0.0
+        return self.kinematics.slid_share(self.pressure() > 0)
+
+    def pair_anew(self, displacement: Array) -> None:
+        """Find anew which points of two bodies face each other; collective.
+
+        Args:
+            displacement: Of the last load step, at the body's nodes of this rank (length).
+        """
+        assert isinstance(self.kinematics, BodyKinematics) and self.normal is not None
+        self.kinematics.pair_anew(displacement)
+        self.normal.set_gap(self.kinematics.gap)
+        if self.friction is not None:
+            slip = self.kinematics.tangential(self.kinematics.jump_at_points())
+            self.friction.accept(slip)
 
     def accept(self) -> None:
         """A load step is done: slip counts from here where the law is incremental."""
@@ -259,13 +292,13 @@ class ContactSurface:
             return "stick"
         return self.contact.law if self.friction is not None else "none"
 
-    def _penalty(self, modulus: float) -> float:
+    def _penalty(self) -> float:
         """The scene's ε₁, or one whose bias in force and peak pressure is below .1 %."""
         if self.contact.kind not in ("unilateral", "bonded"):
             return 0.0
         if self.contact.penalty_parameter != "auto":
             return float(self.contact.penalty_parameter)
-        return _PENALTY_SHARE * self.trace.smallest_edge() / modulus
+        return _PENALTY_SHARE * self.facet_size / self.moduli.confined
 
     def _normal_term(self, key: str) -> NormalTerm | None:
         kind = self.contact.kind

@@ -109,7 +109,7 @@ def _edges(
     assert contact.normal is not None
     distance, depth = zone.distance[outer], zone.depth[inner]
     length = np.linalg.norm(ends[1] - ends[0], axis=1)
-    modulus = contact.plane_strain_modulus
+    modulus = contact.moduli.plane_strain
     found = np.full(len(inner), 0.5)  # where nothing pushes outside, as a foundation that ends
     beyond = ~np.isfinite(distance)
     if beyond.any():

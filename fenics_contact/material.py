@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from fenics_contact import compat
 from fenics_contact.elasticity import Anisotropic, Isotropic, Law
 from fenics_contact.errors import InputError
+from fenics_contact.moduli import Moduli
 from fenics_contact.parallel import largest, raise_together, smallest
 from fenics_contact.scene import Scene
 from fenics_contact.scene_material import Material
@@ -32,8 +33,7 @@ class Elasticities:
 
     Attributes:
         law: Isotropic or anisotropic Hooke's law with UFL coefficients.
-        reference_modulus: Largest stiffness in the body (stress): Young's modulus, or
-            eigenvalue of E_ijkl.
+        moduli: Of each connected part.
         largest_poissons_ratio: Of isotropic materials; −1 for a tensor.
     """
 
@@ -51,6 +51,25 @@ class Elasticities:
             self.law: Law = self._isotropic()
         else:
             self.law = self._anisotropic(plane=scene.kinematics != "3D")
+        self.moduli = self._moduli_of_parts(scene.kinematics == "plane stress")
+
+    @property
+    def reference_modulus(self) -> float:
+        """Largest stiffness in the body (stress): Young's modulus, or eigenvalue of E_ijkl."""
+        return max(moduli.reference for moduli in self.moduli)
+
+    def _moduli_of_parts(self, is_plane_stress: bool) -> list[Moduli]:
+        """The stiffest of each connected part; collective."""
+        parts, comm = self.spaces.parts, self.spaces.comm
+        nodes = self.spaces.displacement_space.dofmap.list
+        of_point = np.empty(len(self._owner), dtype=np.int64)
+        of_point[self._space.dofmap.list] = parts.of_node[nodes[:, :1]]
+        found = []
+        for part in range(parts.count):
+            mine = of_point == part
+            stiffest = largest(comm, self._stiffnesses[mine])
+            found.append(Moduli(stiffest, largest(comm, self._ratios[mine]), is_plane_stress))
+        return found
 
     def _choose_space(self) -> Any:
         """Constants in each cell; or, where a value varies, of a degree that energies keep up with.
@@ -132,8 +151,8 @@ class Elasticities:
                 f"material.poissons_ratio: it reaches from {least:g} to {most:g}, but must lie "
                 f"between -1 and 0.5{_STEEP}"
             )
-        self.reference_modulus = largest(comm, young)
         self.largest_poissons_ratio = largest(comm, poisson)
+        self._stiffnesses, self._ratios = young, poisson
         return Isotropic(self._coefficient(young), self._coefficient(poisson))
 
     def _anisotropic(self, plane: bool) -> Anisotropic:
@@ -146,6 +165,8 @@ class Elasticities:
         self._require_elastic(self._where_used(matrices), plane)
         self._require_compressible(matrices)
         self.largest_poissons_ratio = -1.0
+        self._stiffnesses = _eigenvalues(matrices)[:, -1]
+        self._ratios = np.full(len(matrices), -1.0)
         # An entry that is zero everywhere is left out of the form, not multiplied.
         size = largest(self.spaces.comm, np.abs(matrices).ravel())
         entries_found = {
@@ -164,7 +185,6 @@ class Elasticities:
         if largest(comm, skew / size) > 1e-10:
             raise InputError("material.stiffness: must be symmetric (E_ijkl = E_klij)")
         eigenvalues = _eigenvalues(matrices)
-        self.reference_modulus = largest(comm, eigenvalues.ravel())
         if smallest(comm, eigenvalues[:, 0] / size) <= 1e-12:
             raise InputError(
                 "material.stiffness: must be positive definite, its least eigenvalue is "

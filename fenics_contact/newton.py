@@ -39,6 +39,10 @@ _LARGEST_FLOOR = 1e-6
 
 _RUNAWAY = 1e3  # of the body's size
 
+# Slip over the size of a contact from which two bodies are paired anew: it moves the pressure by
+# about as much.
+_SLID = 1e-3
+
 # Steps without progress in which a search is taken to follow round-off.
 _PATIENCE = 3
 
@@ -198,6 +202,20 @@ class Newton:
         self.continues = True
         self.system.follow_supports()
         self._stick_all()
+
+    def pair_anew(self, displacement: NDArray[np.float64]) -> None:
+        """Follow bodies that slid along each other in the last load step; collective.
+
+        Args:
+            displacement: That of the step, at the body's nodes of this rank (length).
+        """
+        slid = [c for c in self.problem.contacts if c.slid_share() > _SLID]
+        for contact in slid:
+            logger.debug("  '%s': finding anew what faces what", contact.label)
+            contact.pair_anew(displacement)
+        if slid:
+            with self.timings.phase("assemble"):
+                self.system.pair_anew()
 
     def _stick_all(self) -> None:
         for contact in self.problem.frictional:

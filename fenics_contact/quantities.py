@@ -28,9 +28,6 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
     owned = contact.owned_nodes
     closed = contact_area(contact, state)
     sticking = min(stick_area(contact, state), closed)
-    along = contact.kinematics.facing
-    if not contact.kinematics.direction.any():  # without an obstacle's axis, along the normal
-        along = np.ones(len(state.contact_pressure))
     friction = integral(state.friction_traction)
     if contact.spaces.kinematics == "axisymmetric":
         friction[0] = 0.0
@@ -38,7 +35,7 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
         friction = _resultant(contact.spaces, force[owned])
     depth = np.where(np.isfinite(state.gap), -state.gap, 0.0)
     return {
-        "normal_force": float(integral(state.contact_pressure * along)),
+        "normal_force": _normal_force(contact, state),
         "friction_force": friction.tolist(),
         "max_contact_pressure": largest(comm, state.contact_pressure),
         "contact_area": closed,
@@ -49,8 +46,32 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
         "friction_work": contact.friction_work(),
         "penalty_energy": float(integral(state.penalty_energy)),
         **_undecided(contact, state),
+        **_slid(contact),
         **_indentation(problem, contact),
     }
+
+
+def _normal_force(contact: ContactSurface, state: ContactState) -> float:
+    """Resultant of the pressure along the obstacle's axis; of two bodies, its size; collective.
+
+    Without an axis, such as under a given pressure, the sum of what acts along the normals.
+    """
+    integral, pressure = contact.trace.integral, state.contact_pressure
+    if contact.sides.opposite is not None:
+        resultant = integral(pressure[:, None] * contact.trace.normals)
+        if contact.spaces.kinematics == "axisymmetric":
+            resultant[0] = 0.0
+        return float(np.linalg.norm(resultant))
+    if contact.kinematics.direction.any():
+        pressure = pressure * contact.kinematics.facing
+    return float(integral(pressure))
+
+
+def _slid(contact: ContactSurface) -> dict[str, float]:
+    """How far two bodies slid since it was found what faces what, over the contact's size."""
+    if contact.sides.opposite is None:
+        return {}
+    return {"slip_since_pairing": contact.slid_share()}
 
 
 def _undecided(contact: ContactSurface, state: ContactState) -> dict[str, int]:

@@ -105,6 +105,7 @@ def solve_steps(
         if number + 1 < len(times):
             for contact in problem.contacts:
                 contact.accept()
+            newton.pair_anew(found.displacement)
     return found
 
 
@@ -216,8 +217,7 @@ class _CoulombLoop:
             assert contact.friction is not None
             contact.friction.mode = "off"
             if glued:
-                spring = self.problem.elastic.reference_modulus / contact.trace.smallest_edge()
-                contact.friction.glue(_GLUE * spring)
+                contact.friction.glue(_GLUE * contact.moduli.combined / contact.facet_size)
         self.newton.run(tolerance=tolerance)
         self._scale()
         for contact in self.contacts:
@@ -228,10 +228,9 @@ class _CoulombLoop:
         return [contact.pressure() for contact in self.contacts]
 
     def _scale(self) -> None:
-        modulus = self.problem.elastic.reference_modulus
         for contact in self.contacts:
             if not contact.is_scaled:
-                contact.scale_friction(modulus, contact.pressure())
+                contact.scale_friction(contact.pressure())
 
     def _lagged_pass(self, pressures: list[Array]) -> list[Array]:
         for contact, pressure in zip(self.contacts, pressures, strict=True):

@@ -106,6 +106,11 @@ def _print_contacts(console: Console, contacts: list[dict[str, Any]]) -> None:
             if value:
                 written = f"{value:.3g}" if isinstance(value, float) else str(value)
                 words.append(f"{name.replace('_', ' ')} {written}")
+        if "slave" in contact:
+            words.append(
+                f"slave '{contact['slave']}' ({contact['slave_reason']}), master "
+                f"'{contact['master']}'"
+            )
         line = f"Contact {contact['name']}: {', '.join(words)}"
         console.print(line, markup=False, highlight=False, soft_wrap=True)
 
