@@ -35,9 +35,9 @@ def clip(polygons: Array, windows: Array) -> Array:
 
 
 def fan(polygons: Array) -> Array:
-    """Triangles from a point inside to every side, (polygons, corners, 3, 2)."""
-    inside = np.broadcast_to(polygons.mean(axis=1, keepdims=True), polygons.shape)
-    return np.stack([inside, polygons, np.roll(polygons, -1, axis=1)], axis=2)
+    """Triangles from the first corner of convex polygons, (polygons, corners − 2, 3, 2)."""
+    begin, end = polygons[:, 1:-1], polygons[:, 2:]
+    return np.stack([np.broadcast_to(polygons[:, :1], begin.shape), begin, end], axis=2)
 
 
 def _cut(polygons: Array, begin: Array, end: Array) -> Array:

@@ -19,6 +19,10 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.integer[Any]]
 BoolArray = NDArray[np.bool_]
 
+# Of spheres through the nodes, by order: corners lie inside in spite of round-off, and a curved
+# facet leaves the sphere a little.
+_MARGIN = {1: 1.001, 2: 1.2}
+
 
 @dataclass(frozen=True, eq=False)
 class FacetMesh:
@@ -57,23 +61,30 @@ class FacetMesh:
     @cached_property
     def centres(self) -> Array:
         """Positions of the facets' midpoints, (facets, dimension) (length)."""
-        values, _ = _tabulate(self.shape, self.order, self._midpoint)
-        return np.einsum("n,fnd->fd", values[0], self.geometry)
+        return self.positions(*self._midpoints)
 
     @cached_property
     def radii(self) -> Array:
         """Of spheres about the midpoints that hold the facets, (facets,) (length)."""
         distances = np.linalg.norm(self.geometry - self.centres[:, None], axis=2)
-        # A curved facet leaves the sphere through its nodes a little.
-        return distances.max(axis=1, initial=0) * (1.0 if self.order == 1 else 1.2)
+        return distances.max(axis=1, initial=0) * _MARGIN[self.order]
 
     def shape_functions(self, reference: Array) -> Array:
         """Those of the space at reference points, (points, nodes of a facet)."""
-        return self.space_gradients(reference)[0]
+        return _tabulate(self.shape, self.degree, reference, 0)[0]
 
-    def space_gradients(self, reference: Array) -> tuple[Array, Array]:
-        """The same, and their gradients, (dimension − 1, points, nodes of a facet)."""
-        return _tabulate(self.shape, self.degree, reference)
+    def shape_gradients(self, reference: Array) -> Array:
+        """Their gradients, (dimension − 1, points, nodes of a facet)."""
+        return _tabulate(self.shape, self.degree, reference, 1)[1:]
+
+    def geometry_functions(self, reference: Array) -> tuple[Array, Array]:
+        """Shape functions of the geometry and their gradients.
+
+        Returns:
+            (points, geometry nodes) and (dimension − 1, points, geometry nodes).
+        """
+        table = _tabulate(self.shape, self.order, reference, 1)
+        return table[0], table[1:]
 
     def interpolate(self, nodal: Array, facets: IntArray, reference: Array) -> Array:
         """A function of the space, given at all nodes (nodes, components), at points."""
@@ -81,12 +92,12 @@ class FacetMesh:
 
     def positions(self, facets: IntArray, reference: Array) -> Array:
         """Places of points, (points, dimension) (length)."""
-        values, _ = _tabulate(self.shape, self.order, reference)
+        values = _tabulate(self.shape, self.order, reference, 0)[0]
         return np.einsum("pn,pnd->pd", values, self.geometry[facets])
 
     def tangents(self, facets: IntArray, reference: Array) -> Array:
         """Derivatives of the place by reference coordinates, (points, dimension, dimension − 1)."""
-        _, gradients = _tabulate(self.shape, self.order, reference)
+        _, gradients = self.geometry_functions(reference)
         return np.einsum("kpn,pnd->pdk", gradients, self.geometry[facets])
 
     def node_positions(self) -> Array:
@@ -107,13 +118,6 @@ class FacetMesh:
         """Outward normals as long as the surface Jacobian, (points, dimension)."""
         return self._raw_normals(facets, reference) * self._orientations[facets, None]
 
-    def geometry_gradients(self, reference: Array) -> tuple[Array, Array]:
-        """Shape functions of the geometry, (points, geometry nodes), and their gradients.
-
-        The gradients are (dimension − 1, points, geometry nodes).
-        """
-        return _tabulate(self.shape, self.order, reference)
-
     def moved(self, displacement: Array, normals: Array | None = None) -> FacetMesh:
         """The surface displaced.
 
@@ -130,16 +134,16 @@ class FacetMesh:
         )
 
     @property
-    def _midpoint(self) -> Array:
-        return reference_nodes(self.shape, 1).mean(axis=0)[None]
+    def _midpoints(self) -> tuple[IntArray, Array]:
+        """All facets, and the midpoint of each, (facets, dimension − 1)."""
+        midpoint = reference_nodes(self.shape, 1).mean(axis=0)
+        return np.arange(len(self.nodes)), np.tile(midpoint, (len(self.nodes), 1))
 
     @cached_property
     def _orientations(self) -> Array:
         """1 where the numbering of a facet gives the outward normal, −1 elsewhere, (facets,)."""
-        facets = np.arange(len(self.nodes))
-        reference = np.repeat(self._midpoint, len(facets), axis=0)
-        outward = self.interpolate(self.normals, facets, reference)
-        turned = np.einsum("fd,fd->f", outward, self._raw_normals(facets, reference)) < 0
+        outward = self.interpolate(self.normals, *self._midpoints)
+        turned = np.einsum("fd,fd->f", outward, self._raw_normals(*self._midpoints)) < 0
         return np.where(turned, -1.0, 1.0)
 
     def _raw_normals(self, facets: IntArray, reference: Array) -> Array:
@@ -159,10 +163,10 @@ def normalised(vectors: Array) -> Array:
     return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
-def _tabulate(shape: str, degree: int, reference: Array) -> tuple[Array, Array]:
-    """Shape functions (points, nodes) and gradients (dimension − 1, points, nodes)."""
-    table = _element(shape, degree).tabulate(1, np.ascontiguousarray(reference))[..., 0]
-    return table[0], table[1:]
+def _tabulate(shape: str, degree: int, reference: Array, derivatives: int) -> Array:
+    """Shape functions and, with derivatives 1, gradients, (1 + dimension − 1, points, nodes)."""
+    table = _element(shape, degree).tabulate(derivatives, np.ascontiguousarray(reference))
+    return np.asarray(table[..., 0])
 
 
 @lru_cache

@@ -20,7 +20,7 @@ from fenics_contact.facet_mesh import (
 # the processor's cache.
 _TABLE = 2**18
 _NEWTON_STEPS = 20
-_CONVERGED = 1e-10  # reference coordinates; the next step would be its square
+_CONVERGED = 1e-8  # reference coordinates; the next step would be its square
 _INSIDE = 1e-6  # reference coordinates: a point opposite an edge faces the facet
 _GRAZING = 1e-6  # cosine of lines along a facet, which have no point in common with it
 _SAME_DISTANCE = 1e-9  # of the facet's radius
@@ -175,7 +175,7 @@ def meet(
     seen = (mesh.geometry[facets] - points[:, None]) @ across(directions)
     open_lines = np.arange(len(points))
     for _ in range(_NEWTON_STEPS):
-        values, gradients = mesh.geometry_gradients(reference[open_lines])
+        values, gradients = mesh.geometry_functions(reference[open_lines])
         place = np.einsum("pn,pnk->pk", values, seen[open_lines])
         jacobian = np.einsum("jpn,pnk->pkj", gradients, seen[open_lines])
         step = _solve(jacobian, place)

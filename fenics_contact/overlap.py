@@ -32,7 +32,7 @@ class Overlap:
         master: Master facet of every cell, (cells,).
         slave_reference: Points on the slave facet, (cells, points, dimension − 1).
         master_reference: The points that face them, (cells, points, dimension − 1).
-        weights: Weights on the slave's surface, (cells, points) (length^(dimension − 1)).
+        weights: Of the integral over the slave's surface, (cells, points) (length^(dimension − 1)).
         shares: Of the slave facet's area, (cells,).
     """
 

@@ -13,11 +13,31 @@ import basix
 import numpy as np
 
 from fenics_contact import clipping
-from fenics_contact.facet_mesh import Array, BoolArray, FacetMesh, IntArray, normalised
+from fenics_contact.facet_mesh import Array, FacetMesh, IntArray, normalised
 from fenics_contact.facing import across, meet
 from fenics_contact.overlap import LEAST_SHARE, Overlap, Pieces, facing_pairs, pieces
 
-_POINTS = 50_000  # quadrature points treated at a time
+_POINTS = 10_000  # quadrature points treated at a time: they stay in the processor's cache
+
+
+@dataclass(frozen=True, eq=False)
+class _Planes:
+    """A plane through the centre of each piece of the slave.
+
+    Attributes:
+        pieces: Of the slave.
+        normals: The mean normals there, (pieces, 3).
+        axes: Orthonormal vectors in the planes, (pieces, 3, 2).
+        polygons: The pieces seen along the normals, counter-clockwise, (pieces, corners, 2)
+            (length).
+        areas: Of the polygons, (pieces,) (length²).
+    """
+
+    pieces: Pieces
+    normals: Array
+    axes: Array
+    polygons: Array
+    areas: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,73 +72,82 @@ def polygon_overlaps(
         mean_normals: Directions of rays at the slave's nodes, (nodes, 3).
         degree: Of the quadrature on each common triangle.
     """
-    ours, theirs = pieces(slave), pieces(master)
-    normals = normalised(slave.interpolate(mean_normals, ours.facets, ours.reference))
-    planes = across(normals)
-    pairs = facing_pairs(
-        ours,
-        normals,
-        np.zeros(len(normals)),
-        theirs,
-        master.area_normals(theirs.facets, theirs.reference),
-    )
-    own = clipping.counter_clockwise((ours.corners - ours.centres[:, None]) @ planes)
-    own_areas = clipping.areas(own)
-    facet_areas = np.bincount(ours.facets, own_areas, minlength=len(slave.nodes))
+    planes, theirs = _planes(slave, mean_normals), pieces(master)
+    ours = planes.pieces
+    facet_areas = np.bincount(ours.facets, planes.areas, minlength=len(slave.nodes))
     points, weights = basix.make_quadrature(basix.CellType.triangle, degree)
-    triangles = _common(ours, theirs, planes, own, pairs)
-    for cells in triangles.chunks(max(_POINTS // len(points), 1)):
-        corners = cells.corners
-        in_plane = corners[:, :1] + points @ (corners[:, 1:] - corners[:, :1])
-        depth = planes[cells.ours].transpose(0, 2, 1)
-        places = (ours.centres[cells.ours, None] + in_plane @ depth).reshape(-1, 3)
-        rays = np.repeat(normals[cells.ours], len(points), axis=0)
-        here, on_slave = _traced(slave, ours, cells.ours, places, rays)
-        there, on_master = _traced(master, theirs, cells.theirs, places, rays)
-        facets = ours.facets[cells.ours]
-        true = normalised(slave.area_normals(np.repeat(facets, len(points)), here))
-        slope = np.abs(np.einsum("pd,pd->p", true, rays))
-        factor = np.where(on_slave & on_master, 1 / slope, 0.0).reshape(-1, len(points))
-        areas = clipping.areas(corners)
+    count = len(points)
+    for cells in _common(planes, master, theirs).chunks(max(_POINTS // count, 1)):
+        here, stretch = _on_slave(slave, planes, cells, points)
+        facets, opposite = ours.facets[cells.ours], theirs.facets[cells.theirs]
+        repeated = np.repeat(facets, count)
+        # Along the mean normal of each point: along the plane's, the point that faces would
+        # jump from piece to piece.
+        there, met = meet(
+            master,
+            np.repeat(opposite, count),
+            slave.positions(repeated, here),
+            normalised(slave.interpolate(mean_normals, repeated, here)),
+            np.repeat(theirs.reference[cells.theirs], count, axis=0),
+        )
+        areas = clipping.areas(cells.corners)
         yield Overlap(
             facets,
-            theirs.facets[cells.theirs],
-            here.reshape(-1, len(points), 2),
-            there.reshape(-1, len(points), 2),
-            2 * areas[:, None] * weights * factor,
+            opposite,
+            here.reshape(-1, count, 2),
+            there.reshape(-1, count, 2),
+            2 * areas[:, None] * weights * (stretch * met).reshape(-1, count),
             areas / facet_areas[facets],
         )
 
 
-def _common(
-    ours: Pieces, theirs: Pieces, planes: Array, own: Array, pairs: tuple[IntArray, IntArray]
-) -> _Triangles:
-    """What pairs of pieces have in common, seen along the normal of the slave's piece.
+def _planes(slave: FacetMesh, mean_normals: Array) -> _Planes:
+    ours = pieces(slave)
+    normals = normalised(slave.interpolate(mean_normals, ours.facets, ours.reference))
+    axes = across(normals)
+    seen = (ours.corners - ours.centres[:, None]) @ axes
+    polygons = clipping.counter_clockwise(seen)
+    return _Planes(ours, normals, axes, polygons, clipping.areas(polygons))
 
-    Args:
-        ours: The slave's pieces.
-        theirs: The master's pieces.
-        planes: Vectors along the plane of every slave piece, (slave pieces, 3, 2).
-        own: The slave's pieces in their planes, counter-clockwise, (slave pieces, corners, 2).
-        pairs: Slave pieces and master pieces, (pairs,) each.
-    """
-    first, second = pairs
-    other = (theirs.corners[second] - ours.centres[first, None]) @ planes[first]
-    common = clipping.clip(own[first], clipping.counter_clockwise(other))
-    least = LEAST_SHARE * clipping.areas(own)[first]
-    kept = clipping.areas(common) > least
-    first, second, least = first[kept], second[kept], least[kept]
-    triangles = clipping.fan(common[kept])
+
+def _common(planes: _Planes, master: FacetMesh, theirs: Pieces) -> _Triangles:
+    """What pieces of the slave and of the master have in common, seen along the mean normal."""
+    ours = planes.pieces
+    none = np.zeros(len(ours.facets))
+    outward = master.area_normals(theirs.facets, theirs.reference)
+    first, second = facing_pairs(ours, planes.normals, none, theirs, outward)
+    seen = (theirs.corners[second] - ours.centres[first, None]) @ planes.axes[first]
+    common = clipping.clip(planes.polygons[first], clipping.counter_clockwise(seen))
+    kept = clipping.areas(common) > LEAST_SHARE * planes.areas[first]
+    first, second, triangles = first[kept], second[kept], clipping.fan(common[kept])
     areas = clipping.areas(triangles.reshape(-1, 3, 2)).reshape(triangles.shape[:2])
     # Repeated corners make triangles without area.
-    pair, side = np.nonzero(areas > LEAST_SHARE * least[:, None])
-    return _Triangles(first[pair], second[pair], triangles[pair, side])
+    pair, number = np.nonzero(areas > LEAST_SHARE**2 * planes.areas[first, None])
+    return _Triangles(first[pair], second[pair], triangles[pair, number])
 
 
-def _traced(
-    mesh: FacetMesh, parts: Pieces, chosen: IntArray, places: Array, rays: Array
-) -> tuple[Array, BoolArray]:
-    """Where rays from the points of cells meet the true facets behind the cells' pieces."""
-    count = len(places) // len(chosen)
-    start = np.repeat(parts.reference[chosen], count, axis=0)
-    return meet(mesh, np.repeat(parts.facets[chosen], count), places, rays, start)
+def _on_slave(
+    slave: FacetMesh, planes: _Planes, cells: _Triangles, points: Array
+) -> tuple[Array, Array]:
+    """The slave's true facets above or below points of triangles.
+
+    Args:
+        slave: The surface.
+        planes: The planes of its pieces.
+        cells: Triangles in these planes.
+        points: On the reference triangle, (points, 2).
+
+    Returns:
+        Reference coordinates, (triangles × points, 2), and the facet's area per area of the
+        plane, 0 where the facet was not met, (triangles × points,).
+    """
+    ours, corners, count = cells.ours, cells.corners, len(points)
+    in_plane = corners[:, :1] + points @ (corners[:, 1:] - corners[:, :1])
+    places = planes.pieces.centres[ours, None] + in_plane @ planes.axes[ours].transpose(0, 2, 1)
+    facets = np.repeat(planes.pieces.facets[ours], count)
+    normals = np.repeat(planes.normals[ours], count, axis=0)
+    start = np.repeat(planes.pieces.reference[ours], count, axis=0)
+    here, met = meet(slave, facets, places.reshape(-1, 3), normals, start)
+    true = normalised(slave.area_normals(facets, here))
+    slope = np.abs(np.einsum("pd,pd->p", true, normals))
+    return here, met / slope

@@ -13,7 +13,7 @@ from fenics_contact.facing import meet
 from fenics_contact.overlap import LEAST_SHARE, Overlap, facing_pairs, pieces
 
 _NEWTON_STEPS = 20
-_CONVERGED = 1e-10  # reference coordinates; the next step would be its square
+_CONVERGED = 1e-8  # reference coordinates; the next step would be its square
 
 
 def segment_overlap(
@@ -86,9 +86,8 @@ def _ray_origins(slave: FacetMesh, facets: IntArray, mean_normals: Array, points
     for _ in range(_NEWTON_STEPS):
         reach = points - slave.positions(facets, reference)
         tangents = slave.tangents(facets, reference)[:, :, 0]
-        values, gradients = slave.space_gradients(reference)
-        normals = np.einsum("pn,pnd->pd", values, nodal)
-        turning = np.einsum("pn,pnd->pd", gradients[0], nodal)
+        normals = np.einsum("pn,pnd->pd", slave.shape_functions(reference), nodal)
+        turning = np.einsum("pn,pnd->pd", slave.shape_gradients(reference)[0], nodal)
         slope = _cross(reach, turning) - _cross(tangents, normals)
         with np.errstate(divide="ignore", invalid="ignore"):
             step = np.nan_to_num(_cross(reach, normals) / slope)
