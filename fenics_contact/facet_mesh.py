@@ -110,9 +110,7 @@ class FacetMesh:
 
     def normals_at_centres(self) -> Array:
         """Outward normals at ``centres``, as long as the facets' areas, (facets, dimension)."""
-        facets = np.arange(len(self.nodes))
-        found = self.area_normals(facets, np.repeat(self._midpoint, len(facets), axis=0))
-        return found * _REFERENCE_SIZES[self.shape]
+        return self.area_normals(*self._midpoints) * _REFERENCE_SIZES[self.shape]
 
     def area_normals(self, facets: IntArray, reference: Array) -> Array:
         """Outward normals as long as the surface Jacobian, (points, dimension)."""
