@@ -106,16 +106,20 @@ class Pairing:
         axisymmetric = self._slave.spaces.kinematics == "axisymmetric"
         normals, found = face(slave.node_positions(), slave.normals, master)
         integrals = integrate(slave, master, normals, axisymmetric)
+        centre_normals, centre_distances = np.zeros((0, slave.dimension)), np.zeros(0)
+        used = np.isfinite(found.distance)
+        if not self._slave.nodal:
+            own = normalised(slave.normals_at_centres())
+            centre_normals, at_centres = face(slave.centres, own, master)
+            centre_distances = at_centres.distance
+            used[slave.nodes[np.isfinite(centre_distances)]] = True
         blocks: list[Array] = []
         for axis in range(slave.dimension):
             fixed = self._mirrored[:, axis]
             same = [k for k in range(axis) if (self._mirrored[:, k] == fixed).all()]
             blocks.append(blocks[same[0]] if same else projection(integrals, fixed))
-        centre_normals, centre_distances = np.zeros((0, slave.dimension)), np.zeros(0)
-        if not self._slave.nodal:
-            own = normalised(slave.normals_at_centres())
-            centre_normals, at_centres = face(slave.centres, own, master)
-            centre_distances = at_centres.distance
+            # Beyond the master's edge the projection extrapolates, and nothing asks for it.
+            blocks[-1][~used] = 0.0
         return _Faced(
             normals, found.distance, centre_normals, centre_distances, integrals.coverage, blocks
         )
