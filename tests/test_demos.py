@@ -37,7 +37,7 @@ EXPECTED = {
         "contact_area": (pi * (1 - 0.5**2), 1e-3),
         "stick_area": (pi * (0.905**2 - 0.510**2), 5e-3),
     },
-    "cylinders": {"contact_area": (2 * 0.5024, 1e-2), "max_contact_pressure": (34.50, 3e-3)},
+    "cylinders": {"contact_area": (2 * 0.5024, 5e-3), "max_contact_pressure": (34.50, 3e-3)},
     "incline": {
         "normal_force": (WEIGHT * sqrt(1 + SLOPE**2) / (1 - FRICTION * SLOPE), 1e-9),
         "reaction": ([0, WEIGHT], 1e-9),
@@ -175,11 +175,11 @@ def test_cylinders_against_hertz_and_cattaneo(tmp_path):
     found = run_demo("cylinders", tmp_path)
     force, shear = found["normal_force"], -found["friction_force"][0]
     half_width = sqrt(4 * force * radius / (pi * modulus))
-    assert found["contact_area"] == pytest.approx(2 * half_width, rel=1e-2)
+    assert found["contact_area"] == pytest.approx(2 * half_width, rel=5e-3)
     assert found["max_contact_pressure"] == pytest.approx(2 * force / (pi * half_width), rel=3e-3)
     used = shear / (0.3 * force)
     assert used == pytest.approx(0.57, abs=5e-3)
-    assert found["stick_area"] == pytest.approx(2 * half_width * sqrt(1 - used), rel=2e-2)
+    assert found["stick_area"] == pytest.approx(2 * half_width * sqrt(1 - used), rel=1e-2)
 
 
 def test_block_slides_up_the_incline(tmp_path):
