@@ -51,7 +51,7 @@ class BodyKinematics(ContactKinematics):
         pairing = self.pairing
         self.trace.turn(pairing.normals, pairing.centre_normals)
         counts = self.trace.count(pairing.shares)
-        self.gap = np.where(counts, pairing.distances, np.inf)
+        self.gap = np.where(counts, pairing.gaps, np.inf)
         self._first_jump = self.jump_at_points()
 
     def require_one_sided(self, key: str) -> None:
@@ -66,15 +66,12 @@ class BodyKinematics(ContactKinematics):
     def pair_anew(self, displacement: Array) -> None:
         """Find what faces what on the displaced bodies; collective.
 
-        Gaps are still those before anything moves: what the jump has closed is added.
-
         Args:
             displacement: At the body's nodes of this rank, (nodes, components) (length).
         """
         self.pairing.update(displacement)
         self.move(self.relative(displacement))
         self._face()
-        self.gap = self.gap + self.normal(self._first_jump)
 
     def slid_share(self, closed: NDArray[np.bool_]) -> float:
         """Slip since it was found what faces what, over the size of the contact; collective.

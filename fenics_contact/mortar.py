@@ -109,7 +109,7 @@ def _quadrature_degree(slave: FacetMesh, master: FacetMesh) -> int:
 def _values(mesh: FacetMesh, reference: Array) -> Array:
     """Shape functions at the points of cells, (cells, points, nodes of a facet)."""
     flat = mesh.shape_functions(reference.reshape(-1, reference.shape[2]))
-    return flat.reshape(*reference.shape[:2], -1)
+    return flat.reshape(*reference.shape[:2], mesh.nodes.shape[1])
 
 
 def _weights(slave: FacetMesh, overlap: Overlap, is_axisymmetric: bool) -> Array:

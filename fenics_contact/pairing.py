@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fenics_contact import compat
 from fenics_contact.facet_mesh import FacetMesh, normalised
-from fenics_contact.facing import face, hits
+from fenics_contact.facing import Hits, face, hits
 from fenics_contact.mortar import integrate, projection
 from fenics_contact.parallel import on_root
 from fenics_contact.trace import Trace
@@ -31,17 +31,17 @@ class _Faced:
 
     Attributes:
         normals: Mean unit normals at its nodes, (nodes, components).
-        distances: Along them to the master, (nodes,); infinite where there is none (length).
+        gaps: Along them to the master, (nodes,); infinite where there is none (length).
         centre_normals: At the centres of its facets, (facets, components), or none.
-        centre_distances: Likewise, (facets,) or none.
+        centre_gaps: Likewise, (facets,) or none.
         shares: Of each facet, how much faces the master, 0 … 1.
         blocks: The projection by components, each (slave nodes, master nodes).
     """
 
     normals: Array
-    distances: Array
+    gaps: Array
     centre_normals: Array
-    centre_distances: Array
+    centre_gaps: Array
     shares: Array
     blocks: list[Array]
 
@@ -52,8 +52,8 @@ class Pairing:
     Attributes:
         normals: Mean normals at the slave's nodes of this rank, (nodes, components).
         centre_normals: At ``Trace.centres``.
-        distances: Along them from the slave's contact points to the master; infinite where
-            there is none (length).
+        gaps: Along them from the slave's contact points to what faces them, as meshed: what
+            moves is the jump's; infinite where there is nothing (length).
         shares: Of the slave's facets of this rank, how much faces the master.
         blocks: P by components, each (slave nodes, master nodes), of the whole surfaces: the
             displacement opposite is P u.
@@ -89,7 +89,7 @@ class Pairing:
                 for facets, trace in zip(self._surfaces, (self._slave, self._master), strict=True)
             )
         faced = on_root(self._comm, lambda: self._find(slave, master))
-        self._present = master
+        self._moved_master = master
         surface = self._slave.surface
         self.blocks = faced.blocks
         self.normals = faced.normals[surface.numbers]
@@ -99,20 +99,21 @@ class Pairing:
         mine = slice(first, first + counts[self._comm.rank])
         self.shares = faced.shares[mine]
         self.centre_normals = faced.centre_normals[mine]
-        at_nodes = faced.distances[surface.numbers][self._slave.numbers]
-        self.distances = np.concatenate([at_nodes, faced.centre_distances[mine]])
+        at_nodes = faced.gaps[surface.numbers][self._slave.numbers]
+        self.gaps = np.concatenate([at_nodes, faced.centre_gaps[mine]])
 
     def _find(self, slave: FacetMesh, master: FacetMesh) -> _Faced:
         axisymmetric = self._slave.spaces.kinematics == "axisymmetric"
         normals, found = face(slave.node_positions(), slave.normals, master)
         integrals = integrate(slave, master, normals, axisymmetric)
-        centre_normals, centre_distances = np.zeros((0, slave.dimension)), np.zeros(0)
-        used = np.isfinite(found.distance)
+        gaps = self._gaps(self._surfaces[0].node_positions(), normals, found)
+        centre_normals, centre_gaps = np.zeros((0, slave.dimension)), np.zeros(0)
+        used = np.isfinite(gaps)
         if not self._slave.nodal:
             own = normalised(slave.normals_at_centres())
             centre_normals, at_centres = face(slave.centres, own, master)
-            centre_distances = at_centres.distance
-            used[slave.nodes[np.isfinite(centre_distances)]] = True
+            centre_gaps = self._gaps(self._surfaces[0].centres, centre_normals, at_centres)
+            used[slave.nodes[np.isfinite(centre_gaps)]] = True
         blocks: list[Array] = []
         for axis in range(slave.dimension):
             fixed = self._mirrored[:, axis]
@@ -120,9 +121,15 @@ class Pairing:
             blocks.append(blocks[same[0]] if same else projection(integrals, fixed))
             # Beyond the master's edge the projection extrapolates, and nothing asks for it.
             blocks[-1][~used] = 0.0
-        return _Faced(
-            normals, found.distance, centre_normals, centre_distances, integrals.coverage, blocks
-        )
+        return _Faced(normals, gaps, centre_normals, centre_gaps, integrals.coverage, blocks)
+
+    def _gaps(self, points: Array, normals: Array, found: Hits) -> Array:
+        """Between points of the slave as meshed and the master's that face them, as meshed."""
+        facing = found.facet >= 0
+        opposite = self._surfaces[1].positions(found.facet[facing], found.reference[facing])
+        gaps = np.full(len(points), np.inf)
+        gaps[facing] = np.einsum("ij,ij->i", opposite - points[facing], normals[facing])
+        return gaps
 
     def opposite(self, field: Array) -> Array:
         """The master's motion at the slave's nodes of this rank; collective.
@@ -158,7 +165,7 @@ class Pairing:
 
     def distances_from(self, points: Array, normals: Array) -> Array:
         """Along normals (points, components) from points (points, 3) to the master (length)."""
-        return hits(self._present, points[:, : normals.shape[1]], normals).distance
+        return hits(self._moved_master, points[:, : normals.shape[1]], normals).distance
 
 
 def gathered(trace: Trace) -> FacetMesh:

@@ -1,0 +1,349 @@
+"""Contact between deformable bodies: statics, exact fields, rigid limits, one solver by another."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import (
+    Contact,
+    Discretisation,
+    Load,
+    Material,
+    Obstacle,
+    Path,
+    Run,
+    Scene,
+    SolverSettings,
+    Steps,
+    Support,
+    run,
+)
+from fenics_contact.errors import InputError, NoEquilibriumError
+from fenics_contact.moduli import Moduli
+from fenics_contact.parallel import largest
+from tests.pair_bodies import Box, boxes
+
+COMM = MPI.COMM_WORLD
+LOWER = Box("lower", (0, -1), (1, 0), (6, 5))
+UPPER = Box("upper", (0, 0), (1, 1), (4, 3))
+TOP = Box("top", (0, 1), (1, 2), (5, 4))
+CLAMP = Support("lower.y0", {"x": 0, "y": 0})
+
+
+def touching(on="upper.y0", against="lower.y1", **contact):
+    return Contact(on, against=against, **contact)
+
+
+ROUGH = touching(friction_coefficient=0.5)
+
+
+def pressed(traction=(0.1, -1.0), contact=None, **changes):
+    """A block on another one, clamped at its bottom, loaded at the top."""
+    contacts = contact if isinstance(contact, tuple) else (contact or ROUGH,)
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(CLAMP,),
+        load=(Load("upper.y1", traction=traction),),
+        contact=contacts,
+    )
+    return dataclasses.replace(scene, **changes)
+
+
+def box_pair(shape, shared=(0.0, 0.0)):
+    """Two boxes, one on the other, of any cell; the upper may be moved sideways and up."""
+    if shape in ("hexahedron", "tetrahedron"):
+        parts = (
+            Box("lower", (0, 0, -1), (1, 1, 0), (3, 2, 2)),
+            Box("upper", (0, 0, 0), (1, 1, 1), (2, 3, 2)),
+        )
+    else:
+        (aside, above) = shared
+        parts = (LOWER, Box("upper", (aside, above), (1 + aside, 1 + above), (4, 3)))
+    return boxes(parts, shape)
+
+
+@pytest.mark.parametrize("slave", ["on", "against"])
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("cell", ["quadrilateral", "triangle", "hexahedron", "tetrahedron"])
+def test_uniform_pressure_crosses_meshes_that_do_not_match(cell, degree, slave):
+    """The patch test: with ν = 0 a column under p is compressed by p/E, whatever the meshes."""
+    space = cell in ("hexahedron", "tetrahedron")
+    up, sides = ("z", ("x", "y")) if space else ("y", ("x",))
+    scene = Scene(
+        kinematics="3D" if space else "plane strain",
+        material=(Material(1000, 0.0, on="upper"), Material(300, 0.0, on="lower")),
+        discretisation=Discretisation(degree),
+        support=(
+            Support(f"lower.{up}0", {up: 0}),
+            *(Support(body, {axis: 0}) for body in ("upper", "lower") for axis in sides),
+        ),
+        load=(Load(f"upper.{up}1", pressure=5.0),),
+        contact=(touching(f"upper.{up}0", f"lower.{up}1", slave=slave, penalty_parameter=1e-9),),
+    )
+    prepared = Run(scene, COMM, box_pair(cell))
+    assert prepared.solve().passed
+    solution, spaces = prepared.solution, prepared.problem.spaces
+    state = solution.states[0]
+    assert largest(COMM, np.abs(state.contact_pressure - 5)) <= 5e-7
+    height = spaces.coordinates[:, 2 if space else 1]
+    is_upper = spaces.parts.of_node == list(spaces.parts.names).index("upper")
+    lowered = 5 / 300 * (1 + np.minimum(height, 0)) + is_upper * (5e-9 + 5 / 1000 * height)
+    found = -solution.displacement[:, 2 if space else 1]
+    # Stress error 1e-9: strains are differences of displacements over a cell.
+    assert largest(COMM, np.abs(found - lowered)) <= 1e-9 * 5 / 300
+
+
+@pytest.mark.parametrize("law", ["static", "incremental"])
+@pytest.mark.parametrize("cell, degree", [("quadrilateral", 2), ("tetrahedron", 1)])
+def test_solvers_agree(cell, degree, law):
+    """Jumps as unknowns, all displacements at once, and multigrid: one answer."""
+    space = cell == "tetrahedron"
+    up = "z" if space else "y"
+    coefficient = 0.3 if space else 0.08
+    motion = {"x": 0.02, up: -0.05} | ({"y": 0.005} if space else {})
+    scene = Scene(
+        kinematics="3D" if space else "plane strain",
+        material=(Material(1000, 0.3, on="upper"), Material(300, 0.2, on="lower")),
+        discretisation=Discretisation(degree),
+        support=(
+            Support(f"lower.{up}0", dict.fromkeys(motion, 0)),
+            Support(f"upper.{up}1", motion),
+        ),
+        steps=Steps(number=2 if law == "incremental" else 1),
+        contact=(
+            touching(f"upper.{up}0", f"lower.{up}1", friction_coefficient=coefficient, law=law),
+        ),
+    )
+    found = {}
+    for solver in ("condensed", "full", "iterative") if space else ("condensed", "full"):
+        chosen = dataclasses.replace(scene, solver=SolverSettings(solver=solver, tolerance=1e-12))
+        prepared = Run(chosen, COMM, box_pair(cell))
+        assert prepared.solve().passed
+        found[solver] = prepared.solution
+    reference = found.pop("full")
+    assert {"STICK", "SLIP"} <= set().union(*COMM.allgather(set(reference.states[0].status)))
+    for solution in found.values():
+        moved = largest(COMM, np.abs(solution.displacement - reference.displacement).ravel())
+        assert moved <= 1e-10 * 0.05
+        pressures = solution.states[0].contact_pressure, reference.states[0].contact_pressure
+        assert largest(COMM, np.abs(pressures[0] - pressures[1])) <= 1e-7 * largest(
+            COMM, pressures[1]
+        )
+
+
+def test_against_a_body_that_cannot_move_it_is_as_against_a_rigid_obstacle():
+    """Held everywhere, the lower body is a plane: an independent way to the same numbers."""
+    lifted = box_pair("quadrilateral", (0.0, 0.01))
+    base = pressed(
+        contact=touching(friction_coefficient=0.3, penalty_parameter=1e-7, slave="on"),
+        support=(Support("upper.y1", {"x": 0.01, "y": -0.03}), Support("lower", {"x": 0, "y": 0})),
+        load=(),
+    )
+    plane = Contact(
+        "upper.y0",
+        obstacle=Obstacle("plane", position=(0, 0), normal=(0, 1)),
+        friction_coefficient=0.3,
+        penalty_parameter=1e-7,
+        regularisation_parameter=1e-9,
+    )
+    own = dataclasses.replace(base.contact[0], regularisation_parameter=1e-9)
+    first = run(dataclasses.replace(base, contact=(own,)), COMM, lifted)
+    second = run(dataclasses.replace(base, contact=(plane,)), COMM, lifted)
+    assert first.passed and second.passed
+    assert first.quantities["slip_area"] > 0.05
+    for key in ("max_contact_pressure", "contact_area", "max_slip", "strain_energy"):
+        assert first.quantities[key] == pytest.approx(second.quantities[key], rel=1e-8), key
+    assert first.points.contact_pressure == pytest.approx(second.points.contact_pressure, rel=1e-7)
+
+
+@pytest.mark.parametrize("solver", ["condensed", "full"])
+def test_a_stack_that_only_contact_holds(solver):
+    """Three blocks: each joint carries the loads above it; nothing else holds two of them."""
+    scene = pressed(
+        load=(Load("top.y1", traction=(0.1, -1.0)),),
+        contact=(
+            touching(friction_coefficient=0.5),
+            touching("top.y0", "upper.y1", friction_coefficient=0.5),
+        ),
+        solver=SolverSettings(solver=solver),
+    )
+    prepared = Run(scene, COMM, boxes((LOWER, UPPER, TOP)))
+    assert prepared.model["bodies"] == ["lower", "upper", "top"]
+    assert prepared.model["free_rigid_motions"] == 6
+    result = prepared.solve()
+    assert result.passed
+    for contact in result.contacts:
+        assert contact["quantities"]["normal_force"] == pytest.approx(1.0, rel=1e-8)
+        assert contact["quantities"]["friction_force"] == pytest.approx([-0.1, 0.0], abs=1e-8)
+    assert result.quantities["reaction"] == pytest.approx([-0.1, 1.0], abs=1e-8)
+
+
+def test_a_surface_that_is_slave_here_and_beside_a_master_there():
+    """The middle block's sides meet at corners, where one node is slave and another's master."""
+    wedge = Box("wedge", (1, -0.5), (2, 0.5), (3, 4))
+    scene = pressed(
+        load=(Load("upper.y1", traction=(0, -1.0)),),
+        support=(CLAMP, Support("wedge.x1", {"x": -0.002, "y": 0})),
+        contact=(
+            touching(friction_coefficient=0.5, slave="against"),
+            touching("lower.x1", "wedge.x0", friction_coefficient=0.2, slave="against"),
+        ),
+    )
+    answers = [
+        run(dataclasses.replace(scene, solver=SolverSettings(solver=solver)), COMM, body)
+        for solver in ("condensed", "full")
+        for body in [boxes((LOWER, UPPER, wedge))]
+    ]
+    assert all(answer.passed for answer in answers)
+    for key in ("normal_force", "max_contact_pressure", "strain_energy"):
+        values = [answer.quantities[key] for answer in answers]
+        assert values[0] == pytest.approx(values[1], rel=1e-7), key
+
+
+def test_bodies_come_together_from_a_distance():
+    scene = pressed(
+        (0, -1.0),
+        touching(friction_coefficient=0.3),
+        support=(CLAMP, Support("upper.x0", {"x": 0})),
+    )
+    result = run(scene, COMM, box_pair("quadrilateral", (0.0, 0.05)))
+    assert result.passed
+    assert result.quantities["normal_force"] == pytest.approx(1.0, rel=1e-8)
+
+
+def test_surfaces_that_partly_face_each_other():
+    """A block over the edge of another one: contact ends where either of them does."""
+    scene = pressed(
+        contact=touching(penalty_parameter=1e-7),
+        support=(CLAMP, Support("upper.y1", {"x": 0, "y": -0.01})),
+        load=(),
+    )
+    for slave in ("on", "against"):
+        contact = dataclasses.replace(scene.contact[0], slave=slave)
+        body = boxes((LOWER, Box("upper", (0.53, 0), (1.53, 1), (7, 5))))
+        result = run(dataclasses.replace(scene, contact=(contact,)), COMM, body)
+        assert result.passed
+        assert result.quantities["contact_area"] == pytest.approx(0.47, abs=0.02)
+        force = result.quantities["normal_force"]
+        assert result.supports[0]["reaction"][1] == pytest.approx(force, rel=1e-7)
+        assert result.supports[1]["reaction"][1] == pytest.approx(-force, rel=1e-7)
+
+
+def test_pairing_follows_bodies_that_slide():
+    """A block shoved half its width along, then left: as if it had been meshed there."""
+    long = Box("lower", (0, -1), (2, 0), (12, 5))
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(
+            CLAMP,
+            Support("upper.y1", {"y": -0.01}),
+            Support("upper.y1", {"x": 0.5}, path=Path(time=(0, 0.5, 1), factor=(0, 1, 1))),
+        ),
+        steps=Steps(number=8),
+        contact=(touching(penalty_parameter=1e-7),),
+    )
+    there = dataclasses.replace(
+        scene, support=(CLAMP, Support("upper.y1", {"x": 0, "y": -0.01})), steps=Steps()
+    )
+    slid = run(scene, COMM, boxes((long, Box("upper", (0.1, 0), (1.1, 1), (4, 3)))))
+    meshed = run(there, COMM, boxes((long, Box("upper", (0.6, 0), (1.6, 1), (4, 3)))))
+    assert slid.passed and meshed.passed
+    assert "slid far" in slid.verdict and "slid far" not in meshed.verdict
+    for key in ("normal_force", "max_contact_pressure"):
+        assert slid.quantities[key] == pytest.approx(meshed.quantities[key], rel=2e-3), key
+    # In one step, with what faced what at first, the pressure is that of the wrong place.
+    once = run(
+        dataclasses.replace(scene, steps=Steps()),
+        COMM,
+        boxes((long, Box("upper", (0.1, 0), (1.1, 1), (4, 3)))),
+    )
+    error = once.quantities["normal_force"] / meshed.quantities["normal_force"] - 1
+    assert abs(error) > 1e-2
+
+
+def test_slave_is_the_covered_surface_and_not_the_much_finer_one():
+    def sides(parts, **contact):
+        scene = pressed(contact=touching(friction_coefficient=0.5, **contact))
+        found = Run(scene, COMM, boxes(parts)).contacts()[0]
+        return found["slave"], found["slave_reason"]
+
+    wide = Box("lower", (-1, -1), (2, 0), (9, 3))
+    assert sides((wide, UPPER)) == ("upper.y0", "the other covers it")
+    assert sides((wide, UPPER), slave="against") == ("lower.y1", "as the scene says")
+    fine = Box("upper", (0, 0), (1, 1), (20, 4))
+    assert sides((LOWER, fine)) == ("lower.y1", "it is not the much finer one")
+    assert sides((LOWER, UPPER)) == ("upper.y0", "it comes first")
+
+
+def test_several_blocks_on_one_foundation():
+    """A surface in several contacts is the master of each."""
+    left, right = (Box(n, (x, 0), (x + 0.4, 0.4), (3, 3)) for n, x in (("a", 0), ("b", 0.6)))
+    scene = pressed(
+        load=(Load("a.y1", pressure=2.0), Load("b.y1", pressure=3.0)),
+        contact=(
+            Contact("lower.y1", against="a.y0", friction_coefficient=0.3, name="a"),
+            touching("b.y0", friction_coefficient=0.3),
+        ),
+    )
+    result = run(scene, COMM, boxes((LOWER, left, right)))
+    assert result.passed
+    assert [contact["slave"] for contact in result.contacts] == ["a.y0", "b.y0"]
+    forces = [contact["quantities"]["normal_force"] for contact in result.contacts]
+    assert forces == pytest.approx([0.8, 1.2], rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    "contact, words",
+    [
+        (touching(), "translation along x of 'upper'"),
+        (touching("upper.x1", "lower.x0", friction_coefficient=1), "do not face each other"),
+    ],
+)
+def test_what_cannot_be_held_or_does_not_touch_is_refused(contact, words):
+    with pytest.raises(InputError if "face" in words else NoEquilibriumError, match=words):
+        run(pressed(contact=contact), COMM, box_pair("quadrilateral"))
+
+
+@pytest.mark.parametrize(
+    "contacts, words",
+    [
+        ((touching(), touching("upper.y1", "lower.y1"), touching("upper.y1", "lower.x0")), "both"),
+        ((touching(against="lower.y0"),), "shares boundary with the support"),
+        ((touching(slave="against"), touching("lower.x1", "lower.y1")), "cannot be the slave"),
+        ((touching(), Contact("lower.y1", obstacle=Obstacle("plane"))), "shares boundary"),
+    ],
+)
+def test_surfaces_in_several_contacts(contacts, words):
+    named = tuple(dataclasses.replace(c, name=f"c{i}") for i, c in enumerate(contacts))
+    with pytest.raises(InputError, match=words):
+        run(pressed(contact=named), COMM, box_pair("quadrilateral"))
+
+
+@pytest.mark.parametrize(
+    "keys, words",
+    [
+        ({"obstacle": Obstacle("plane")}, "either a surface opposite or an obstacle"),
+        ({"pressure": 1.0}, "either a surface opposite or a pressure that is given"),
+    ],
+)
+def test_a_contact_has_one_thing_opposite(keys, words):
+    with pytest.raises(ValueError, match=words):
+        touching(**keys)
+    with pytest.raises(ValueError, match="only contact of two surfaces"):
+        Contact("a", slave="on")
+    with pytest.raises(ValueError, match="cannot stand against itself"):
+        Contact("a", against="a")
+
+
+def test_moduli_of_two_bodies():
+    """Compliances add up: E* = [(1 − ν₁²)/E₁ + (1 − ν₂²)/E₂]⁻¹ (Johnson, (4.1))."""
+    soft, stiff = Moduli(100, 0.4, False), Moduli(1e8, 0.3, False)
+    assert soft.against(stiff).plane_strain == pytest.approx(
+        1 / ((1 - 0.4**2) / 100 + (1 - 0.3**2) / 1e8)
+    )
+    assert soft.against(soft).combined == pytest.approx(50)
+    assert soft.against(stiff).confined == pytest.approx(soft.confined, rel=1e-5)
