@@ -7,7 +7,7 @@ and 7.2) the force F = 27.227 that comes out belongs to
 
     a = √(4 F R / (π E*)) = .5024,    p0 = 2 F / (π a) = 34.50,
 
-half the width of the contact and the peak of the pressure, and one gets .5013 and 34.56. The
+half the width of the contact and the peak of the pressure, and one gets .5014 and 34.56. The
 shift does not change them. Its force ends at Q = 4.669 = .572 μF: then the contact slips at both
 edges, and sticks on c/a = √(1 − Q/μF) = .6545 of it; one gets .653. The scene file cylinders.toml
 says the same.
