@@ -69,11 +69,13 @@ class Solved:
 
     Attributes:
         scene: What was solved.
+        result: The content of its ``result.json``.
         body: A pyvista grid with the run's fields.
         surface: Displacement of the contact's points.
     """
 
     scene: Scene
+    result: dict[str, Any]
     body: Any
     surface: SurfaceDisplacement
 
@@ -85,7 +87,7 @@ class Solved:
         files.write(run, run.solve(), folder)
         result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
         body, rows = read_body(folder), ContactTable.read(folder / "contact.csv")
-        return cls(scene, body, SurfaceDisplacement.of(body, rows, result["contacts"][0]))
+        return cls(scene, result, body, SurfaceDisplacement.of(body, rows, result["contacts"][0]))
 
     def curve(self, name: str, end: float) -> tuple[np.ndarray, np.ndarray]:
         """Positions and values of one of ``NAMES``; displacements also beyond the contact."""
@@ -117,34 +119,41 @@ def draw_curves(number: int, runs: dict[str, Solved]) -> None:
     save(figure, DOCS / "pictures" / f"example{number}.png")
 
 
-def draw_deformed(number: int, runs: dict[str, Solved]) -> None:
-    """The deformed bodies, their contact points, and where the bodies were."""
+def draw_cells(
+    panel: Any, run: Solved, window: tuple[float, float, float, float], factor: float
+) -> None:
+    """The deformed cells in a window, and the points in contact."""
     from matplotlib.collections import LineCollection
 
+    body, found = run.body, run.surface
+    cells = body.cell_connectivity.reshape(body.n_cells, -1)[:, AROUND]
+    moved = body.points + factor * body["displacement"]
+    panel.add_collection(LineCollection(moved[cells, :2], colors="0.4", linewidths=0.5))
+    points = found.line.rows.vectors("x", "y") + factor * found.vectors
+    for mark in found.line.marks:
+        mine = np.isin(found.line.rows.status, mark.status) & found.line.rows.closed
+        fill = mark.colour if mark.filled else "white"
+        style = {"color": mark.colour, "markerfacecolor": fill, "markersize": 3.5}
+        if mine.any():
+            panel.plot(*points[mine].T, mark.shape, label=mark.label, **style)
+    panel.legend(framealpha=0.9, edgecolor="white", fontsize=9, loc="upper left", ncols=2)
+    panel.set_aspect("equal")
+    panel.set_xlim(window[:2])
+    panel.set_ylim(window[2:])
+
+
+def draw_deformed(number: int, runs: dict[str, Solved]) -> None:
+    """The deformed bodies, their contact points, and where the bodies were."""
     example = EXAMPLES[number]
     rows, columns, *size = example.layout
     title = f"Example {number}, displacements x {example.factor:g}: without friction"
     figure, panels = new_figure(title, tuple(size), nrows=rows, ncols=columns)
     panels[1].set_title("with friction", loc="left", fontsize=11)
     for panel, run in zip(panels, ("without", "with friction"), strict=True):
-        body, found = runs[run].body, runs[run].surface
-        cells = body.cell_connectivity.reshape(body.n_cells, -1)[:, AROUND]
-        moved = body.points + example.factor * body["displacement"]
-        panel.add_collection(LineCollection(moved[cells, :2], colors="0.4", linewidths=0.5))
-        left, right, bottom, top = body.bounds[:4]
+        left, right, bottom, top = runs[run].body.bounds[:4]
         outline = [left, right, right, left, left], [bottom, bottom, top, top, bottom]
         panel.plot(*outline, "--", color="0.5", linewidth=0.8)
-        points = found.line.rows.vectors("x", "y") + example.factor * found.vectors
-        for mark in found.line.marks:
-            mine = np.isin(found.line.rows.status, mark.status) & found.line.rows.closed
-            fill = mark.colour if mark.filled else "white"
-            style = {"color": mark.colour, "markerfacecolor": fill, "markersize": 3.5}
-            if mine.any():
-                panel.plot(*points[mine].T, mark.shape, label=mark.label, **style)
-        panel.legend(frameon=False, fontsize=9, loc="upper left", ncols=2)
-        panel.set_aspect("equal")
-        panel.set_xlim(example.window[:2])
-        panel.set_ylim(example.window[2:])
+        draw_cells(panel, runs[run], example.window, example.factor)
     save(figure, DOCS / "pictures" / f"example{number}_deformed.png")
 
 

@@ -13,6 +13,7 @@ from fenics_contact.contact_table import ContactTable
 from fenics_contact.figures import new_figure, save
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 _DEPTH = 3.0  # what is shown, in contact radii
 _SINGULAR = 3.0  # a peak this many times the mean pressure says nothing: Hertz has 1.5
@@ -37,7 +38,7 @@ class AxisStress:
         """None where the body has no axis, or the contact does not lie across it.
 
         Args:
-            body: A pyvista grid with the field ``stress``.
+            body: A pyvista grid with the field ``stress``; it may hold a body opposite, too.
             rows: Points of the contact, which say on which side the surface is.
         """
         points = np.asarray(body.points)
@@ -45,8 +46,11 @@ class AxisStress:
         up = float(rows.numbers["ny"].mean())
         if on_axis.sum() < 3 or abs(up) < 0.5:
             return None
-        height = np.sign(up) * points[on_axis, 1]
-        depth, first = np.unique(height.max() - height, return_index=True)
+        heights = np.sign(up) * points[:, 1]
+        nearest = np.sign(up) * rows.numbers["y"][np.argmin(rows.numbers["x"])]
+        surface = heights[on_axis][np.argmin(np.abs(heights[on_axis] - nearest))]
+        on_axis &= _below(body, heights, surface, on_axis)
+        depth, first = np.unique(surface - heights[on_axis], return_index=True)
         stress = np.asarray(body["stress"]).reshape(-1, 3, 3)[on_axis][first]
         return cls(depth, stress[:, 1, 1], (stress[:, 0, 0] + stress[:, 2, 2]) / 2)
 
@@ -55,6 +59,15 @@ class AxisStress:
         """Principal shear stress, half the difference of the principal stresses."""
         shear: Array = np.abs(self.axial - self.radial) / 2
         return shear
+
+
+def _below(body: Any, heights: Array, surface: float, on_axis: Flags) -> Flags:
+    """The nodes of the cells on the axis below a surface: a node there may be on either side."""
+    corners = body.cell_connectivity.reshape(body.n_cells, -1)  # all cells are of one type
+    below = on_axis[corners].any(axis=1) & (heights[corners].mean(axis=1) < surface)
+    found = np.zeros(len(heights), dtype=bool)
+    found[corners[below]] = True
+    return found
 
 
 def contact_radius(rows: ContactTable, contact: dict[str, Any]) -> float:
@@ -83,7 +96,8 @@ def draw_axis_stress(
     radius = contact_radius(rows, contact)
     unit, symbol = _unit(contact["quantities"])
     shown = stress.depth <= _DEPTH * radius
-    figure, (panel,) = new_figure(f"Stresses on the axis below '{contact['name']}'", (5.6, 5.2))
+    surface = contact.get("slave", contact["name"])
+    figure, (panel,) = new_figure(f"Stresses on the axis below '{surface}'", (5.6, 5.2))
     curves = (
         (stress.axial, "-", "o", r"$\sigma_{zz}$"),
         (stress.radial, "--", "s", r"$\sigma_{rr} = \sigma_{\theta\theta}$"),

@@ -51,7 +51,8 @@ def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path
         _add_points(plotter, view)
         where = " near the contact" if view.is_near else ""
         times = "" if view.factor == 1 else f", displacements x {view.factor:g}"
-        plotter.add_text(f"Deformed mesh{where}{times}", font_size=11, color="black")
+        through = ", contact points seen through the bodies" if view.hides else ""
+        plotter.add_text(f"Deformed mesh{where}{times}{through}", font_size=11, color="black")
         _look(plotter, view)
         plotter.screenshot(str(path))
         plotter.close()
@@ -157,11 +158,12 @@ def _add_points(plotter: Any, view: View) -> None:
     inside = ((points >= view.low - margin) & (points <= view.high + margin)).all(axis=1)
     moved = points + view.factor * view.body["displacement"]
     size = 24 if (inside & (status >= 0)).sum() < 60 else 16
+    nearer = (1.0 if view.hides else 0.01) * view.size  # so that none is hidden
     entries = []
     for mark in view.marks:
         mine = np.isin(status, [_FIELD_STATUS.index(kind) for kind in mark.status]) & inside
         if mine.any():
-            in_front = moved[mine] + 0.01 * view.size * view.towards  # so that none is hidden
+            in_front = moved[mine] + nearer * view.towards
             cloud = pyvista.PolyData(in_front)
             plotter.add_mesh(
                 cloud,

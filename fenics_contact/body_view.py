@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 
 _MOVE = 0.06  # of what is shown: the largest displacement, where it is magnified
 _READABLE = (0.02, 0.2)  # displacements of this size, over what is shown, are drawn as they are
+_MISFIT = 0.01  # of what is shown: false gaps and overlaps that magnification may make
 _NEAR = 0.4  # neighbourhoods smaller than this share of the body are looked at from near by
 _WIDTH, _HEIGHTS = 1400, (560, 1000)  # of the window, in pixels
 MARGINS = (0.24, 0.14)  # share of the window below the body, for the colour bar, and above
@@ -32,6 +33,8 @@ class View:
         flat: Whether the model is plane or axisymmetric.
         towards: From the body to the camera, a unit vector, (3,).
         marks: How contact points look.
+        closed_gap: The widest gap between bodies, as meshed, that has closed (length).
+        hides: Whether a body may stand before contact points.
     """
 
     body: Any
@@ -41,6 +44,8 @@ class View:
     flat: bool
     towards: Array
     marks: tuple[Mark, ...]
+    closed_gap: float
+    hides: bool
 
     @property
     def size(self) -> float:
@@ -49,11 +54,17 @@ class View:
 
     @property
     def factor(self) -> float:
-        """Magnification of the displacements."""
+        """Magnification of the displacements.
+
+        Gaps between bodies are not magnified: where they have closed, bodies that are drawn with
+        other displacements than theirs overlap, or seem apart.
+        """
         largest = np.linalg.norm(self.body["displacement"], axis=1).max()
         if largest == 0 or _READABLE[0] <= largest / self.size <= _READABLE[1]:
             return 1.0
-        return _round_factor(_MOVE * self.size / largest)
+        factor = _round_factor(_MOVE * self.size / largest)
+        fits = abs(factor - 1) * self.closed_gap <= _MISFIT * self.size
+        return factor if fits else 1.0
 
     @property
     def window(self) -> tuple[int, int]:
@@ -88,6 +99,10 @@ def choose_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
     flat = result["model"]["kinematics"] != "3D"
     laws = {contact["law"] for contact in result["contacts"]}
     looks = marks("none" if laws <= {"none"} else "static")
+    pairs = [contact for contact in result["contacts"] if "master" in contact]
+    gap = max((contact["quantities"]["closed_gap"] for contact in pairs), default=0.0)
+    hides = bool(pairs) and not flat
+    front = np.zeros(3) if hides else _front(table)
     on_contact = body["status"] >= 0
     if on_contact.any():
         closed = body["status"][on_contact] > 0
@@ -97,8 +112,8 @@ def choose_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
             aside = (near[0] + near[1] - low - high) / (high - low).max()
             inside = ((body.points >= near[0]) & (body.points <= near[1])).all(axis=1)
             body = _cells_at(body, inside)
-            return View(body, *near, True, flat, _towards(flat, table, aside), looks)
-    return View(body, low, high, False, flat, _towards(flat, table, np.zeros(3)), looks)
+            return View(body, *near, True, flat, _towards(flat, front, aside), looks, gap, hides)
+    return View(body, low, high, False, flat, _towards(flat, front, np.zeros(3)), looks, gap, hides)
 
 
 def _cells_at(body: Any, points: Any) -> Any:
@@ -114,13 +129,19 @@ def _cells_at(body: Any, points: Any) -> Any:
     return part
 
 
-def _towards(flat: bool, table: ContactTable, aside: Array) -> Array:
+def _front(table: ContactTable) -> Array:
+    """Mean normal of the contact surfaces, 0 without any."""
+    if len(table.status) == 0:
+        return np.zeros(3)
+    return np.asarray(table.vectors("nx", "ny", "nz").mean(axis=0))
+
+
+def _towards(flat: bool, front: Array, aside: Array) -> Array:
     """Before the contact surface, and on that side of the body to which the zone is shifted."""
     if flat:
         return np.array([0.0, 0.0, 1.0])
-    normal = table.vectors("nx", "ny", "nz").mean(axis=0) if len(table.status) else np.zeros(3)
     side = np.where(aside < -0.05, -1.0, 1.0)
-    side = np.where(np.abs(normal) > 0.1, np.sign(normal), side)
+    side = np.where(np.abs(front) > 0.1, np.sign(front), side)
     return side / np.sqrt(3)
 
 

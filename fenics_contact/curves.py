@@ -31,7 +31,7 @@ def draw_curves(rows: ContactTable, contact: dict[str, Any], axes: str, path: Pa
     names = _panels(line, contact)
     heights = [_HEIGHTS[name] for name in names]
     figure, panels = new_figure(
-        title_of(names, contact["name"]),
+        title_of(names, contact),
         (_WIDTH, sum(heights) + _MARGIN),
         nrows=len(names),
         sharex=True,
@@ -131,7 +131,8 @@ def cut_peaks(panel: Any, values: Array) -> None:
     panel.set_ylim(min(low, 0) - 0.1 * most, max(high, 0) + 0.1 * most)
     beyond = [f"{value:.3g}" for value in (values.min(), values.max()) if abs(value) > 2 * most]
     text = f"peaks cut off ({', '.join(beyond)})"
-    panel.text(0.5, 0.97, text, transform=panel.transAxes, ha="center", va="top", fontsize=9)
+    height = 0.97 if values.max() > 0 else 0.88  # below the line at 0
+    panel.text(0.5, height, text, transform=panel.transAxes, ha="center", va="top", fontsize=9)
 
 
 def _shade(panel: Any, line: SurfaceLine) -> None:

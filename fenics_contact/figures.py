@@ -34,7 +34,14 @@ def save(figure: Any, path: Path) -> None:
     plt.close(figure)
 
 
-def title_of(panels: list[str], contact: str) -> str:
+def surface_of(contact: dict[str, Any]) -> str:
+    """The surface that a contact of ``result.json`` is of, and the one opposite, in words."""
+    if "master" in contact:
+        return f"'{contact['slave']}' against '{contact['master']}'"
+    return f"'{contact['name']}'"
+
+
+def title_of(panels: list[str], contact: dict[str, Any]) -> str:
     """Such as: Contact pressure and gap on 'top'."""
     words = " and ".join([", ".join(panels[:-1]), panels[-1]] if len(panels) > 1 else panels)
-    return f"{words[0].upper()}{words[1:]} on '{contact}'"
+    return f"{words[0].upper()}{words[1:]} on {surface_of(contact)}"

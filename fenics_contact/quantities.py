@@ -46,7 +46,7 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
         "friction_work": contact.friction_work(),
         "penalty_energy": float(integral(state.penalty_energy)),
         **_undecided(contact, state),
-        **_slid(contact),
+        **_of_two_bodies(contact, state),
         **_indentation(problem, contact),
     }
 
@@ -67,11 +67,18 @@ def _normal_force(contact: ContactSurface, state: ContactState) -> float:
     return float(integral(pressure))
 
 
-def _slid(contact: ContactSurface) -> dict[str, float]:
-    """How far two bodies slid since it was found what faces what, over the contact's size."""
+def _of_two_bodies(contact: ContactSurface, state: ContactState) -> dict[str, float]:
+    """How far they slid, over the contact's size, and the widest gap that closed; collective.
+
+    The slip is since it was found what faces what, the gap that of the meshes.
+    """
     if contact.sides.opposite is None:
         return {}
-    return {"slip_since_pairing": contact.slid_share()}
+    gap = np.abs(contact.kinematics.gap[state.status != OPEN])
+    return {
+        "slip_since_pairing": contact.slid_share(),
+        "closed_gap": largest(contact.spaces.comm, gap),
+    }
 
 
 def _undecided(contact: ContactSurface, state: ContactState) -> dict[str, int]:

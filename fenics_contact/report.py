@@ -9,6 +9,7 @@ from typing import Any
 
 from fenics_contact.errors import InputError
 from fenics_contact.pictures import draw_pictures
+from fenics_contact.result import reactions_by_group
 
 _PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -27,6 +28,8 @@ img {{ max-width: 100%; }}
 {checks}
 <h2>Quantities</h2>
 {quantities}
+<h2>Reactions of supports</h2>
+{supports}
 <h2>Contacts</h2>
 {contacts}
 <h2>Pictures</h2>
@@ -85,6 +88,7 @@ def _page(result: dict[str, Any], pictures: list[Path]) -> str:
         verdict_class="passed" if passed else "failed",
         checks=_table(checks),
         quantities=_table(_rows(result["quantities"])),
+        supports=_table(_reactions(result["supports"])),
         contacts="\n".join(_contact(contact) for contact in result["contacts"]),
         pictures="\n".join(f'<p><img src="{p.name}" alt="{_words(p.stem)}"></p>' for p in pictures),
         model=_table(_rows(result["model"])),
@@ -92,9 +96,14 @@ def _page(result: dict[str, Any], pictures: list[Path]) -> str:
     )
 
 
+def _reactions(supports: list[dict[str, Any]]) -> list[list[str]]:
+    return [[name, _written(found)] for name, found in reactions_by_group(supports).items()]
+
+
 def _contact(contact: dict[str, Any]) -> str:
     """A contact's own parameters and numbers."""
     kind = {"contact": contact["contact"], "friction law": contact["law"]}
+    kind |= {key: contact[key] for key in ("slave", "master", "slave_reason") if key in contact}
     rows = _rows({**kind, **contact["parameters"], **contact["quantities"]})
     return f"<h3>{escape(contact['name'])}</h3>\n{_table(rows)}"
 

@@ -58,6 +58,20 @@ class ContactPoints:
         return self.contact == contact
 
 
+def reactions_by_group(supports: list[dict[str, Any]]) -> dict[str, list[float]]:
+    """Resultant of the supports of each group, by its name.
+
+    Args:
+        supports: As in ``result.json``, where a group may have several.
+    """
+    found: dict[str, list[float]] = {}
+    for support in supports:
+        reaction = support["reaction"]
+        before = found.get(support["on"], [0.0] * len(reaction))
+        found[support["on"]] = [a + b for a, b in zip(before, reaction, strict=True)]
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class Result:
     """A run's outcome; its attributes are the keys of ``result.json``.

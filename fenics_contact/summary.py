@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from fenics_contact.result import Result
+from fenics_contact.result import Result, reactions_by_group
 from fenics_contact.scene import Scene
 
 # Quantities in the order shown; some say something only with friction, or where contact is found.
@@ -66,6 +66,8 @@ def print_result(result: Result, folder: Path) -> None:
         quantities = _table("quantity", "value")
         for key in _shown(result):
             quantities.add_row(key.replace("_", " "), _written(result.quantities[key]))
+            if key == "reaction":
+                _add_reactions(quantities, result)
         console.print(quantities)
         _print_contacts(console, result.contacts)
         checks = _table("check", "value", "limit", "")
@@ -82,6 +84,13 @@ def print_result(result: Result, folder: Path) -> None:
         markup=False,
         highlight=False,
     )
+
+
+def _add_reactions(quantities: Table, result: Result) -> None:
+    """Those of each group, where supports on several add up."""
+    reactions = reactions_by_group(result.supports)
+    for name, reaction in reactions.items() if len(reactions) > 1 else ():
+        quantities.add_row(f"  of {escape(name)}", _written(reaction))
 
 
 def _shown(result: Result) -> list[str]:

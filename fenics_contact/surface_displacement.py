@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fenics_contact.contact_table import ContactTable
-from fenics_contact.figures import new_figure, save
+from fenics_contact.figures import new_figure, save, surface_of
 from fenics_contact.picture_style import COLOURS
 from fenics_contact.surface_line import SurfaceLine
 
@@ -38,16 +38,20 @@ class SurfaceDisplacement:
         """Take the displacement at the body's nodes.
 
         Args:
-            body: A pyvista grid with the field ``displacement``.
+            body: A pyvista grid with the fields ``displacement`` and ``status``.
             rows: Points of the contact.
             contact: Its entry in ``result.json``.
         """
-        nodes = np.asarray(body.points)[:, :2]
+        on_contact = np.asarray(body["status"]) >= 0  # not the surface of a body opposite
+        nodes = np.asarray(body.points)[on_contact, :2]
         tree = cKDTree(nodes)
         distance, _ = tree.query(rows.vectors("x", "y"))
-        line = SurfaceLine.of(rows.rows(distance < 1e-6 * np.ptp(nodes)), contact)
+        drawn = distance < 1e-6 * np.ptp(nodes)
+        if "master" in contact:  # beyond what faces it normals are others
+            drawn &= np.isfinite(rows.numbers["gap"])
+        line = SurfaceLine.of(rows.rows(drawn), contact)
         _, found = tree.query(line.rows.vectors("x", "y"))
-        return cls(line, np.asarray(body["displacement"])[found, :2])
+        return cls(line, np.asarray(body["displacement"])[on_contact][found, :2])
 
     @property
     def normal(self) -> Array:
@@ -82,13 +86,13 @@ def draw_surface_displacement(
     """Draw u_n, u_T and the deformed line, a column a contact.
 
     Args:
-        body: A pyvista grid with the field ``displacement``.
+        body: A pyvista grid with the fields ``displacement`` and ``status``.
         table: The content of ``contact.csv``.
         contacts: The contacts' entries in ``result.json``.
         axes: Letters of the model's axes.
         path: PNG file to write.
     """
-    names = " and ".join(f"'{contact['name']}'" for contact in contacts)
+    names = " and ".join(surface_of(contact) for contact in contacts)
     figure, panels = new_figure(
         f"Displacement of {names}",
         (_WIDTH * len(contacts), 3 * _HEIGHT),

@@ -60,7 +60,7 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> None:
         **({"friction traction": _friction} if frictional else {}),
     }
     figure, panels = new_figure(
-        title_of(list(draw), contact["name"]), (_PANEL[0] * len(draw), _PANEL[1]), ncols=len(draw)
+        title_of(list(draw), contact), (_PANEL[0] * len(draw), _PANEL[1]), ncols=len(draw)
     )
     for draw_panel, panel in zip(draw.values(), panels, strict=True):
         draw_panel(figure, panel, surface, contact)

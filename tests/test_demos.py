@@ -6,7 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
-from math import pi
+from math import pi, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ from tests.scenes import ROOT
 pytestmark = pytest.mark.serial
 DEMOS = sorted(path.stem.removeprefix("demo_") for path in (ROOT / "demos").glob("demo_*.py"))
 NO_FRICTION = "contact.0.friction_coefficient=0"
+WEIGHT, SLOPE, FRICTION = 10, 0.1, 0.3  # of the block on an incline
 # Quantity of a demo → value and relative tolerance; of the specification, Section 3.
 FLAT_FORCE = 0.9819 * 2 * 1000 / (1 - 0.3**2) * 0.01  # of the annular punch
 EXPECTED = {
@@ -35,6 +36,13 @@ EXPECTED = {
         "normal_force": (1.0231 * FLAT_FORCE, 1e-3),
         "contact_area": (pi * (1 - 0.5**2), 1e-3),
         "stick_area": (pi * (0.905**2 - 0.510**2), 5e-3),
+    },
+    "cylinders": {"contact_area": (2 * 0.5024, 5e-3), "max_contact_pressure": (34.50, 3e-3)},
+    "incline": {
+        "normal_force": (WEIGHT * sqrt(1 + SLOPE**2) / (1 - FRICTION * SLOPE), 1e-9),
+        "reaction": ([0, WEIGHT], 1e-9),
+        "stick_area": (0, 0),
+        "contact_area": (2 * sqrt(1 + SLOPE**2), 1e-9),
     },
 }
 # The same without friction.
@@ -97,7 +105,7 @@ def run_demo(name, folder, *overrides, ranks=1):
 
 def assert_values(found, expected):
     for key, (value, tolerance) in expected.items():
-        assert found[key] == pytest.approx(value, rel=tolerance), key
+        assert found[key] == pytest.approx(value, rel=tolerance, abs=1e-9), key
 
 
 def assert_same_table(first, second):
@@ -159,6 +167,30 @@ def test_script_and_scene_on_one_and_two_ranks(name, tmp_path):
     if name == "sphere":
         sticks = (reference["stick_area"] / reference["contact_area"]) ** 0.5
         assert sticks == pytest.approx(0.765, rel=3e-3)
+
+
+def test_cylinders_against_hertz_and_cattaneo(tmp_path):
+    """Johnson, Contact Mechanics (1985), (4.43), (4.45) and (7.27): by the forces that came out."""
+    modulus, radius = 1000 / (2 * (1 - 0.3**2)), 8 / 2
+    found = run_demo("cylinders", tmp_path)
+    force, shear = found["normal_force"], -found["friction_force"][0]
+    half_width = sqrt(4 * force * radius / (pi * modulus))
+    assert found["contact_area"] == pytest.approx(2 * half_width, rel=5e-3)
+    assert found["max_contact_pressure"] == pytest.approx(2 * force / (pi * half_width), rel=3e-3)
+    used = shear / (0.3 * force)
+    assert used == pytest.approx(0.57, abs=5e-3)
+    assert found["stick_area"] == pytest.approx(2 * half_width * sqrt(1 - used), rel=1e-2)
+
+
+def test_block_slides_up_the_incline(tmp_path):
+    """By balance of forces, for any pressure: F/G = (μ + tan α) / (1 − μ tan α)."""
+    run_demo("incline", tmp_path)
+    result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    push = {row["on"]: row["reaction"] for row in result["supports"]}["block.left"]
+    limit = (FRICTION + SLOPE) / (1 - FRICTION * SLOPE)
+    assert push == pytest.approx([WEIGHT * limit, 0], rel=1e-9, abs=1e-9)
+    shares = [step["quantities"]["slip_area"] for step in result["steps"]]
+    assert shares[0] < 0.1 and 0.5 < shares[5] < 1.9  # at rest; slipping in part
 
 
 def test_three_ranks_give_the_answer_of_one(tmp_path):
