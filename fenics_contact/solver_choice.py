@@ -93,6 +93,8 @@ def _automatic(problem: Problem, free: float) -> SolverChoice:
         return condensed
     if condensed.memory > free:
         return choice("iterative", "a factorisation would not fit into memory")
+    if problem.between_bodies:
+        return condensed  # in multigrid's zone P couples all of a slave with all of its master
     # Each further step costs the iterative solver about half of the first, the other nothing.
     steps = 0.5 + 0.5 * len(problem.scene.steps.all_times)
     if unknowns(problem) > steps * _ITERATIVE_FROM[problem.spaces.degree]:
