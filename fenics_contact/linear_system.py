@@ -89,25 +89,37 @@ class AddedTangents:
 
     def add_contacts(self, tangent: Any) -> None:
         """Add the tangents of all contacts' terms to a matrix of the size of K; collective."""
-        add = PETSc.InsertMode.ADD_VALUES
         for surface in self.surfaces:
             rows, columns, values = surface.on_body(*surface.entries())
             add_entries(tangent, self._matrix_rows(rows), self._matrix_rows(columns), values)
-            direction = surface.contact.kinematics.direction
-            for number, unknown in enumerate(self._unknowns):
-                if unknown.contact is not surface.contact:
-                    continue
-                scalar = np.full(1, self._scalar_row(tangent, number), dtype=PETSc.IntType)
-                along = [direction[dofs % len(direction)] for dofs in (rows, columns)]
-                driven = unknown.kind == "indentation"
-                every = np.broadcast_to(scalar, values.shape)
-                # Of a resultant, the row of R + m · r_c(u) = 0.
-                across = values * along[0] * (-1.0 if driven else 1.0)
-                add_entries(tangent, every, self._matrix_rows(columns), across)
-                if driven:
-                    add_entries(tangent, self._matrix_rows(rows), every, -values * along[1])
-                    corner = float(np.sum(along[0] * values * along[1]))
-                    tangent.setValues(scalar, scalar, [corner], addv=add)
+            self._add_borders(tangent, surface, rows, columns, values)
+
+    def _add_borders(
+        self,
+        tangent: Any,
+        surface: SurfaceMatrix,
+        rows: NDArray[np.int64],
+        columns: NDArray[np.int64],
+        values: Array,
+    ) -> None:
+        """Add the rows and columns that a contact's tangent has for its scalars; collective."""
+        size = self._problem.spaces.components
+        mine = [(k, u) for k, u in enumerate(self._unknowns) if u.contact is surface.contact]
+        for number, unknown in mine:
+            scalar = np.full(1, self._scalar_row(tangent, number), dtype=PETSc.IntType)
+            every = np.broadcast_to(scalar, values.shape)
+            driven = unknown.kind == "indentation"
+            # Of an obstacle the row of m · r_c(u) − F = 0, of a resultant of R − m · r_c(u) = 0.
+            across = values * unknown.direction[rows % size] * (-1.0 if driven else 1.0)
+            add_entries(tangent, every, self._matrix_rows(columns), across)
+            if driven:
+                moved = -values * unknown.direction[columns % size]
+                add_entries(tangent, self._matrix_rows(rows), every, moved)
+            for other, moving in mine:
+                if moving.kind == "indentation":
+                    column = np.full(1, self._scalar_row(tangent, other), dtype=PETSc.IntType)
+                    corner = -float(np.sum(across * moving.direction[columns % size]))
+                    tangent.setValues(scalar, column, [corner], addv=PETSc.InsertMode.ADD_VALUES)
 
     def add_far_field(self, tangent: Any) -> None:
         """Add what resultants do to the body through its outer boundary; collective.

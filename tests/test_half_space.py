@@ -1,4 +1,4 @@
-"""Boussinesq's and Flamant's fields: equations of elasticity, checked by differences."""
+"""Boussinesq's, Cerruti's and Flamant's fields: equations of elasticity, by differences."""
 
 import numpy as np
 import pytest
@@ -14,11 +14,13 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.errors import InputError
-from fenics_contact.half_space import boussinesq, flamant
+from fenics_contact.half_space_fields import boussinesq, cerruti, flamant, flamant_along
 from tests.scenes import ROOT
 
 E, NU = 1000.0, 0.3
 INWARD = np.array([0.0, 0.0, -1.0])
+ALONG = np.array([0.6, 0.8, 0.0])
+ALONG_EDGE = np.array([1.0, 0.0, 0.0])
 
 
 def gradient(field, point, step=1e-4):
@@ -45,6 +47,14 @@ def line_force(point):
     return flamant(point[None] * [1, 0, 1], INWARD, E, NU, 5.0)[0]
 
 
+def point_force_along(point):
+    return cerruti(point[None], ALONG, INWARD, E, NU)[0]
+
+
+def line_force_along(point):
+    return flamant_along(point[None] * [1, 0, 1], ALONG_EDGE, INWARD, E, NU, 5.0)[0]
+
+
 def sphere_points(number=48):
     """Points and weights of a half sphere of radius 2 below the surface."""
     heights, weights = np.polynomial.legendre.leggauss(number)
@@ -56,21 +66,29 @@ def sphere_points(number=48):
     return points, np.repeat(weights, number) * 4 * 2 * np.pi / number
 
 
-def test_point_force_is_balanced_by_the_stress_around_it():
+@pytest.mark.parametrize(
+    ("field", "force"), [(point_force, INWARD), (point_force_along, ALONG)], ids=["into", "along"]
+)
+def test_point_force_is_balanced_by_the_stress_around_it(field, force):
     points, weights = sphere_points()
-    tractions = np.array([stress(point_force, p) @ (p / 2) for p in points])
-    # What the half sphere's surface carries must balance the force along `inward`.
-    assert weights @ tractions == pytest.approx(-INWARD, abs=1e-5)
+    tractions = np.array([stress(field, p) @ (p / 2) for p in points])
+    # What the half sphere's surface carries must balance the force.
+    assert weights @ tractions == pytest.approx(-force, abs=1e-5)
 
 
-def test_line_force_is_balanced_by_the_stress_around_it():
+@pytest.mark.parametrize(
+    ("field", "force"),
+    [(line_force, INWARD), (line_force_along, ALONG_EDGE)],
+    ids=["into", "along"],
+)
+def test_line_force_is_balanced_by_the_stress_around_it(field, force):
     angles = -np.pi * (np.arange(400) + 0.5) / 400
     points = 2 * np.stack([np.cos(angles), 0 * angles, np.sin(angles)], axis=1)
-    tractions = np.array([stress(line_force, p) @ (p / 2) for p in points])
-    assert tractions.sum(axis=0) * 2 * np.pi / 400 == pytest.approx(-INWARD, abs=1e-4)
+    tractions = np.array([stress(field, p) @ (p / 2) for p in points])
+    assert tractions.sum(axis=0) * 2 * np.pi / 400 == pytest.approx(-force, abs=1e-4)
 
 
-@pytest.mark.parametrize("field", [point_force, line_force])
+@pytest.mark.parametrize("field", [point_force, line_force, point_force_along, line_force_along])
 def test_inside_is_in_equilibrium_and_the_surface_is_free(field):
     point, step = np.array([0.8, 0.0, -1.1]), 1e-3
     divergence = np.zeros(3)
@@ -84,8 +102,19 @@ def test_inside_is_in_equilibrium_and_the_surface_is_free(field):
     assert np.abs(near_surface[:, 2]).max() < 2e-3 * np.abs(near_surface).max()
 
 
+def test_forces_into_the_surface_and_along_it_are_reciprocal():
+    """Betti: what a force along does into the surface is what one into it does along."""
+    points = np.random.default_rng(0).normal(size=(5, 3)) * [1, 1, 0]
+    into = cerruti(points, ALONG, INWARD, E, NU) @ INWARD
+    assert into == pytest.approx(boussinesq(-points, INWARD, E, NU) @ ALONG, rel=1e-12)
+    on_edge = points * [1, 0, 0]
+    into = flamant_along(on_edge, ALONG_EDGE, INWARD, E, NU, 5.0) @ INWARD
+    assert into == pytest.approx(flamant(-on_edge, INWARD, E, NU, 5.0) @ ALONG_EDGE, rel=1e-12)
+
+
 def test_flamant_is_zero_at_its_datum():
     assert line_force(np.array([0.0, 0, -5])) == pytest.approx([0, 0, 0], abs=1e-12)
+    assert line_force_along(np.array([0.0, 0, -5])) == pytest.approx([0, 0, 0], abs=1e-12)
 
 
 def scene(kinematics="axisymmetric", obstacle=None, **changes):
