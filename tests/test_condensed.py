@@ -206,6 +206,17 @@ def test_the_same_on_a_sheared_half_space(driven, contact, symmetry, nu):
     assert len(made.problem.unknowns) == (2 if half else 3)
 
 
+@pytest.mark.parametrize("driven", [{"force": 1.5}, {"indentation": 0.02}], ids=["force", "depth"])
+def test_the_same_where_a_contact_reaches_the_outer_boundary(driven):
+    """Its points there move with the resultants, and its forces with them."""
+    driven = driven | {"displacement": (0.003, 0.001, 0)}
+    scene = pressed("3D", 1, driven=driven, contact="bonded")
+    scene = dataclasses.replace(
+        scene, support=(), half_space=HalfSpace(("x0", "x1", "y0", "y1", "z0"))
+    )
+    require_same(scene, box_body((4, 4, 2)))
+
+
 @pytest.mark.parametrize(("degree", "nu"), [(1, 0.499), (2, 0.3), (2, 0.499)])
 def test_the_same_on_triangles(degree, nu):
     scene = pressed(degree=degree, nu=nu, friction_coefficient=0.4)
