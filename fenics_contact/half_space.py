@@ -89,7 +89,7 @@ class FarField:
         self.columns[number] = self._column(foot, inward, None)
         self.sideways[number] = [
             (along[:components], self._column(foot, inward, along))
-            for along in (_tangents(inward, components) if contact.can_shear else ())
+            for along in (self._tangents(inward) if contact.can_shear else ())
             if not self._cancels(foot, along)
         ]
 
@@ -113,6 +113,19 @@ class FarField:
             else:
                 column += cerruti(arms, signs * along, *constants)
         return column[np.arange(len(self.dofs)), self.dofs % spaces.components]
+
+    def _tangents(self, inward: Array) -> list[Array]:
+        """Unit vectors along the surface, along axes where it is, (3,) each.
+
+        Around an axis of revolution tangential forces have no resultant.
+        """
+        if self._spaces.kinematics == "axisymmetric":
+            return []
+        components = self._spaces.components
+        first = np.eye(3)[np.argmin(np.abs(inward[:components]))]
+        first = first - (first @ inward) * inward
+        first /= np.linalg.norm(first)
+        return [first, np.cross(inward, first)][: components - 1]
 
     def _images(self, foot: Array) -> Iterator[tuple[Array, Array]]:
         """A point and its mirror images, each with the signs of a mirrored vector's components."""
@@ -192,17 +205,6 @@ class FarField:
                 f"{key}.obstacle.position: its force on the half_space would act at ({where}), "
                 "which must lie on the contact surface and well inside the outer boundary"
             )
-
-
-def _tangents(inward: Array, components: int) -> list[Array]:
-    """Unit vectors along the surface, along axes where it is, (3,) each.
-
-    Around an axis of revolution tangential forces have no resultant.
-    """
-    first = np.eye(3)[np.argmin(np.abs(inward[:components]))]
-    first = first - (first @ inward) * inward
-    first /= np.linalg.norm(first)
-    return [first, np.cross(inward, first)][: components - 1]
 
 
 def _homogeneous(scene: Scene) -> tuple[float, float]:

@@ -13,6 +13,7 @@ from fenics_contact import (
     Material,
     MeshSource,
     Obstacle,
+    Run,
     Scene,
     run,
 )
@@ -150,6 +151,12 @@ def test_unknown_and_given_resultant_are_the_same_problem():
     assert by_depth.quantities["strain_energy"] == pytest.approx(
         by_force.quantities["strain_energy"], rel=1e-8
     )
+
+
+def test_around_an_axis_friction_has_no_resultant():
+    contact = dataclasses.replace(scene().contact[0], friction_coefficient=0.5)
+    prepared = Run(scene(contact=(contact,)))
+    assert [unknown.kind for unknown in prepared.problem.unknowns] == ["indentation"]
 
 
 def test_line_contact_half_and_whole_agree_and_name_no_indentation():
