@@ -65,7 +65,7 @@ class ScalarUnknown:
         name = f"{self.kind} at {self.contact.label}"
         if self.direction is self.contact.kinematics.direction:
             return name
-        return f"{name} along ({', '.join(f'{x:.3g}' for x in self.direction)})"
+        return f"{name} along ({', '.join(f'{round(x, 3) + 0.0:g}' for x in self.direction)})"
 
 
 class Problem:
