@@ -113,12 +113,12 @@ class CondensedSystem(System):
             return ContactJump(surface, points, points, points)
         motion, work = points.tolil(), points.tolil()
         far = motion.copy()
-        direction = np.resize(surface.contact.kinematics.direction, len(places))[:, None]
         for number, unknown in enumerate(self.problem.unknowns):
             column = len(self.dofs.free) + number
             if unknown.column is not None:
                 columns = self._far_loads[number][1][places][:, None]
                 motion[:, column] = far[:, column] = columns
+            direction = np.resize(unknown.direction, len(places))[:, None]
             if unknown.contact is surface.contact and unknown.kind == "indentation":
                 motion[:, column] = work[:, column] = -direction
             elif unknown.contact is surface.contact:

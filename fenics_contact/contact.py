@@ -283,6 +283,11 @@ class ContactSurface:
         return obstacle.force > 0 or self.contact.kind == "bonded"
 
     @property
+    def can_shear(self) -> bool:
+        """Whether it can exert a force along a flat surface."""
+        return self.friction is not None or self.contact.kind == "bonded"
+
+    @property
     def is_one_sided(self) -> bool:
         """Whether it pushes only: the body may leave it."""
         return self.normal is not None and self.contact.kind != "bonded"

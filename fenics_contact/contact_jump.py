@@ -22,7 +22,7 @@ class ContactJump:
         relative: Displacement relative to a body opposite: B without an obstacle's motion.
         motion: B: contact variables, an obstacle's motion, the far field of resultants.
         work: L: rows of the balance that its forces enter, Lᵀ: as B, without the far field,
-            and m for a resultant.
+            and its direction for a resultant.
     """
 
     surface: SurfaceMatrix

@@ -1,13 +1,14 @@
 """The far field: a body's outer boundary moves as that of a half-space would.
 
-The displacement there is that of point forces on the surface (J. Boussinesq; K. L. Johnson,
-Contact Mechanics, Cambridge 1985, (3.18)), of line forces in plane strain (A. Flamant; Johnson
-(2.19)): the resultants of the contacts, with their mirror images in planes of symmetry. Where
-a resultant is not known beforehand it is an unknown of the problem, in which this is linear.
+The displacement there is that of point forces on the surface, of line forces in plane strain
+(``half_space_fields``): the resultants of the contacts, into the half-space and along its surface,
+with their mirror images in planes of symmetry. Where a resultant is not known beforehand it is an
+unknown of the problem, in which this is linear.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.contact import ContactSurface
 from fenics_contact.errors import InputError
+from fenics_contact.half_space_fields import boussinesq, cerruti, flamant, flamant_along
 from fenics_contact.parallel import gather_rows, largest, smallest
 from fenics_contact.scene import Scene
 from fenics_contact.scene_contact import HalfSpace
@@ -24,57 +26,6 @@ from fenics_contact.supports import Supports
 Array = NDArray[np.float64]
 
 _FLAT = 1e-6
-
-
-def boussinesq(points: Array, inward: Array, youngs_modulus: float, poissons_ratio: float) -> Array:
-    """Displacement of a half-space under a unit point force on its surface.
-
-    Args:
-        points: Relative to the force, shape (points, 3) (length).
-        inward: Unit normal into the half-space, along which the force acts, (3,).
-        youngs_modulus: E (stress).
-        poissons_ratio: ν.
-
-    Returns:
-        Displacement over force, shape (points, 3) (Johnson, (3.18)).
-    """
-    nu = poissons_ratio
-    z = points @ inward
-    aside = points - np.outer(z, inward)
-    rho = np.linalg.norm(points, axis=1)
-    shear_modulus = youngs_modulus / (2 * (1 + nu))
-    deep = z**2 / rho**3 + 2 * (1 - nu) / rho
-    wide = z / rho**3 - (1 - 2 * nu) / (rho * (rho + z))
-    return (np.outer(deep, inward) + wide[:, None] * aside) / (4 * np.pi * shear_modulus)
-
-
-def flamant(
-    points: Array, inward: Array, youngs_modulus: float, poissons_ratio: float, datum: float
-) -> Array:
-    """Displacement of a half-plane in plane strain under a unit line force on its edge.
-
-    A logarithm needs a datum: it is zero straight below the force, at the given distance.
-    The other arguments and shapes are those of ``boussinesq``.
-
-    Returns:
-        Displacement over force per thickness, shape (points, 3) (Johnson, (2.19)).
-    """
-    nu = poissons_ratio
-    z = points @ inward
-    aside = points - np.outer(z, inward)
-    distance = np.linalg.norm(aside, axis=1)
-    sideways = aside / np.where(distance > 0, distance, 1.0)[:, None]
-    rho = np.hypot(z, distance)
-    angle = np.arctan2(distance, z)
-    logarithm = np.log(rho / datum)
-    sine, cosine = np.sin(angle), np.cos(angle)
-    first, second = 2 * (1 - nu**2), (1 - 2 * nu) * (1 + nu)
-    radial = -first * cosine * logarithm - second * angle * sine
-    around = first * sine * logarithm + 2 * nu * (1 + nu) * sine
-    around += second * (sine - angle * cosine)
-    deep = radial * cosine - around * sine
-    wide = radial * sine + around * cosine
-    return (np.outer(deep, inward) + wide[:, None] * sideways) / (np.pi * youngs_modulus)
 
 
 def outer_dofs(described: HalfSpace | None, spaces: Spaces) -> NDArray[np.int64]:
@@ -101,6 +52,8 @@ class FarField:
         on: The groups' names, for results.
         dofs: Those that follow the far field (local indices, owned and ghost).
         columns: Number of a contact → displacement of the dofs over its force.
+        sideways: Number of a contact → unit vectors (components,) along which it may exert a
+            force on the surface, each with the displacement of the dofs over it.
     """
 
     def __init__(
@@ -118,36 +71,80 @@ class FarField:
         self._supports = supports
         self._modulus, self._ratio = _homogeneous(scene)
         self.dofs = np.setdiff1d(outer, supports.dofs)
-        self.columns = {
-            number: self._column(contact, f"contact[{number}]")
-            for number, contact in enumerate(contacts)
-        }
+        self.columns: dict[int, Array] = {}
+        self.sideways: dict[int, list[tuple[Array, Array]]] = {}
+        for number, contact in enumerate(contacts):
+            self._place(number, contact)
         if supports.parallel_planes:
             raise InputError("symmetry: planes that face each other leave no half_space")
         if not contacts:
             raise InputError("half_space: without a contact there is no force to follow")
 
-    def _column(self, contact: ContactSurface, key: str) -> Array:
-        """Displacement of the dofs over the contact's force, with its mirror images."""
-        spaces = self._spaces
+    def _place(self, number: int, contact: ContactSurface) -> None:
+        """The columns of a contact."""
+        components = self._spaces.components
         inward = np.zeros(3)
-        inward[: spaces.components] = contact.kinematics.direction
-        foot = self._foot(contact, inward, key)
-        components = spaces.components
-        points = spaces.coordinates[self.dofs // components]
+        inward[:components] = contact.kinematics.direction
+        foot = self._foot(contact, inward, f"contact[{number}]")
+        self.columns[number] = self._column(foot, inward, None)
+        self.sideways[number] = [
+            (along[:components], self._column(foot, inward, along))
+            for along in (self._tangents(inward) if contact.can_shear else ())
+            if not self._cancels(foot, along)
+        ]
+
+    def _column(self, foot: Array, inward: Array, along: Array | None) -> Array:
+        """Displacement of the dofs over a force into the half-space or along its surface."""
+        spaces = self._spaces
+        constants = inward, self._modulus, self._ratio
+        points = spaces.coordinates[self.dofs // spaces.components]
         reach = largest(spaces.comm, np.linalg.norm(points - foot, axis=1))
         column = np.zeros_like(points)
+        for image, signs in self._images(foot):
+            arms = points - image
+            if spaces.kinematics == "plane strain":
+                column += (
+                    flamant(arms, *constants, reach)
+                    if along is None
+                    else flamant_along(arms, signs * along, *constants, reach)
+                )
+            elif along is None:
+                column += boussinesq(arms, *constants)
+            else:
+                column += cerruti(arms, signs * along, *constants)
+        return column[np.arange(len(self.dofs)), self.dofs % spaces.components]
+
+    def _tangents(self, inward: Array) -> list[Array]:
+        """Unit vectors along the surface, along axes where it is, (3,) each.
+
+        Around an axis of revolution tangential forces have no resultant.
+        """
+        if self._spaces.kinematics == "axisymmetric":
+            return []
+        components = self._spaces.components
+        first = np.eye(3)[np.argmin(np.abs(inward[:components]))]
+        first = first - (first @ inward) * inward
+        first /= np.linalg.norm(first)
+        return [first, np.cross(inward, first)][: components - 1]
+
+    def _images(self, foot: Array) -> Iterator[tuple[Array, Array]]:
+        """A point and its mirror images, each with the signs of a mirrored vector's components."""
         planes = self._supports.planes
         for mirrored in product((False, True), repeat=len(planes)):
-            image = foot.copy()
+            image, signs = foot.copy(), np.ones(3)
             for plane, is_mirrored in zip(planes, mirrored, strict=True):
                 if is_mirrored:
                     image[plane.axis] = 2 * plane.at - image[plane.axis]
-            if spaces.kinematics == "plane strain":
-                column += flamant(points - image, inward, self._modulus, self._ratio, reach)
-            else:
-                column += boussinesq(points - image, inward, self._modulus, self._ratio)
-        return column[np.arange(len(self.dofs)), self.dofs % components]
+                    signs[plane.axis] = -1.0
+            yield image, signs
+
+    def _cancels(self, foot: Array, along: Array) -> bool:
+        """Whether a force across a plane of symmetry acts in it, so that its image undoes it."""
+        size = largest(self._spaces.comm, np.abs(self._spaces.coordinates - foot).ravel())
+        return any(
+            abs(along[plane.axis]) > _FLAT and abs(foot[plane.axis] - plane.at) <= _FLAT * size
+            for plane in self._supports.planes
+        )
 
     def _foot(self, contact: ContactSurface, inward: Array, key: str) -> Array:
         """Where the resultant acts: the obstacle's apex, on the surface."""

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 
-from fenics_contact.problem import Problem
-from fenics_contact.surface_matrix import SurfaceMatrix
+from fenics_contact.problem import Problem, ScalarUnknown
+from fenics_contact.surface_matrix import Entries, SurfaceMatrix
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,8 @@ class AddedTangents:
 
     Each rank's rows are its displacements, then its mean stresses; rank 0 has the scalars
     last. A contact's energy depends on the jump w = u − d m, so its tangent K_c in the jump
-    gives those in u and d: K_c, −K_c m and mᵀ K_c m.
+    gives those in u and d: K_c, −K_c m and mᵀ K_c m. Where a contact reaches the outer boundary
+    of a half-space, u follows the resultants there, and so do these.
 
     Attributes:
         scalars: Number of scalar unknowns.
@@ -43,6 +44,7 @@ class AddedTangents:
         self._first = displacement.getOwnershipRange()[0]
         self._column_of: Callable[[Any], Any] | None = None
         self._far_forces = [self._force_of_far_field(displacement, u) for u in self._unknowns]
+        self._motions = [[self._motion(s, u) for u in self._unknowns] for s in self.surfaces]
 
     def _place(self, displacement: Any, layout: Any) -> None:
         """Number displacements as a matrix of all unknowns does."""
@@ -58,17 +60,19 @@ class AddedTangents:
     def _border_dofs(self, number: int) -> NDArray[np.int64]:
         """Owned displacement dofs that a scalar unknown may be coupled with."""
         unknown = self._unknowns[number]
-        contact = next(s for s in self.surfaces if s.contact is unknown.contact)
         first = self._first
-        inside = (contact.dofs >= first) & (contact.dofs < first + self._owned)
-        coupled = contact.dofs[inside] - first
+        coupled = np.zeros(0, dtype=np.int64)
+        for surface, motions in zip(self.surfaces, self._motions, strict=True):
+            if surface.contact is unknown.contact or motions[number].any():
+                inside = (surface.dofs >= first) & (surface.dofs < first + self._owned)
+                coupled = np.union1d(coupled, surface.dofs[inside] - first)
         far_field = self._problem.far_field
         if unknown.column is not None and far_field is not None:
             outer = far_field.dofs[far_field.dofs < self._owned]
             coupled = np.union1d(coupled, outer)
         return np.union1d(coupled, np.flatnonzero(self._far_forces[number]))
 
-    def _force_of_far_field(self, displacement: Any, unknown: Any) -> Array:
+    def _force_of_far_field(self, displacement: Any, unknown: ScalarUnknown) -> Array:
         """K u and −u of the outer boundary's displacement over a resultant, owned dofs."""
         result = np.zeros(self._owned)
         if unknown.column is None:
@@ -89,25 +93,52 @@ class AddedTangents:
 
     def add_contacts(self, tangent: Any) -> None:
         """Add the tangents of all contacts' terms to a matrix of the size of K; collective."""
-        add = PETSc.InsertMode.ADD_VALUES
-        for surface in self.surfaces:
-            rows, columns, values = surface.on_body(*surface.entries())
+        for surface, motions in zip(self.surfaces, self._motions, strict=True):
+            entries = surface.entries()
+            rows, columns, values = surface.on_body(*entries)
             add_entries(tangent, self._matrix_rows(rows), self._matrix_rows(columns), values)
-            direction = surface.contact.kinematics.direction
-            for number, unknown in enumerate(self._unknowns):
-                if unknown.contact is not surface.contact:
-                    continue
-                scalar = np.full(1, self._scalar_row(tangent, number), dtype=PETSc.IntType)
-                along = [direction[dofs % len(direction)] for dofs in (rows, columns)]
-                driven = unknown.kind == "indentation"
-                every = np.broadcast_to(scalar, values.shape)
-                # Of a resultant, the row of R + m · r_c(u) = 0.
-                across = values * along[0] * (-1.0 if driven else 1.0)
-                add_entries(tangent, every, self._matrix_rows(columns), across)
-                if driven:
-                    add_entries(tangent, self._matrix_rows(rows), every, -values * along[1])
-                    corner = float(np.sum(along[0] * values * along[1]))
-                    tangent.setValues(scalar, scalar, [corner], addv=add)
+            self._add_borders(tangent, surface, motions, entries)
+
+    def _motion(self, surface: SurfaceMatrix, unknown: ScalarUnknown) -> Array:
+        """Of the jump over a scalar unknown, at all dofs of a surface; collective."""
+        motion = np.zeros(len(surface.dofs))
+        far_field = self._problem.far_field
+        if unknown.column is not None and far_field is not None:
+            mine = far_field.dofs < self._owned
+            numbers, values = self._first + far_field.dofs[mine], unknown.column[mine]
+            shared = np.isin(numbers, surface.dofs)
+            comm = self._problem.comm
+            numbers = np.concatenate(comm.allgather(numbers[shared]))
+            order = np.argsort(surface.dofs)
+            places = order[np.searchsorted(surface.dofs, numbers, sorter=order)]
+            motion[places] = np.concatenate(comm.allgather(values[shared]))
+        elif unknown.contact is surface.contact:
+            motion[:] = -np.resize(unknown.direction, len(motion))
+        return motion
+
+    def _add_borders(
+        self, tangent: Any, surface: SurfaceMatrix, motions: list[Array], entries: Entries
+    ) -> None:
+        """Add to the scalars' rows and columns, from K_c between dofs of a surface; collective."""
+        rows, columns, values = entries
+        at_rows, at_columns = (self._matrix_rows(surface.dofs[d]) for d in (rows, columns))
+        size = self._problem.spaces.components
+        moved = [values * motion[columns] for motion in motions]
+        for number, unknown in enumerate(self._unknowns):
+            scalar = np.full(1, self._scalar_row(tangent, number), dtype=PETSc.IntType)
+            every = np.broadcast_to(scalar, values.shape)
+            if motions[number].any():
+                add_entries(tangent, at_rows, every, moved[number])
+            if unknown.contact is not surface.contact:
+                continue
+            # Of an obstacle the row of m · r_c(u) − F = 0, of a resultant of R − m · r_c(u) = 0.
+            sign = -1.0 if unknown.kind == "indentation" else 1.0
+            along = sign * unknown.direction[rows % size]
+            add_entries(tangent, every, at_columns, values * along)
+            for other, by in enumerate(moved):
+                column = np.full(1, self._scalar_row(tangent, other), dtype=PETSc.IntType)
+                corner = [float(along @ by)]
+                tangent.setValues(scalar, column, corner, addv=PETSc.InsertMode.ADD_VALUES)
 
     def add_far_field(self, tangent: Any) -> None:
         """Add what resultants do to the body through its outer boundary; collective.
@@ -255,7 +286,7 @@ class LinearSystem(AddedTangents):
         columns.assemble()
         return columns
 
-    def _volume_of_far_field(self, divergence: Any, unknown: Any) -> Array:
+    def _volume_of_far_field(self, divergence: Any, unknown: ScalarUnknown) -> Array:
         """What a resultant's far field adds to the rows of the mean stress, owned ones."""
         moved, volumes = divergence.createVecs()
         far_field = self._problem.far_field

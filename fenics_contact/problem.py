@@ -48,14 +48,24 @@ class ScalarUnknown:
 
     Attributes:
         contact: The contact that it belongs to.
-        kind: ``indentation`` of an obstacle that a force drives, or ``resultant``: the
-            contact's force, which the far field of a half-space follows.
+        kind: ``indentation`` of an obstacle that a force drives, or ``resultant``: a component
+            of the contact's force on the body, which the far field of a half-space follows.
+        direction: Unit vector that it is along, (components,).
         column: Of a resultant: displacement of ``Problem.far_field.dofs`` over it.
     """
 
     contact: ContactSurface
     kind: Literal["indentation", "resultant"]
+    direction: NDArray[np.float64]
     column: NDArray[np.float64] | None = None
+
+    @property
+    def name(self) -> str:
+        """For results: what it is, where, and its direction unless that of the obstacle."""
+        name = f"{self.kind} at {self.contact.label}"
+        if self.direction is self.contact.kinematics.direction:
+            return name
+        return f"{name} along ({', '.join(f'{round(x, 3) + 0.0:g}' for x in self.direction)})"
 
 
 class Problem:
@@ -103,7 +113,9 @@ class Problem:
                 for number, contact in enumerate(scene.contact)
             ]
             self.unknowns = [
-                ScalarUnknown(contact, "indentation") for contact in self.contacts if contact.floats
+                ScalarUnknown(contact, "indentation", contact.kinematics.direction)
+                for contact in self.contacts
+                if contact.floats
             ]
             self.far_field = self._place_far_field(outer)
             self._refuse_held_contacts()
@@ -153,9 +165,10 @@ class Problem:
             )
         far_field = FarField(self.scene, self.spaces, self.supports, outer, self.contacts)
         for number, contact in enumerate(self.contacts):
+            resultants = list(far_field.sideways[number])
             if contact.force is None:
-                column = far_field.columns[number]
-                self.unknowns.append(ScalarUnknown(contact, "resultant", column))
+                resultants.insert(0, (contact.kinematics.direction, far_field.columns[number]))
+            self.unknowns += [ScalarUnknown(contact, "resultant", *found) for found in resultants]
         nothing = np.zeros(len(far_field.dofs))
         self.applied_supports.append(AppliedSupport(far_field.on, far_field.dofs, nothing))
         self._order = np.argsort(np.concatenate([self.supports.dofs, far_field.dofs]))

@@ -14,6 +14,9 @@ from fenics_contact.spaces import Spaces
 
 Array = NDArray[np.float64]
 
+# Of a jump: what the round-off of normals leaves along the surface.
+_ROUND_OFF = 1e-12
+
 
 class RigidMotions:
     """What can move without straining the body, as columns of a common basis.
@@ -106,6 +109,7 @@ class RigidMotions:
             tangential = np.stack(
                 [contact.kinematics.tangential(moved[..., i]) for i in range(self.count)], axis=-1
             )
+            tangential[np.abs(tangential) <= _ROUND_OFF * np.abs(moved).max(initial=0.0)] = 0.0
             counted = contact.trace.owned
             if touching:
                 counted = counted & (self._gap(contact) <= 0)

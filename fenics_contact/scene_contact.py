@@ -76,7 +76,10 @@ class Obstacle:
     ] = None
     displacement: Annotated[
         Direction | None,
-        Field(description="how far it moves besides, one entry an axis (length)"),
+        Field(
+            description="how far it moves besides, one entry an axis (length); along a half-space "
+            "in plane strain relative to what lies straight below, at the far end of the mesh"
+        ),
     ] = None
     path: Annotated[Path, Field(description="of indentation or force over the load steps")] = RAMP
     displacement_path: Annotated[
@@ -219,8 +222,8 @@ class Contact:
 class HalfSpace:
     """Makes the body a piece of a half-space.
 
-    On its outer boundary the displacement is that of the half-space (Boussinesq) under
-    the forces that the contacts carry.
+    On its outer boundary the displacement is that of the half-space under the forces that
+    the contacts carry, into it (Boussinesq) and along its surface (Cerruti).
     """
 
     on: Annotated[

@@ -98,7 +98,7 @@ class Run:
             "solver_reason": self.choice.reason,
             "solver_memory_mb": round(self.choice.memory / 1e6),
             "strategy": _strategy(problem, self.solution),
-            "scalar_unknowns": [f"{u.kind} at {u.contact.label}" for u in problem.unknowns],
+            "scalar_unknowns": [unknown.name for unknown in problem.unknowns],
             "terms": [term.name for term in problem.terms],
             "free_rigid_motions": self.free_motion.modes,
             "used_share_of_limit_load": self.free_motion.used_share,

@@ -14,9 +14,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.contact import ContactSurface
 from fenics_contact.parallel import total
-from fenics_contact.problem import Problem
+from fenics_contact.problem import Problem, ScalarUnknown
 
 Array = NDArray[np.float64]
 
@@ -157,17 +156,17 @@ class System(ABC):
                 contact.kinematics.move(displacement, driven.get(contact))
                 contact.follow_pressure()
 
-    def pushed(self, contact: ContactSurface, forces: list[Array]) -> float:
-        """Force that a contact's obstacle takes along its direction; collective."""
-        force = forces[self.problem.contacts.index(contact)]
-        own = force[: contact.trace.surface.owned_nodes].sum(axis=0)
-        return float(total(self.comm, own) @ contact.kinematics.direction)
+    def pushed(self, unknown: ScalarUnknown, forces: list[Array]) -> float:
+        """Force of a scalar unknown's contact on the body along its direction; collective."""
+        force = forces[self.problem.contacts.index(unknown.contact)]
+        own = force[: unknown.contact.trace.surface.owned_nodes].sum(axis=0)
+        return float(total(self.comm, own) @ unknown.direction)
 
     def scalar_imbalances(self, values: Array, forces: list[Array]) -> Array:
-        """N − F for an obstacle that a force F drives, R − N for a resultant R; collective."""
+        """m·r − F for an obstacle that a force F drives, R − m·r for a resultant R; collective."""
         found = np.zeros(self.scalars)
         for number, unknown in enumerate(self.problem.unknowns):
-            pushed = self.pushed(unknown.contact, forces)
+            pushed = self.pushed(unknown, forces)
             driven = unknown.kind == "indentation"
             found[number] = (
                 pushed - (unknown.contact.force or 0.0) if driven else values[number] - pushed

@@ -71,6 +71,13 @@ def half_space(nu=0.3, **driven):
     return dataclasses.replace(scene, support=(), half_space=HalfSpace(("y0", "x1")))
 
 
+def half_plane(nu=0.3):
+    """A force and a tangential resultant, both of one contact."""
+    driven = {"force": 5.0, "displacement": (0.004, 0)}
+    scene = pressed(nu=nu, driven=driven, friction_coefficient=0.3)
+    return dataclasses.replace(scene, support=(), half_space=HalfSpace(("x0", "x1", "y0")))
+
+
 SLIDING = {"indentation": 0.02, "displacement": (0.004, 0)}
 STEPS = Steps(number=4)
 SCENES = {
@@ -91,6 +98,8 @@ SCENES = {
     "half-space": half_space(indentation=0.02),
     "half-space, force": half_space(force=5.0),
     "half-space, nearly incompressible": half_space(0.499, indentation=0.02),
+    "half-plane, sheared": half_plane(),
+    "half-plane, sheared, nearly incompressible": half_plane(0.499),
     "floor": floor(),
     "floor, moved support": floor(
         load=(), support=(Support("y1", {"x": 0.02, "y": -0.01}),), steps=STEPS
@@ -167,6 +176,45 @@ def test_the_same_by_every_strategy(strategy):
 def test_the_same_in_space(cell, degree):
     scene = pressed("3D", degree, friction_coefficient=0.4)
     require_same(scene, box_body((4, 4, 2), cell=cell))
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.49])
+@pytest.mark.parametrize(
+    ("contact", "symmetry"),
+    [({"friction_coefficient": 0.4}, ()), ({"contact": "bonded"}, ("y0",))],
+    ids=["friction", "half, bonded"],
+)
+@pytest.mark.parametrize("driven", [{"force": 1.5}, {"indentation": 0.02}], ids=["force", "depth"])
+def test_the_same_on_a_sheared_half_space(driven, contact, symmetry, nu):
+    """Tangential resultants beside an obstacle's position, or beside the normal one."""
+    half = bool(symmetry)
+    middle = (0.5, 0.0 if half else 0.5)
+    scene = pressed("3D", nu=nu, driven=driven | {"displacement": (0.003, 0, 0)}, **contact)
+    obstacle = dataclasses.replace(scene.contact[0].obstacle, position=(*middle, 0.5))
+    scene = dataclasses.replace(
+        scene,
+        support=(),
+        symmetry=symmetry,
+        contact=(dataclasses.replace(scene.contact[0], on="patch", obstacle=obstacle),),
+        half_space=HalfSpace(("x0", "x1", "z0", "y1", *(() if half else ("y0",)))),
+    )
+
+    def is_near(x):
+        return (np.abs(x[0] - middle[0]) < 0.3) & (np.abs(x[1] - middle[1]) < 0.3)
+
+    made = require_same(scene, box_body((4, 4, 2), patches={"patch": ("z1", is_near)}))
+    assert len(made.problem.unknowns) == (2 if half else 3)
+
+
+@pytest.mark.parametrize("driven", [{"force": 1.5}, {"indentation": 0.02}], ids=["force", "depth"])
+def test_the_same_where_a_contact_reaches_the_outer_boundary(driven):
+    """Its points there move with the resultants, and its forces with them."""
+    driven = driven | {"displacement": (0.003, 0.001, 0)}
+    scene = pressed("3D", 1, driven=driven, contact="bonded")
+    scene = dataclasses.replace(
+        scene, support=(), half_space=HalfSpace(("x0", "x1", "y0", "y1", "z0"))
+    )
+    require_same(scene, box_body((4, 4, 2)))
 
 
 @pytest.mark.parametrize(("degree", "nu"), [(1, 0.499), (2, 0.3), (2, 0.499)])

@@ -192,6 +192,29 @@ def test_half_space_alone_and_together(obstacle, poissons_ratio):
     assert_same(run(scene, MPI.COMM_SELF), run(scene, COMM))
 
 
+@pytest.mark.parametrize("poissons_ratio", [0.3, 0.49])
+def test_sheared_half_space_alone_and_together(poissons_ratio):
+    """Resultants along the surface, beside the position of an obstacle that a force drives."""
+    obstacle = Obstacle(
+        "paraboloid", radius=2, position=(1, 0, 1), force=6, displacement=(0.004, 0, 0)
+    )
+    scene = Scene(
+        kinematics="3D",
+        material=Material(1000, poissons_ratio),
+        symmetry=("y0",),
+        half_space=HalfSpace(("x0", "x1", "y1", "z0")),
+        contact=(Contact("patch", obstacle=obstacle, friction_coefficient=0.4),),
+    )
+
+    def solved(comm):
+        near = {"patch": ("z1", lambda x: (np.abs(x[0] - 1) < 0.5) & (x[1] < 0.5))}
+        return run(scene, comm, box_body((8, 4, 4), (2, 1, 1), comm=comm, patches=near))
+
+    alone = solved(MPI.COMM_SELF)
+    assert abs(alone.quantities["friction_force"][0]) > 0.1
+    assert_same(alone, solved(COMM))
+
+
 def test_block_alone_and_together():
     alone = run(PULLED_BLOCK, MPI.COMM_SELF, box_body((4, 4, 2), comm=MPI.COMM_SELF))
     together = run(PULLED_BLOCK, COMM, box_body((4, 4, 2)))

@@ -10,6 +10,7 @@ from scipy.integrate import quad
 
 from fenics_contact import main, verification
 from fenics_contact.errors import NotConvergedError
+from fenics_contact.half_space_fields import cerruti
 from fenics_contact.verification import Case, Finding, formulas
 from fenics_contact.verification.airy import AiryField
 from fenics_contact.verification.command import verify
@@ -105,6 +106,32 @@ def test_partial_slip_carries_the_shear_and_no_more_than_friction():
     assert shear == pytest.approx(0.3 * contact.force * (1 - 0.6**2), rel=1e-8)
     assert traction(1.5) == pytest.approx(0.3 * contact.peak * math.sqrt(1 - 0.75**2))
     assert traction(0.0) == pytest.approx(0.3 * contact.peak * 0.4)
+
+
+def test_partial_slip_moves_a_sphere_as_its_traction_does():
+    """Mindlin's traction by Cerruti's displacements, integrated around the middle."""
+    nu, shear_modulus, coefficient, stick = 0.3, 1000 / 2.6, 0.4, 0.7
+    contact = formulas.paraboloid(MODULUS, RADIUS, 1.0)
+    a, c = contact.radius, stick * contact.radius
+
+    def traction(r):
+        inner = stick * math.sqrt(max(1 - (r / c) ** 2, 0.0))
+        return coefficient * contact.peak * (math.sqrt(1 - (r / a) ** 2) - inner)
+
+    angles = (np.arange(8) + 0.5) * np.pi / 4
+    ring = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+    along, inward = np.eye(3)[0], -np.eye(3)[2]
+    around = cerruti(ring, along, inward, 1000, nu) @ along
+    mean = 2 * np.pi * around.mean()  # of r · displacement over the angle
+    moved = mean * quad(traction, 0, a, points=[c])[0]
+    shear = quad(lambda r: 2 * math.pi * r * traction(r), 0, a, points=[c])[0]
+    share = shear / (coefficient * contact.force)
+    assert share == pytest.approx(1 - stick**3)
+    found = formulas.partial_slip_shift(contact, coefficient, share, shear_modulus, nu)
+    assert found == pytest.approx(moved, rel=1e-8)
+    slope = formulas.partial_slip_shift(contact, coefficient, 1e-6, shear_modulus, nu)
+    stuck = 1e-6 * coefficient * contact.force * (2 - nu) / (8 * shear_modulus * a)
+    assert slope == pytest.approx(stuck, rel=1e-5)
 
 
 @pytest.mark.parametrize(("modulus", "poisson"), [(1000.0, 0.2), (300.0, 0.4)])

@@ -12,6 +12,7 @@ from fenics_contact.verification import (
     pair_ways_cases,
     point_cases,
     punch_cases,
+    shear_cases,
     slab_cases,
 )
 from fenics_contact.verification.case import Case, Finding, Outcome
@@ -22,6 +23,7 @@ CASES: tuple[Case, ...] = (
     *line_cases.CASES,
     *punch_cases.CASES,
     *friction_cases.CASES,
+    *shear_cases.CASES,
     *pair_cases.CASES,
     *pair_ways_cases.CASES,
     *hertz_pair_cases.CASES,

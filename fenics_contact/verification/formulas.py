@@ -1,4 +1,4 @@
-"""Closed solutions of frictionless contact with a half-space, in user's units.
+"""Closed solutions of contact with a half-space, in user's units.
 
 E* is the plane strain modulus E / (1 − ν²) of the half-space; the obstacles are rigid. Sources:
 
@@ -123,6 +123,28 @@ def partial_slip(
 
     inner = stick / contact.radius * ellipse(stick)
     return np.asarray(coefficient * contact.peak * (ellipse(contact.radius) - inner))
+
+
+def partial_slip_shift(
+    contact: HertzContact,
+    coefficient: float,
+    share: float,
+    shear_modulus: float,
+    poissons_ratio: float,
+) -> float:
+    """How far a sphere moves sideways that is pressed, then sheared (Johnson, section 7.2).
+
+    δ = 3 μ P (2 − ν)/(16 G a) (1 − (1 − Q/μP)^(2/3)), on one elastic half-space.
+
+    Args:
+        contact: Its force P and radius a.
+        coefficient: μ.
+        share: Q/μP, below 1.
+        shear_modulus: G (stress).
+        poissons_ratio: ν.
+    """
+    most = 3 * coefficient * contact.force * (2 - poissons_ratio)
+    return most / (16 * shear_modulus * contact.radius) * (1 - (1 - share) ** (2 / 3))
 
 
 def flat_punch_force(modulus: float, radius: float, indentation: float) -> float:
