@@ -22,8 +22,8 @@ from fenics_contact.scene_values import (
     AxisName,
     Integer,
     Kinematics,
+    LoadPath,
     Number,
-    Path,
     Positive,
     Profile,
     Text,
@@ -100,7 +100,7 @@ class Support:
         Mapping[AxisName, Value],
         Field(min_length=1, description="component → value (length), such as `{ x = 0 }`"),
     ]
-    path: Annotated[Path, Field(description="of the displacement over the load steps")] = RAMP
+    path: Annotated[LoadPath, Field(description="of the displacement over the load steps")] = RAMP
 
 
 @dataclass(frozen=True, config=CLOSED)
@@ -117,7 +117,7 @@ class Load:
     body_force: Annotated[
         Vector | None, Field(description="force per volume, one entry per axis")
     ] = None
-    path: Annotated[Path, Field(description="of the load over the load steps")] = RAMP
+    path: Annotated[LoadPath, Field(description="of the load over the load steps")] = RAMP
 
     def __post_init__(self) -> None:
         if sum(kind is not None for kind in (self.traction, self.pressure, self.body_force)) != 1:
