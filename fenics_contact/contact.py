@@ -219,8 +219,8 @@ class ContactSurface:
         if obstacle.force is None:
             self.kinematics.indentation = (obstacle.indentation or 0.0) * factor
         if obstacle.displacement is not None and isinstance(self.kinematics, ObstacleKinematics):
-            moved = np.array(obstacle.displacement) * self._paths["obstacle.displacement_path"](time)
-            self.kinematics.displace(moved)
+            share = self._paths["obstacle.displacement_path"](time)
+            self.kinematics.displace(share * np.array(obstacle.displacement))
             if self.normal is not None:
                 self.normal.set_gap(self.kinematics.gap)
 
@@ -253,11 +253,12 @@ class ContactSurface:
             return 0.0
         return self.kinematics.slid_share(self.pressure() > 0)
 
-    def pair_anew(self, displacement: Array) -> None:
+    def pair_anew(self, displacement: Array | None) -> None:
         """Find anew which points of two bodies face each other; collective.
 
         Args:
-            displacement: Of the last load step, at the body's nodes of this rank (length).
+            displacement: Of a load step, at the body's nodes of this rank; None as meshed
+                (length).
         """
         assert isinstance(self.kinematics, BodyKinematics) and self.normal is not None
         self.kinematics.pair_anew(displacement)

@@ -128,7 +128,7 @@ class Problem:
     def can_pair_anew(self) -> bool:
         """Whether what faces what may change: two bodies touch, and there are load steps."""
         between_bodies = any(contact.contact.against is not None for contact in self.contacts)
-        return between_bodies and len(self.scene.steps.all_times) > 1
+        return between_bodies and self.scene.steps.several
 
     @property
     def has_datum(self) -> bool:

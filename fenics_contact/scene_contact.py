@@ -88,9 +88,9 @@ class Obstacle:
         Direction | None,
         Field(description="how far it moves besides, one entry an axis (length)"),
     ] = None
-    path: Annotated[
-        LoadPath, Field(description="of indentation or force over the load steps")
-    ] = RAMP
+    path: Annotated[LoadPath, Field(description="of indentation or force over the load steps")] = (
+        RAMP
+    )
     displacement_path: Annotated[
         LoadPath, Field(description="of the displacement over the load steps")
     ] = RAMP

@@ -102,7 +102,7 @@ def _accepted(hint: Any) -> str:
         return f"table of name = {_accepted(parts[1])}"
     if dataclasses.is_dataclass(plain):
         return "a profile" if plain is Profile else "table"
-    name = {float: "number", int: "whole number", str: "text"}[plain]
+    name = {float: "number", int: "whole number", str: "text", bool: "`true` or `false`"}[plain]
     return name + _bounds(information)
 
 

@@ -15,6 +15,7 @@ from fenics_contact.contact import ContactSurface
 from fenics_contact.equilibrium import FreeMotion, require_equilibrium
 from fenics_contact.errors import InputError, NotConvergedError
 from fenics_contact.gmsh_files import load_body
+from fenics_contact.load_steps import solve
 from fenics_contact.mesh import Body
 from fenics_contact.parallel import largest, total
 from fenics_contact.problem import Problem
@@ -28,7 +29,6 @@ from fenics_contact.result import Check, Result
 from fenics_contact.scene import Scene
 from fenics_contact.solution import Solution
 from fenics_contact.solver_choice import SolverChoice, choose_solver
-from fenics_contact.strategy import solve
 from fenics_contact.timings import Timings
 
 logger = logging.getLogger(__name__)
