@@ -90,6 +90,7 @@ class History:
         newton: Newton's method on the problem.
         last: The last accepted step, None before there is one.
         pace: Which step comes next.
+        tried: Pseudo-time of the step that was tried last.
 
     Args:
         newton: Made for the problem, not started.
@@ -112,6 +113,7 @@ class History:
         self._accepted, self._kept = accepted, kept
         self._untouched = [remember(contact) for contact in self.problem.contacts]
         self._has_moved_on = False
+        self.tried = 0.0
 
     @property
     def time(self) -> float:
@@ -132,6 +134,7 @@ class History:
         try:
             while (time := self.pace.next(self.time)) is not None:
                 self.newton.require_going_on()
+                self.tried = time
                 self._take(time)
         except (NotConvergedError, StoppedError):
             self._go_back()
@@ -139,16 +142,20 @@ class History:
         assert self.last is not None  # there is a step, or one was resumed
         return self.last.solution
 
-    def resume(self, last: AcceptedStep) -> Solution:
+    def resume(self, last: AcceptedStep, size: float, forces: float) -> Solution:
         """Take up a history that another run began; collective.
 
         Args:
             last: Its last step. Of the solution, only what it says of the way there counts.
+            size: Of the next automatic step (pseudo-time).
+            forces: Largest of its steps so far (force).
 
         Returns:
             The solution of that step.
         """
         self.last = last
+        self.pace.resume(size)
+        self.newton.system.earlier_forces = forces
         self._go_back()
         said, newton = last.solution, self.newton
         solution = dataclasses.replace(
@@ -296,6 +303,9 @@ def solve(
     timings: Timings | None = None,
     accepted: Callable[[float, Solution], None] | None = None,
     choice: SolverChoice | None = None,
+    begun: Callable[[History], None] | None = None,
+    kept: Callable[[History], None] | None = None,
+    stopped: Callable[[], bool] | None = None,
 ) -> Solution:
     """Solve a problem step by step; collective.
 
@@ -304,17 +314,26 @@ def solve(
         timings: Seconds so far.
         accepted: As of ``History``.
         choice: The solver; by default that of the scene and its sizes.
+        begun: Called before the first step, which may be one to resume from.
+        kept: As of ``History``.
+        stopped: As of ``Newton``.
 
     Returns:
         The solution of the last step.
 
     Raises:
         NotConvergedError: In words, with the history of the force imbalance.
+        StoppedError: ``stopped`` said so on some rank.
     """
     timings = timings or Timings()
     choice = choice or choose_solver(problem)
     system = create_system(problem, choice, timings)
     try:
-        return History(Newton(problem, system, timings), accepted).solve()
+        history = History(Newton(problem, system, timings), accepted, kept)
+        if stopped is not None:
+            history.newton.stopped = stopped
+        if begun is not None:
+            begun(history)
+        return history.solve()
     finally:
         system.destroy()

@@ -190,6 +190,11 @@ class Steps:
         return self.largest or self.first_size
 
     @property
+    def last(self) -> float:
+        """Pseudo-time at which they end."""
+        return self.all_times[-1]
+
+    @property
     def several(self) -> bool:
         """Whether there may be more than one."""
         return self.automatic or len(self.all_times) > 1
