@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from fenics_contact.scene import Steps
 
 # Of a step, below which two pseudo-times are the same.
@@ -11,7 +13,8 @@ _SAME = 1e-9
 # A step of at most so many Newton steps went easily.
 _EASY = 20
 _GROWTH = 1.5
-# A change of area that halving a step leaves above this share is a jump: no step makes it small.
+# A change of area of which a part of the step has more than this share is a jump: no step makes
+# it small.
 _JUMP = 0.75
 
 
@@ -61,8 +64,9 @@ class AutomaticPace:
         self.size = steps.first_size
         self._steps = steps
         self._targets = [*(knot for knot in knots if 0 < knot < steps.end), steps.end]
-        self._tried = 0.0
-        self._refused: float | None = None
+        self._tried = self._goal = 0.0
+        self._refused, self._refused_until = np.inf, 0.0
+        self._before_cut = self.size
 
     def next(self, time: float) -> float | None:
         """The pseudo-time after one that is reached; None at the end."""
@@ -72,11 +76,12 @@ class AutomaticPace:
             return None
         left = target - time
         if left <= self.size * (1 + _SAME):
-            self._tried = left
+            self._tried, self._goal = left, target
             return target
         # Two halves instead of a step and a crumb.
         self._tried = left / 2 if left < 2 * self.size * (1 - _SAME) else self.size
-        return time + self._tried
+        self._goal = time + self._tried
+        return self._goal
 
     def cut(self) -> bool:
         """Halve the step that was tried, down to the smallest; whether that was possible."""
@@ -94,9 +99,10 @@ class AutomaticPace:
         """
         if change <= self._steps.area_change:
             return False
-        if self._refused is not None and change > _JUMP * self._refused:
+        if self._goal <= self._refused_until and change > _JUMP * self._refused:
             return False
-        self._refused = change
+        self._refused, self._refused_until = change, self._goal
+        self._before_cut = self.size
         return True
 
     def went(self, newton_iterations: int, change: float) -> None:
@@ -106,8 +112,9 @@ class AutomaticPace:
             newton_iterations: That it took.
             change: Of area, over the area in contact.
         """
-        self._refused = None
-        if newton_iterations <= _EASY and change <= self._steps.area_change / 2:
+        if change > self._steps.area_change:  # a jump: the cut was in vain
+            self.size = self._before_cut
+        elif newton_iterations <= _EASY and change <= self._steps.area_change / 2:
             self.size = min(_GROWTH * self.size, self._steps.largest_size)
 
     def resume(self, size: float) -> None:
