@@ -158,7 +158,7 @@ def test_changes_of_area_cut_steps_unless_they_are_jumps():
     assert np.diff([0, *smooth]).max() <= 0.1 and 10 <= len(smooth) <= 20
     for jump in (0.01, 0.24, 0.26, 0.49, 0.999):
         jumping, _ = taken(steps, [], change=lambda goal, size, at=jump: goal - size < at <= goal)
-        assert len(jumping) <= 4  # half a step or two in vain, not ten
+        assert len(jumping) <= 5  # a step or two in vain, not ten
 
 
 def test_knots_of_a_scene_are_those_of_all_its_paths():
