@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
@@ -18,6 +19,7 @@ from fenics_contact import (
 from tests.pair_bodies import Box, boxes
 from tests.scenes import box_body
 
+COMM = MPI.COMM_WORLD
 PRESSED = Path(time=(0, 0.5, 1), factor=(0, 1, 1))
 DRAGGED = Path(time=(0, 0.5, 1), factor=(0, 0, 1))
 
@@ -44,8 +46,8 @@ def dragged(steps, law="incremental", path=PRESSED, solid=0.3, degree=2, driven=
     )
 
 
-def block():
-    return box_body((8, 6), (1, 1))
+def block(comm=COMM):
+    return box_body((8, 6), (1, 1), comm=comm)
 
 
 def shoved(steps, **solver):
@@ -66,9 +68,9 @@ def shoved(steps, **solver):
     )
 
 
-def two_blocks():
+def two_blocks(comm=COMM):
     lower, upper = Box("lower", (0, -1), (2, 0), (12, 5)), Box("upper", (0.1, 0), (1.1, 1), (4, 3))
-    return boxes((lower, upper))
+    return boxes((lower, upper), comm=comm)
 
 
 def times(result: Result) -> tuple[float, ...]:
