@@ -10,13 +10,11 @@ from __future__ import annotations
 import dataclasses
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fenics_contact.contact import STICK
-from fenics_contact.contact_memory import ContactMemory, recall, recall_pairing, remember
+from fenics_contact.accepted_step import AcceptedStep, Unknowns, contact_change
+from fenics_contact.contact_memory import recall, recall_pairing, remember
 from fenics_contact.errors import NotConvergedError, StoppedError
 from fenics_contact.load_paths import knots
 from fenics_contact.newton import Newton
@@ -28,59 +26,6 @@ from fenics_contact.strategy import solve_step
 from fenics_contact.timings import Timings
 
 logger = logging.getLogger(__name__)
-
-Array = NDArray[np.float64]
-
-# Steps are extrapolated to at most so many times their length.
-_FARTHEST = 2.0
-
-
-@dataclass(frozen=True, eq=False)
-class Unknowns:
-    """What Newton's method starts from.
-
-    Attributes:
-        time: Pseudo-time.
-        displacement: At the body's nodes of this rank, (nodes, components) (length).
-        scalars: Values of the scalar unknowns.
-        mean_stress: Of nearly incompressible bodies, at the dofs of this rank; else empty (stress).
-    """
-
-    time: float
-    displacement: Array
-    scalars: Array
-    mean_stress: Array
-
-    def towards(self, later: Unknowns, time: float) -> Unknowns:
-        """On the straight line through these and later ones, at a still later time."""
-        share = min((time - later.time) / (later.time - self.time), _FARTHEST)
-
-        def extrapolated(first: Array, second: Array) -> Array:
-            return second + share * (second - first)
-
-        return Unknowns(
-            time,
-            extrapolated(self.displacement, later.displacement),
-            extrapolated(self.scalars, later.scalars),
-            extrapolated(self.mean_stress, later.mean_stress),
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class AcceptedStep:
-    """A load step as it was solved.
-
-    Attributes:
-        unknowns: The state.
-        contacts: That of the contacts.
-        solution: What was found.
-        before: The state of the step before; None for the first.
-    """
-
-    unknowns: Unknowns
-    contacts: list[ContactMemory]
-    solution: Solution
-    before: Unknowns | None
 
 
 class History:
@@ -178,7 +123,9 @@ class History:
             logger.info("time %g: %s; a smaller step", time, error)
             self._go_back()
             return
-        change = 0.0 if self.last is None else self._change(self.last.solution, found)
+        change = (
+            0.0 if self.last is None else contact_change(self.problem, self.last.solution, found)
+        )
         if self.pace.exceeds(change) and self.pace.cut():
             logger.info("time %g: contact changes by %.0f %%; a smaller step", time, 100 * change)
             self._go_back()
@@ -280,22 +227,6 @@ class History:
         if mixed is not None:
             mixed.mean_stress.x.array[:] = unknowns.mean_stress
         self.newton.place(unknowns.displacement, unknowns.scalars)
-
-    def _change(self, before: Solution, found: Solution) -> float:
-        """Area of what opened, closed, or began or ceased to stick, over that in contact."""
-        touching = np.zeros(2)
-        changed = sticking = 0.0
-        states = zip(self.problem.contacts, before.states, found.states, strict=True)
-        for contact, old, new in states:
-            closed = [state.contact_pressure > 0 for state in (old, new)]
-            sticks = [state.status == STICK for state in (old, new)]
-            rows = np.stack([*closed, closed[0] != closed[1], sticks[0] != sticks[1]], axis=1)
-            *areas, opened, slipped = contact.trace.integral(rows.astype(np.float64))
-            touching += areas
-            changed, sticking = changed + opened, sticking + slipped
-        if touching.min() == 0:  # the first touch, or the last: no step makes it small
-            return 0.0
-        return float(max(changed, sticking) / touching.max())
 
 
 def solve(

@@ -7,10 +7,9 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 from mpi4py import MPI
 
-from fenics_contact import compat
+from fenics_contact import compat, verdict
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
 from fenics_contact.contact import ContactSurface
@@ -19,7 +18,7 @@ from fenics_contact.errors import InputError, NotConvergedError, StoppedError
 from fenics_contact.gmsh_files import load_body
 from fenics_contact.load_steps import History, solve
 from fenics_contact.mesh import Body
-from fenics_contact.parallel import largest, total
+from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
 from fenics_contact.progress import step_line
 from fenics_contact.quantities import (
@@ -28,7 +27,7 @@ from fenics_contact.quantities import (
     global_quantities,
     support_reactions,
 )
-from fenics_contact.result import Check, Result
+from fenics_contact.result import Result
 from fenics_contact.scene import Scene
 from fenics_contact.solution import Solution
 from fenics_contact.solver_choice import SolverChoice, choose_solver
@@ -36,10 +35,6 @@ from fenics_contact.state_file import SavedRun, StateFile
 from fenics_contact.timings import Timings
 
 logger = logging.getLogger(__name__)
-
-# Slip over the size of a contact between two pairings, from which pressures are visibly off:
-# without friction a shift of .01 changes them by 1 %.
-_FAR = 0.01
 
 
 class Run:
@@ -200,7 +195,11 @@ class Run:
         return Result(
             title=self.scene.title,
             converged=True,
-            verdict=_verdict(checks) + _untouched(problem, solution) + self._slid_far(),
+            verdict=(
+                verdict.of_checks(checks)
+                + verdict.untouched(problem, solution)
+                + verdict.slid_far(self._steps)
+            ),
             model=self.model,
             contacts=self.contacts(self._by_contact),
             supports=self._supports,
@@ -212,26 +211,26 @@ class Run:
             points=points,
         )
 
-    def _stopped_short(self, verdict: str, steps: list[dict[str, Any]]) -> Result:
+    def _stopped_short(self, words: str, steps: list[dict[str, Any]]) -> Result:
         """What there is of a history that did not reach its end; collective.
 
         Args:
-            verdict: Why it did not.
+            words: Why it did not.
             steps: Those accepted, and the one that was not.
         """
         if self.solution is not None:
             reached = self._steps[-1]["load_factor"]
-            verdict += (
+            words += (
                 f" Results are those of the last load step that was done, at time {reached:g} of "
                 f"{self.scene.steps.last:g}; --resume goes on from there."
             )
             return dataclasses.replace(
-                self._evaluate(), converged=False, verdict=verdict, steps=steps
+                self._evaluate(), converged=False, verdict=words, steps=steps
             )
         return Result(
             title=self.scene.title,
             converged=False,
-            verdict=verdict,
+            verdict=words,
             model=self.model,
             contacts=self.contacts(),
             quantities={},
@@ -255,27 +254,12 @@ class Run:
         advice = "more load steps, or steps.automatic = true"
         if self.scene.steps.automatic:
             advice = "a smaller steps.smallest"
-        verdict = f"No answer at time {self._history.tried:g}: {error}. Or try {advice}."
-        return self._stopped_short(verdict, [*self._steps, step])
+        words = f"No answer at time {self._history.tried:g}: {error}. Or try {advice}."
+        return self._stopped_short(words, [*self._steps, step])
 
     def _interrupted(self) -> Result:
-        verdict = "Interrupted" + ("." if self.solution else " before any load step was done.")
-        return dataclasses.replace(self._stopped_short(verdict, self._steps), interrupted=True)
-
-    def _slid_far(self) -> str:
-        """A sentence on bodies that slid far within a load step, or nothing."""
-        found: dict[str, float] = {}
-        for step in self._steps:
-            for contact in step["contacts"]:
-                slid = contact["quantities"].get("slip_since_pairing", 0.0)
-                found[contact["name"]] = max(slid, found.get(contact["name"], 0.0))
-        far = [f"'{name}' by {slid:.2g}" for name, slid in found.items() if slid > _FAR]
-        if not far:
-            return ""
-        return (
-            f" Bodies slid far within a load step, over the contact's size at {' and '.join(far)}: "
-            "pressures may be off by as much; take more load steps."
-        )
+        words = "Interrupted" + ("." if self.solution else " before any load step was done.")
+        return dataclasses.replace(self._stopped_short(words, self._steps), interrupted=True)
 
 
 def _strategy(problem: Problem, solution: Solution | None) -> str:
@@ -338,23 +322,3 @@ def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None)
         InputError: The scene or its mesh cannot be used, or has no equilibrium.
     """
     return Run(scene, comm, body).solve()
-
-
-def _untouched(problem: Problem, solution: Solution) -> str:
-    """A sentence on obstacles that the body does not touch, or nothing; collective."""
-    touched = [
-        largest(problem.comm, np.abs(state.contact_pressure)) > 0 for state in solution.states
-    ]
-    free = [
-        f"'{contact.label}'"
-        for contact, touches in zip(problem.contacts, touched, strict=True)
-        if not touches and contact.normal is not None
-    ]
-    return f" The body does not touch the obstacle at {' and '.join(free)}." if free else ""
-
-
-def _verdict(checks: dict[str, Check]) -> str:
-    failed = [name.replace("_", " ") for name, check in checks.items() if not check.passed]
-    if failed:
-        return f"Converged, but do not trust it: failed {', '.join(failed)}."
-    return f"Converged; all {len(checks)} checks of the physics passed."

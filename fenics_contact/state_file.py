@@ -7,12 +7,6 @@ any number of ranks can read it.
 from __future__ import annotations
 
 import dataclasses
-import hashlib
-import io
-import json
-import os
-import zipfile
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,21 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact import compat, fingerprint
+from fenics_contact.accepted_step import AcceptedStep, Unknowns
 from fenics_contact.contact import ContactSurface
 from fenics_contact.contact_memory import ContactMemory
 from fenics_contact.errors import InputError
-from fenics_contact.load_steps import AcceptedStep, History, Unknowns
+from fenics_contact.load_steps import History
 from fenics_contact.nodal_keys import NodalKeys, found_among, gather_keyed
 from fenics_contact.parallel import on_root, total
 from fenics_contact.problem import Problem
 from fenics_contact.scene import Scene
+from fenics_contact.sealed_arrays import Arrays, read, write
 from fenics_contact.solution import Solution
 
 Array = NDArray[np.float64]
-Arrays = dict[str, NDArray[Any]]
 
 NAME = "state.npz"
-_UNREADABLE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,48 +244,3 @@ def _plain_part(memory: ContactMemory) -> dict[str, Any]:
     fields = dataclasses.fields(memory)
     parts = {field.name: getattr(memory, field.name) for field in fields}
     return {name: part for name, part in parts.items() if isinstance(part, float | bool)}
-
-
-def write(path: Path, header: dict[str, Any], arrays: Arrays) -> None:
-    """Replace a file in one move, so that it is whole at any moment."""
-    text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
-    contents = arrays | {"header": text}
-    digest = np.frombuffer(_checksum(contents), dtype=np.uint8)
-    buffer = io.BytesIO()
-    np.savez(buffer, checksum=digest, **contents)  # type: ignore[arg-type]
-    temporary = path.with_name(f".{path.name}")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with temporary.open("wb") as file:
-        file.write(buffer.getbuffer())
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(temporary, path)
-
-
-def read(path: Path) -> tuple[dict[str, Any], Arrays]:
-    """Header and arrays of a file.
-
-    Raises:
-        InputError: It is damaged, or no such file at all.
-    """
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        digest = arrays.pop("checksum").tobytes()
-        if digest != _checksum(arrays):
-            raise ValueError("checksum")
-        header = json.loads(arrays.pop("header").tobytes())
-    except _UNREADABLE:
-        raise InputError(
-            f"--resume: '{path}' is damaged; without --resume the run begins anew"
-        ) from None
-    return header, arrays
-
-
-def _checksum(arrays: Arrays) -> bytes:
-    digest = hashlib.sha256()
-    for name in sorted(arrays):
-        array = np.ascontiguousarray(arrays[name])
-        digest.update(f"{name} {array.dtype} {array.shape}".encode())
-        digest.update(array.tobytes())
-    return digest.digest()

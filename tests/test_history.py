@@ -1,12 +1,16 @@
 """Load paths and load steps: what is followed, what is cut, and that nothing rejected stays."""
 
 import dataclasses
+import functools
+import io
 import json
+import logging
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from mpi4py import MPI
+from rich.console import Console
 
 from fenics_contact import (
     Contact,
@@ -19,6 +23,7 @@ from fenics_contact import (
     Scene,
     Steps,
     Support,
+    progress,
     run,
 )
 from fenics_contact.load_paths import knots
@@ -290,6 +295,23 @@ def test_a_rank_that_is_asked_to_stop_stops_all():
 def test_keys_of_automatic_steps_that_contradict(keys, words):
     with pytest.raises(ValueError, match=words):
         Steps(**keys)
+
+
+@pytest.mark.serial
+def test_a_terminal_has_a_bar_and_a_file_lines(monkeypatch, caplog):
+    terminal = io.StringIO()
+    console = functools.partial(Console, file=terminal, force_terminal=True, width=120)
+    monkeypatch.setattr(progress, "Console", lambda stderr: console())
+    with progress.step_bar(Steps(number=4), COMM) as announce, caplog.at_level(logging.INFO):
+        Run(dragged(Steps(number=4)), COMM, block()).solve(announce=announce)
+    assert "step 4: time 1, " in terminal.getvalue() and "contact area" in terminal.getvalue()
+    assert not caplog.messages
+    monkeypatch.setattr(progress, "Console", lambda stderr: console(force_terminal=False))
+    with progress.step_bar(Steps(number=4), COMM) as announce, caplog.at_level(logging.INFO):
+        Run(dragged(Steps(number=4)), COMM, block()).solve(announce=announce)
+    assert announce is None and len(caplog.messages) == 4
+    assert caplog.messages[-1].startswith("step 4: time 1, ")
+    assert "sticking" in caplog.messages[-1]
 
 
 @pytest.mark.serial

@@ -25,6 +25,7 @@ from fenics_contact import (
     Steps,
     Support,
     main,
+    sealed_arrays,
     state_file,
 )
 from fenics_contact.interrupts import Interrupts
@@ -176,19 +177,19 @@ def scaled(factor):
 @pytest.mark.serial
 def test_damaged_files_are_refused(tmp_path):
     path = tmp_path / "state.npz"
-    state_file.write(path, {"a": 1}, {"b": np.arange(1000.0)})
-    assert state_file.read(path)[0] == {"a": 1}
+    sealed_arrays.write(path, {"a": 1}, {"b": np.arange(1000.0)})
+    assert sealed_arrays.read(path)[0] == {"a": 1}
     whole = path.read_bytes()
     for damaged in (whole[:-30], whole[: len(whole) // 2], b"", b"no archive", _flipped(whole)):
         path.write_bytes(damaged)
         with pytest.raises(InputError, match=r"state.npz' is damaged"):
-            state_file.read(path)
+            sealed_arrays.read(path)
     # The archive is whole, what is in it is not what was written.
     with np.load(tmp_path / _saved(tmp_path, whole)) as file:
         arrays = {name: file[name] for name in file.files}
     np.savez(path, **(arrays | {"b": arrays["b"] + 1e-16 + 1}))
     with pytest.raises(InputError, match="is damaged"):
-        state_file.read(path)
+        sealed_arrays.read(path)
 
 
 def _flipped(whole):
@@ -205,15 +206,15 @@ def _saved(folder, contents):
 @pytest.mark.parametrize("failing", ["fsync", "replace"])
 def test_a_write_that_ends_half_way_leaves_the_old_file(tmp_path, monkeypatch, failing):
     path = tmp_path / "state.npz"
-    state_file.write(path, {"step": 1}, {"b": np.arange(1000.0)})
+    sealed_arrays.write(path, {"step": 1}, {"b": np.arange(1000.0)})
 
     def die(*arguments):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(state_file.os, failing, die)
+    monkeypatch.setattr(sealed_arrays.os, failing, die)
     with pytest.raises(OSError, match="No space"):
-        state_file.write(path, {"step": 2}, {"b": np.arange(1000.0)})
-    assert state_file.read(path)[0] == {"step": 1}
+        sealed_arrays.write(path, {"step": 2}, {"b": np.arange(1000.0)})
+    assert sealed_arrays.read(path)[0] == {"step": 1}
 
 
 SCENE = f"""
