@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fenics_contact.bulk_forces import BulkForces
+from fenics_contact.load_steps import History
 from fenics_contact.newton import Newton
 from fenics_contact.parallel import largest
 from fenics_contact.problem import Problem
 from fenics_contact.quantities import contact_quantities, global_quantities, support_reactions
 from fenics_contact.solution import Solution
 from fenics_contact.solver_choice import choose_solver, create_system
-from fenics_contact.strategy import solve_steps
 from fenics_contact.timings import Timings
 
 # isort: split
@@ -161,7 +161,7 @@ def frictional_solve(problem: Problem) -> Frictional:
         watch.exclude(lambda: read_results(problem, solution))
 
     try:
-        solution = solve_steps(Newton(problem, system, timings), accepted)
+        solution = History(Newton(problem, system, timings), accepted).solve()
         seconds, reading = watch.seconds(), largest(problem.comm, np.array([watch.excluded]))
     finally:
         system.destroy()

@@ -22,6 +22,10 @@ Array = NDArray[np.float64]
 class BodyKinematics(ContactKinematics):
     """The jump w = u − P u' of the slave surface.
 
+    Attributes:
+        paired_at: Displacement at which it was found what faces what, at the body's nodes of
+            this rank; None as meshed (length).
+
     Args:
         trace: The slave's contact points, whose normals become the mean ones.
         opposite: The master's.
@@ -33,6 +37,7 @@ class BodyKinematics(ContactKinematics):
     """
 
     pairing: Pairing
+    paired_at: Array | None = None
 
     def __init__(
         self, trace: Trace, opposite: Trace, constrained: NDArray[np.int64], key: str
@@ -63,17 +68,21 @@ class BodyKinematics(ContactKinematics):
         super().require_one_sided(key)
         require_smooth(self._opposite, f"{key}.against")
 
-    def pair_anew(self, displacement: Array) -> None:
+    def pair_anew(self, displacement: Array | None) -> None:
         """Find what faces what on the displaced bodies; collective.
 
         Args:
-            displacement: At the body's nodes of this rank, (nodes, components) (length).
+            displacement: At the body's nodes of this rank, (nodes, components); None as meshed
+                (length).
         """
         self.pairing.update(displacement)
-        moved = self.trace.at_points(displacement[self.trace.all_nodes])
+        self.paired_at = displacement
+        none = np.zeros((len(self._spaces.coordinates), self._spaces.components))
+        present = none if displacement is None else displacement
+        moved = self.trace.at_points(present[self.trace.all_nodes])
         self._places = self.trace.coordinates.copy()
         self._places[:, : moved.shape[1]] += moved
-        self.move(self.relative(displacement))
+        self.move(self.relative(present))
         self._face()
 
     def slid_share(self, closed: NDArray[np.bool_]) -> float:

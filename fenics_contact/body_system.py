@@ -34,9 +34,9 @@ class BodySystem(System):
         """K u, also where supports hold; 0 in the scalars' rows; collective."""
 
     @property
-    def forces(self) -> float:
+    def present_forces(self) -> float:
         """1-norm of loads, reactions and contact forces at the last residual; collective."""
-        return super().forces + self._reactions
+        return super().present_forces + self._reactions
 
     def begin(self, displacement: Array) -> None:
         """Start from nodal displacements, supports at their values; collective."""

@@ -7,16 +7,20 @@ import logging
 import sys
 import traceback
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 
 from mpi4py import MPI
 
 from fenics_contact import files
 from fenics_contact.errors import FenicsContactError, InputError
+from fenics_contact.interrupts import Interrupts
 from fenics_contact.parallel import on_root
+from fenics_contact.progress import step_bar
 from fenics_contact.scene import Scene
 from fenics_contact.scene_file import load_scene
 from fenics_contact.simulation import Run
+from fenics_contact.state_file import StateFile
 from fenics_contact.summary import print_model, print_result
 
 logger = logging.getLogger(__name__)
@@ -52,6 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     run.add_argument(
         "--out", type=Path, help="folder for the results (default: results/ and the scene's name)"
     )
+    _add_resume(run)
     report.add_argument("folder", metavar="DIR", type=Path)
     verify.add_argument("names", metavar="NAME", nargs="*", help="benchmarks to run (default: all)")
     verify.add_argument("--quick", action="store_true", help="coarser and fewer: about a minute")
@@ -82,10 +87,12 @@ def run_script(
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--out", type=Path, default=Path(default_folder), help="results folder")
     parser.add_argument("--no-pictures", action="store_true", help="write files only")
+    _add_resume(parser)
     _add_verbosity(parser)
     options = parser.parse_args(arguments)
     _log_to_terminal(options)
-    return guarded(lambda: _solve(scene, options.out, pictures=not options.no_pictures))
+    pictures = not options.no_pictures
+    return guarded(lambda: _solve(scene, options.out, options.resume, pictures))
 
 
 def guarded(action: Callable[[], int], comm: MPI.Comm = MPI.COMM_WORLD) -> int:
@@ -124,7 +131,8 @@ def _scene_command(options: argparse.Namespace) -> int:
     comm = MPI.COMM_WORLD
     scene = on_root(comm, lambda: load_scene(options.scene, options.overrides))
     if options.command == "run":
-        return _solve(scene, options.out or Path("results") / options.scene.stem, pictures=False)
+        folder = options.out or Path("results") / options.scene.stem
+        return _solve(scene, folder, options.resume, pictures=False)
     prepared = Run(scene, comm)
     model = prepared.model
     if comm.rank == 0:
@@ -132,18 +140,37 @@ def _scene_command(options: argparse.Namespace) -> int:
     return 0
 
 
-def _solve(scene: Scene, folder: Path, pictures: bool) -> int:
+def _solve(scene: Scene, folder: Path, resume: bool, pictures: bool) -> int:
     comm = MPI.COMM_WORLD
     files.require_writable(folder, comm)
     prepared = Run(scene, comm)
-    result = prepared.solve()
-    with prepared.timings.phase("output"):
-        files.write(prepared, result, folder)
+    state = StateFile(folder, prepared.problem)
+    saved = state.load() if resume else None
+    if not resume:
+        state.remove()
+    if saved is not None and saved.is_done(scene):
+        logger.info("'%s' holds a finished run: nothing to resume", folder)
+        return saved.exit_code or 0
+    if saved is not None:
+        logger.info("resuming after time %g", saved.last.unknowns.time)
+    elif resume:
+        logger.info("there is no '%s' to resume from: beginning at the start", state.path)
+    with Interrupts() as interrupts:
+        with step_bar(scene.steps, comm) if _shows_steps() else nullcontext() as announce:
+            result = prepared.solve(state, saved, interrupts.requested, announce)
+        with prepared.timings.phase("output"):
+            files.write(prepared, result, folder)
+        if result.converged:
+            state.finish(result.exit_code)
     if comm.rank == 0 and (logger.isEnabledFor(logging.INFO) or not result.passed):
         print_result(result, folder)
     if pictures and result.converged:
         on_root(comm, lambda: _draw(folder))
     return result.exit_code
+
+
+def _shows_steps() -> bool:
+    return logger.isEnabledFor(logging.INFO)
 
 
 def _draw(folder: Path) -> None:
@@ -166,6 +193,15 @@ def _verify(options: argparse.Namespace) -> int:
     from fenics_contact.verification.command import verify
 
     return verify(options.names, options.quick, options.json)
+
+
+def _add_resume(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on from the last load step in the folder, on any number of ranks; the scene's "
+        "steps and solver may have changed, nothing else",
+    )
 
 
 def _add_verbosity(parser: argparse.ArgumentParser) -> None:

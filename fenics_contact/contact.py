@@ -20,6 +20,7 @@ from fenics_contact.contact_kinematics import ContactKinematics
 from fenics_contact.contact_sides import ContactSides
 from fenics_contact.contact_terms import FrictionTerm, NormalTerm
 from fenics_contact.errors import InputError
+from fenics_contact.load_paths import KeyedPath
 from fenics_contact.moduli import Moduli
 from fenics_contact.normal_contact import prescribed_pressure_energy
 from fenics_contact.obstacle_kinematics import ObstacleKinematics
@@ -111,7 +112,9 @@ class ContactSurface:
         self.kinematics = self._kinematics(key, constrained)
         self.supports = SurfaceSupports(self.trace, constrained)
         self.moduli, self.facet_size = self._scales(elastic)
-        self._given_pressure = self._given(contact.pressure or 0.0, f"{key}.pressure")
+        self._full_pressure = self._given(contact.pressure or 0.0, f"{key}.pressure")
+        self._given_pressure = self._full_pressure
+        self._paths = _paths(contact, key)
         if contact.kind in ("unilateral", "winkler"):
             self.kinematics.require_one_sided(key)
             self._bring_up()
@@ -208,18 +211,34 @@ class ContactSurface:
 
     def set_time(self, time: float) -> None:
         """Bring the obstacle to where it stands, or to what drives it, at a pseudo-time."""
+        if self.contact.kind == "prescribed":
+            self._press(self.pressure_factor(time))
         obstacle = self.contact.obstacle
         if obstacle is None:
             return
-        factor = obstacle.path(time)
+        factor = self._paths["obstacle.path"](time)
         self.force = None if obstacle.force is None else obstacle.force * factor
         if obstacle.force is None:
             self.kinematics.indentation = (obstacle.indentation or 0.0) * factor
         if obstacle.displacement is not None and isinstance(self.kinematics, ObstacleKinematics):
-            moved = np.array(obstacle.displacement) * obstacle.displacement_path(time)
-            self.kinematics.displace(moved)
+            share = self._paths["obstacle.displacement_path"](time)
+            self.kinematics.displace(share * np.array(obstacle.displacement))
             if self.normal is not None:
                 self.normal.set_gap(self.kinematics.gap)
+
+    def pressure_factor(self, time: float) -> float:
+        """Share of a given pressure that acts at a pseudo-time, ≥ 0."""
+        path = self._paths["pressure_path"]
+        factor = path(time)
+        if factor < 0:
+            raise InputError(f"{path.key}: {factor:g} at time {time:g}, but it must be ≥ 0")
+        return factor
+
+    def _press(self, factor: float) -> None:
+        """Scale the given pressure, and the friction that it bounds."""
+        self._given_pressure = factor * self._full_pressure
+        if self.friction is not None:
+            self.friction.set_bound(self.friction.bound_of(self._given_pressure))
 
     def touch(self) -> None:
         """Bring an obstacle that nothing presses on until it just touches; collective."""
@@ -236,11 +255,12 @@ class ContactSurface:
             return 0.0
         return self.kinematics.slid_share(self.pressure() > 0)
 
-    def pair_anew(self, displacement: Array) -> None:
+    def pair_anew(self, displacement: Array | None) -> None:
         """Find anew which points of two bodies face each other; collective.
 
         Args:
-            displacement: Of the last load step, at the body's nodes of this rank (length).
+            displacement: Of a load step, at the body's nodes of this rank; None as meshed
+                (length).
         """
         assert isinstance(self.kinematics, BodyKinematics) and self.normal is not None
         self.kinematics.pair_anew(displacement)
@@ -386,3 +406,13 @@ class ContactSurface:
         small = np.linalg.norm(slip, axis=1) <= self.regularisation_parameter
         sticks = (self.friction_bound > 0) & small
         return np.where(pressure > 0, np.where(sticks, STICK, SLIP), OPEN)
+
+
+def _paths(contact: Contact, key: str) -> dict[str, KeyedPath]:
+    """All load paths of a contact, by their keys in it."""
+    found = {"pressure_path": KeyedPath(contact.pressure_path, f"{key}.pressure_path")}
+    if contact.obstacle is not None:
+        for name in ("path", "displacement_path"):
+            where = f"obstacle.{name}"
+            found[where] = KeyedPath(getattr(contact.obstacle, name), f"{key}.{where}")
+    return found

@@ -301,6 +301,23 @@ class FrictionTerm:
             self._reference = slip
             self._accepted.set(slip)
 
+    @property
+    def reference(self) -> Array:
+        """The slip that counts as none, at the points, (points, components) (length)."""
+        return self._reference
+
+    def recall(self, reference: Array, bound: Array) -> None:
+        """Follow the law as after a load step, whatever has been tried since.
+
+        Args:
+            reference: As ``reference``.
+            bound: g at the points (stress).
+        """
+        self.mode = "law"
+        self.set_share(1.0)
+        self.set_bound(bound)
+        self.accept(reference)
+
     def counted(self, slip: Array) -> Array:
         """The slip that the law sees: since the start, or since the last accepted step."""
         return slip - self._reference

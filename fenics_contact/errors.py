@@ -37,6 +37,12 @@ class NotConvergedError(FenicsContactError):
         return str(self.args[0])
 
 
+class StoppedError(FenicsContactError):
+    """The user, or the machine's keeper, asked to stop."""
+
+    exit_code = 130
+
+
 class MachineError(FenicsContactError):
     """The machine has not what the scene needs, such as memory."""
 

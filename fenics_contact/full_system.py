@@ -81,6 +81,10 @@ class FullSystem(BodySystem):
         lengths.destroy()
         return float(20 * np.finfo(float).eps * left)
 
+    def set_mean_stress(self) -> None:
+        """Start from the mean stress that its function has."""
+        self._system.set_mean_stress(self.state)
+
     def internal_forces(self, state: Any, forces: Any) -> None:
         """K u and what a mean stress adds; collective."""
         self._system.stiffness.mult(state, forces)

@@ -314,11 +314,25 @@ class LinearSystem(AddedTangents):
         """The mean stress of a state into its function, where there is one."""
         if self._mixed is None:
             return
-        function = self._mixed.mean_stress
-        owned = function.function_space.dofmap.index_map.size_local
-        owned *= function.function_space.dofmap.index_map_bs
-        function.x.array[:owned] = state.array_r[self._owned : self._owned + owned]
+        function, own = self._mixed.mean_stress, self._own_mean_stress
+        function.x.array[: own.stop - own.start] = state.array_r[own]
         function.x.scatter_forward()
+
+    def set_mean_stress(self, state: Any) -> None:
+        """The mean stress of its function into a state, where there is one."""
+        if self._mixed is None:
+            return
+        own = self._own_mean_stress
+        with state as array:
+            array[own] = self._mixed.mean_stress.x.array[: own.stop - own.start]
+
+    @property
+    def _own_mean_stress(self) -> slice:
+        """This rank's entries of the mean stress in a vector of all unknowns."""
+        assert self._mixed is not None
+        dofmap = self._mixed.mean_stress.function_space.dofmap
+        owned = dofmap.index_map.size_local * dofmap.index_map_bs
+        return slice(self._owned, self._owned + owned)
 
 
 def add_entries(matrix: Any, rows: Any, columns: Any, values: Array) -> None:

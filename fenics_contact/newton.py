@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fenics_contact.errors import NotConvergedError
+from fenics_contact.errors import NotConvergedError, StoppedError
 from fenics_contact.parallel import largest, smallest
 from fenics_contact.problem import Problem
 from fenics_contact.rigid import RigidMotions
@@ -67,6 +68,7 @@ class Newton:
         continues: Whether the present solve starts from an answer of the load step before.
         paired_anew: Whether it was found anew what faces what since the last load step.
         limit: Imbalance that the last solve accepted as converged (force).
+        stopped: Whether this rank was asked to stop; asked before every Newton step.
     """
 
     def __init__(self, problem: Problem, system: System, timings: Timings) -> None:
@@ -79,6 +81,8 @@ class Newton:
         self.continues = False
         self.limit = 0.0
         self.paired_anew = False
+        self.stopped: Callable[[], bool] = lambda: False
+        self._is_stopped = False
         self._one_sided = any(contact.is_one_sided for contact in problem.contacts)
         self._tolerance = problem.scene.solver.tolerance
         self._tiny = 0.0
@@ -128,6 +132,8 @@ class Newton:
                 PETSc.Options().delValue(name)
             self._own_options.clear()
             self.timings.move("solve", "factorise", log.seconds())
+        if self._is_stopped:
+            raise StoppedError("interrupted")
         self.steps += self._steps_of_this_run
         accepted = len(self.history) > self._before and self.history[-1] <= self.limit
         if reason < 0 or not accepted:
@@ -147,6 +153,20 @@ class Newton:
                 "held, and are loads and stiffness in the same units?",
                 tuple(self.history),
             )
+
+    def require_going_on(self) -> None:
+        """Stop where any rank was asked to; collective.
+
+        Raises:
+            StoppedError: On every rank.
+        """
+        if self._ask_to_stop():
+            raise StoppedError("interrupted")
+
+    def _ask_to_stop(self) -> bool:
+        """Whether any rank was asked to stop; collective."""
+        self._is_stopped = bool(self.comm.allreduce(int(self.stopped())))
+        return self._is_stopped
 
     def save(self) -> NDArray[np.float64]:
         """The state of this rank, to go back to."""
@@ -200,6 +220,18 @@ class Newton:
         self.system.begin(displacement)
         self._stick_all()
 
+    def place(self, displacement: NDArray[np.float64], scalars: NDArray[np.float64]) -> None:
+        """Take a state, at the present loads; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components) (length).
+            scalars: Values of the scalar unknowns.
+        """
+        self.system.begin(displacement)
+        self.system.set_scalars(scalars)
+        self.system.set_mean_stress()
+        self.system.follow_supports()
+
     def continue_start(self) -> None:
         """From the state of the last load step, supports at their new values; collective.
 
@@ -224,8 +256,12 @@ class Newton:
             logger.debug("  '%s': finding anew what faces what", contact.label)
             contact.pair_anew(displacement)
         if slid:
-            with self.timings.phase("assemble"):
-                self.system.pair_anew()
+            self.follow_pairing()
+
+    def follow_pairing(self) -> None:
+        """Take what faces what as the contacts know it now; collective."""
+        with self.timings.phase("assemble"):
+            self.system.pair_anew()
 
     def _stick_all(self) -> None:
         for contact in self.problem.frictional:
@@ -244,7 +280,7 @@ class Newton:
         if iteration == 0:
             self._tiny = _LARGEST_FLOOR * imbalance if self._one_sided else 0.0
         logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
-        if not np.isfinite(imbalance):
+        if not np.isfinite(imbalance) or self._ask_to_stop():
             return _NOT_A_NUMBER
         self.limit = self._tolerance * forces
         # A body that a motion of its supports takes along has no forces to compare with; that

@@ -7,6 +7,7 @@ compiled once.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -20,9 +21,10 @@ from fenics_contact.bulk import ElasticBody
 from fenics_contact.contact import ContactSurface
 from fenics_contact.errors import InputError
 from fenics_contact.half_space import FarField, outer_dofs
+from fenics_contact.load_paths import KeyedPath
 from fenics_contact.mesh import Body, Group
 from fenics_contact.scene import Load, Scene
-from fenics_contact.scene_values import Path, Value
+from fenics_contact.scene_values import Value
 from fenics_contact.spaces import Spaces
 from fenics_contact.supports import AppliedSupport, Supports
 from fenics_contact.timings import Timings
@@ -34,7 +36,7 @@ class Term:
 
     name: str
     forms: tuple[Any, ...]
-    path: Path | None = None
+    path: Callable[[float], float] | None = None
 
     @property
     def integrals(self) -> list[str]:
@@ -142,7 +144,7 @@ class Problem:
     @property
     def can_pair_anew(self) -> bool:
         """Whether what faces what may change: two bodies touch, and there are load steps."""
-        return self.between_bodies and len(self.scene.steps.all_times) > 1
+        return self.between_bodies and self.scene.steps.several
 
     @property
     def has_datum(self) -> bool:
@@ -282,13 +284,16 @@ class Problem:
         else:
             work = ufl.dot(spaces.coefficient(nodal, nodes), test)
         name = f"{kind.replace('_', ' ')} on {load.on}"
-        return [Term(name, (fem.form(spaces.weight * work * measure),), load.path)]
+        path = KeyedPath(load.path, f"{key}.path")
+        return [Term(name, (fem.form(spaces.weight * work * measure),), path)]
 
-    def _assemble_loads(self) -> list[tuple[NDArray[np.float64], Path]]:
-        """Nodal forces of every load with its path; prescribed pressures act from the start."""
-        constant = Path(time=(0.0,), factor=(1.0,))
-        pressures = [
-            (contact.trace.surface.on_body(contact.trace.surface.assemble(form)), constant)
+    def _assemble_loads(self) -> list[tuple[NDArray[np.float64], Callable[[float], float]]]:
+        """Nodal forces of every load and of every pressure that is given, with their paths."""
+        pressures: list[tuple[NDArray[np.float64], Callable[[float], float]]] = [
+            (
+                contact.trace.surface.on_body(contact.trace.surface.assemble(form)),
+                contact.pressure_factor,
+            )
             for contact in self.contacts
             if (form := contact.pressure_load) is not None
         ]

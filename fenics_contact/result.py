@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.errors import StoppedError
+
 
 @dataclass(frozen=True)
 class Check:
@@ -77,7 +79,8 @@ class Result:
     """A run's outcome; its attributes are the keys of ``result.json``.
 
     Attributes:
-        points: The rows of ``contact.csv``; None if the run did not converge.
+        points: The rows of ``contact.csv``; None if no load step was accepted.
+        interrupted: Whether the user stopped the run; not among the keys.
     """
 
     title: str
@@ -93,6 +96,7 @@ class Result:
     timings: Mapping[str, float] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     points: ContactPoints | None = None
+    interrupted: bool = False
 
     @property
     def passed(self) -> bool:
@@ -101,7 +105,9 @@ class Result:
 
     @property
     def exit_code(self) -> int:
-        """0 passed, 3 not converged, 4 a check failed."""
+        """0 passed, 3 not converged, 4 a check failed, 130 interrupted."""
+        if self.interrupted:
+            return StoppedError.exit_code
         if not self.converged:
             return 3
         return 0 if self.passed else 4

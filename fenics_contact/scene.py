@@ -10,7 +10,8 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+import numpy as np
+from pydantic import BeforeValidator, Field, Strict
 from pydantic.dataclasses import dataclass
 
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
@@ -22,8 +23,8 @@ from fenics_contact.scene_values import (
     AxisName,
     Integer,
     Kinematics,
+    LoadPath,
     Number,
-    Path,
     Positive,
     Profile,
     Text,
@@ -100,7 +101,7 @@ class Support:
         Mapping[AxisName, Value],
         Field(min_length=1, description="component → value (length), such as `{ x = 0 }`"),
     ]
-    path: Annotated[Path, Field(description="of the displacement over the load steps")] = RAMP
+    path: Annotated[LoadPath, Field(description="of the displacement over the load steps")] = RAMP
 
 
 @dataclass(frozen=True, config=CLOSED)
@@ -117,7 +118,7 @@ class Load:
     body_force: Annotated[
         Vector | None, Field(description="force per volume, one entry per axis")
     ] = None
-    path: Annotated[Path, Field(description="of the load over the load steps")] = RAMP
+    path: Annotated[LoadPath, Field(description="of the load over the load steps")] = RAMP
 
     def __post_init__(self) -> None:
         if sum(kind is not None for kind in (self.traction, self.pressure, self.body_force)) != 1:
@@ -136,14 +137,71 @@ class Steps:
         tuple[Positive, ...],
         Field(description="instead of the two: pseudo-time of each step, increasing"),
     ] = ()
+    automatic: Annotated[
+        bool,
+        Strict(),
+        Field(
+            description="whether steps are cut where they do not converge or the contact changes "
+            "too much, and grow again: number is then that of the first step's size, end/number; "
+            "none passes over an entry of a path's table"
+        ),
+    ] = False
+    smallest: Annotated[
+        Positive | None,
+        Field(description="automatic step (pseudo-time); by default a thousandth of the first"),
+    ] = None
+    largest: Annotated[
+        Positive | None,
+        Field(description="automatic step (pseudo-time); by default the first"),
+    ] = None
+    area_change: Annotated[
+        Number,
+        Field(
+            gt=0,
+            description="largest change of what touches, or of what sticks, in an automatic step, "
+            "over the area in contact; one that does not shrink with the step is a jump, and taken",
+        ),
+    ] = 0.2
 
     def __post_init__(self) -> None:
         if any(b <= a for a, b in zip(self.times, self.times[1:], strict=False)):
             raise ValueError("the times must increase")
+        if self.automatic and self.times:
+            raise ValueError("automatic: leave out times, automatic steps choose their own")
+        limits = [name for name in ("smallest", "largest") if getattr(self, name) is not None]
+        if limits and not self.automatic:
+            raise ValueError(f"{limits[0]}: only automatic steps have one; set automatic = true")
+        if self.smallest_size > self.largest_size:
+            raise ValueError(f"smallest = {self.smallest_size:g} exceeds {self.largest_size:g}")
+
+    @property
+    def first_size(self) -> float:
+        """The first automatic step (pseudo-time)."""
+        return min(self.end / self.number, self.largest or np.inf)
+
+    @property
+    def smallest_size(self) -> float:
+        """No automatic step is cut below this (pseudo-time)."""
+        return self.smallest or 1e-3 * self.first_size
+
+    @property
+    def largest_size(self) -> float:
+        """No automatic step grows beyond this (pseudo-time)."""
+        return self.largest or self.first_size
+
+    @property
+    def last(self) -> float:
+        """Pseudo-time at which they end."""
+        return self.all_times[-1]
+
+    @property
+    def several(self) -> bool:
+        """Whether there may be more than one."""
+        return self.automatic or len(self.all_times) > 1
 
     @property
     def all_times(self) -> tuple[float, ...]:
-        """Pseudo-time at the end of each step."""
+        """Pseudo-time at the end of each step; of automatic ones, if none is cut."""
         if self.times:
             return self.times
         return tuple(self.end * (step + 1) / self.number for step in range(self.number))

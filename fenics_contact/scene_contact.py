@@ -7,7 +7,17 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from fenics_contact.scene_values import CLOSED, RAMP, Number, Path, Positive, Text, Value
+from fenics_contact.scene_values import (
+    CLOSED,
+    CONSTANT,
+    RAMP,
+    LoadPath,
+    Number,
+    Path,
+    Positive,
+    Text,
+    Value,
+)
 
 Direction = Annotated[tuple[Number, ...], Field(min_length=2, max_length=3)]
 Kind = Literal["prescribed", "unilateral", "winkler", "bonded"]
@@ -81,9 +91,11 @@ class Obstacle:
             "in plane strain relative to what lies straight below, at the far end of the mesh"
         ),
     ] = None
-    path: Annotated[Path, Field(description="of indentation or force over the load steps")] = RAMP
+    path: Annotated[LoadPath, Field(description="of indentation or force over the load steps")] = (
+        RAMP
+    )
     displacement_path: Annotated[
-        Path, Field(description="of the displacement over the load steps")
+        LoadPath, Field(description="of the displacement over the load steps")
     ] = RAMP
 
     def __post_init__(self) -> None:
@@ -119,6 +131,13 @@ class Contact:
         Value | None,
         Field(description="of `prescribed` contact, ≥ 0, which also loads the body (stress)"),
     ] = None
+    pressure_path: Annotated[
+        LoadPath,
+        Field(
+            description="of that pressure over the load steps, factors ≥ 0; load and friction "
+            "bound follow it; by default it acts from the start"
+        ),
+    ] = CONSTANT
     name: Annotated[str, Field(description="name in the results; by default that of the group")] = (
         ""
     )
@@ -183,6 +202,10 @@ class Contact:
                 if prescribed
                 else f"pressure: in {self.kind} contact it is found, not given"
             )
+        if not prescribed and self.pressure_path != CONSTANT:
+            raise ValueError("pressure_path: only a pressure that is given has one")
+        if isinstance(self.pressure_path, Path) and min(self.pressure_path.factor) < 0:
+            raise ValueError("pressure_path: the factors must be ≥ 0, contact does not pull")
         if (self.kind == "winkler") != (self.foundation_stiffness is not None):
             raise ValueError("foundation_stiffness belongs to winkler contact, and only there")
         if self.against is not None and (prescribed or self.obstacle is not None):

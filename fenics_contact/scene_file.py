@@ -140,6 +140,7 @@ def _plain(problem: Any) -> str:
     words = {
         "float_type": "a number",
         "int_type": "a whole number",
+        "bool_type": "true or false",
         "string_type": "a text, in quotes",
         "finite_number": "a finite number",
         "dataclass_type": "a table",

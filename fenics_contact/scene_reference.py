@@ -16,7 +16,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic.fields import FieldInfo
 
 from fenics_contact.scene import Scene
-from fenics_contact.scene_values import PositionFunction, Profile
+from fenics_contact.scene_values import PathFunction, PositionFunction, Profile
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,8 @@ def _accepted(hint: Any) -> str:
     if origin is typing.Literal:
         return " or ".join(f'`"{word}"`' for word in parts)
     if origin in (typing.Union, types.UnionType):
-        words = [_accepted(part) for part in parts if part not in (type(None), PositionFunction)]
+        unsaid = (type(None), PositionFunction, PathFunction)
+        words = [_accepted(part) for part in parts if part not in unsaid]
         return " or ".join(dict.fromkeys(words))
     if origin is tuple:
         return f"list of {_accepted(parts[0])}".replace("list of table", "list of tables")
@@ -101,7 +102,7 @@ def _accepted(hint: Any) -> str:
         return f"table of name = {_accepted(parts[1])}"
     if dataclasses.is_dataclass(plain):
         return "a profile" if plain is Profile else "table"
-    name = {float: "number", int: "whole number", str: "text"}[plain]
+    name = {float: "number", int: "whole number", str: "text", bool: "`true` or `false`"}[plain]
     return name + _bounds(information)
 
 
@@ -130,7 +131,8 @@ def render() -> str:
         "A scene is a TOML file, or the same frozen dataclasses in Python. Unknown keys are",
         "errors. Units are yours, consistent; nothing is converted. Where a *profile* is",
         "accepted, a table varies the value along an axis, and Python also takes a function of",
-        "the points (array of shape (3, n) in, n values out).",
+        "the points (array of shape (3, n) in, n values out). In place of a load path, a table,",
+        "Python also takes a function of the pseudo-time (a number in, its factor out).",
     ]
     text += _section("The scene", "top level", Scene)
     for key in keys_of(Scene):

@@ -54,7 +54,10 @@ Vector = Annotated[tuple[Value, ...], Field(min_length=2, max_length=3)]
 
 @dataclass(frozen=True, config=CLOSED)
 class Path:
-    """How a quantity grows with the pseudo-time of the load steps, linear between the points."""
+    """How a quantity grows with the pseudo-time of the load steps, linear between the points.
+
+    In Python a function of the pseudo-time may stand in its place.
+    """
 
     time: Annotated[
         tuple[Number, ...], Field(min_length=1, description="increasing pseudo-times, ≥ 0")
@@ -63,17 +66,51 @@ class Path:
         tuple[Number, ...],
         Field(min_length=1, description="share of the value at each; constant beyond the ends"),
     ]
+    cycles: Annotated[
+        Integer,
+        Field(
+            ge=1,
+            le=1_000_000,
+            description="how often the table runs, one cycle after the other; its last time is "
+            "the period, and its last factor must be the first",
+        ),
+    ] = 1
 
     def __post_init__(self) -> None:
         if len(self.time) != len(self.factor):
             raise ValueError(f"time has {len(self.time)} entries and factor {len(self.factor)}")
         if any(b <= a for a, b in zip(self.time, self.time[1:], strict=False)):
             raise ValueError("the times must increase")
+        if self.cycles == 1:
+            return
+        if self.time[0] < 0 or self.time[-1] <= 0:
+            raise ValueError("cycles: a period needs times ≥ 0, the last of them > 0")
+        if self.factor[0] != self.factor[-1]:
+            raise ValueError(
+                f"cycles: the last factor, {self.factor[-1]:g}, must be the first, "
+                f"{self.factor[0]:g}, or every cycle would begin with a jump"
+            )
 
     def __call__(self, time: float) -> float:
         """Share of the value at a pseudo-time."""
+        if self.cycles > 1:
+            period = self.time[-1]
+            time -= period * min(max(time // period, 0), self.cycles - 1)
         return float(np.interp(time, self.time, self.factor))
 
+    @property
+    def knots(self) -> tuple[float, ...]:
+        """Pseudo-times at which it may change its slope."""
+        period = self.time[-1]
+        starts = [cycle * period for cycle in range(self.cycles)]
+        return tuple(sorted({start + time for start in starts for time in self.time}))
+
+
+# Its factor at a pseudo-time; in scenes made in Python.
+PathFunction = Callable[[float], Any]
+LoadPath = Path | PathFunction
 
 # From nothing at time 0 to all at time 1, and from then on.
 RAMP = Path(time=(0.0, 1.0), factor=(0.0, 1.0))
+# All from the start.
+CONSTANT = Path(time=(0.0,), factor=(1.0,))

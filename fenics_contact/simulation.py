@@ -2,43 +2,39 @@
 
 from __future__ import annotations
 
+import dataclasses
 import logging
+from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 from mpi4py import MPI
 
-from fenics_contact import compat
-from fenics_contact.body_kinematics import BodyKinematics
+from fenics_contact import compat, verdict
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
 from fenics_contact.contact import ContactSurface
 from fenics_contact.equilibrium import FreeMotion, require_equilibrium
-from fenics_contact.errors import InputError, NotConvergedError
+from fenics_contact.errors import InputError, NotConvergedError, StoppedError
 from fenics_contact.gmsh_files import load_body
+from fenics_contact.load_steps import History, solve
 from fenics_contact.mesh import Body
-from fenics_contact.parallel import largest, total
+from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
+from fenics_contact.progress import step_line
 from fenics_contact.quantities import (
     contact_points,
     contact_quantities,
     global_quantities,
     support_reactions,
 )
-from fenics_contact.result import Check, Result
+from fenics_contact.result import Result
 from fenics_contact.scene import Scene
 from fenics_contact.solution import Solution
 from fenics_contact.solver_choice import SolverChoice, choose_solver
-from fenics_contact.strategy import solve
+from fenics_contact.state_file import SavedRun, StateFile
 from fenics_contact.timings import Timings
 
 logger = logging.getLogger(__name__)
-
-# Slip over the size of a contact between two pairings, from which pressures are visibly off:
-# without friction a shift of .01 changes them by 1 %.
-_FAR = 0.01
-# What pressure closes, over the height of facets' arcs, below which these decide about it.
-_SAGITTAS = 10.0
 
 
 class Run:
@@ -67,6 +63,8 @@ class Run:
     ) -> None:
         self.scene = scene
         self.solution: Solution | None = None
+        self._steps: list[dict[str, Any]] = []
+        self._announce: Callable[[int, dict[str, Any]], None] = _log_step
         self.timings = Timings()
         if body is None:
             if not scene.mesh:
@@ -105,17 +103,46 @@ class Run:
             "symmetry": problem.supports.symmetry,
         } | ({} if self.solution is None else {"bulk_factorisations": self.solution.factorisations})
 
-    def solve(self) -> Result:
-        """Solve and evaluate; collective. Failure to converge is a result, too."""
-        self._steps: list[dict[str, Any]] = []
+    def solve(
+        self,
+        state: StateFile | None = None,
+        saved: SavedRun | None = None,
+        stopped: Callable[[], bool] | None = None,
+        announce: Callable[[int, dict[str, Any]], None] | None = None,
+    ) -> Result:
+        """Solve and evaluate; collective. Failure to converge is a result, too.
+
+        Args:
+            state: Where to keep the state of every accepted load step.
+            saved: The state of another run, to go on from.
+            stopped: Whether this rank was asked to stop; then the last accepted step counts.
+            announce: Called with number and record of every accepted step; by default it is
+                logged, where there are several.
+        """
+        self._steps = [] if saved is None else list(saved.steps)
+        self._announce = announce or (_log_step if self.scene.steps.several else _say_nothing)
+
+        def begin(history: History) -> None:
+            self._history = history
+            if saved is not None:
+                self._measure(history.resume(saved.last, saved.size, saved.forces))
+
+        def keep(history: History) -> None:
+            if state is not None:
+                with self.timings.phase("output"):
+                    state.save(history, self._steps)
+
         try:
-            solution = solve(self.problem, self.timings, self._record, self.choice)
+            solve(self.problem, self.timings, self._record, self.choice, begin, keep, stopped)
         except NotConvergedError as error:
             return self._unconverged(error)
-        return self._evaluate(solution)
+        except StoppedError:
+            return self._interrupted()
+        return self._evaluate()
 
-    def _record(self, time: float, solution: Solution) -> None:
-        """Keep what came out of a load step, before slip is counted anew."""
+    def _measure(self, solution: Solution) -> dict[str, Any]:
+        """Forces and quantities of a load step, before slip is counted anew."""
+        self.solution = solution
         with self.timings.phase("output"):
             self.forces = BulkForces(self.problem, solution)
             self._reactions, self._supports = support_reactions(self.forces)
@@ -123,7 +150,11 @@ class Run:
                 contact_quantities(self.problem, solution, number)
                 for number in range(len(self.problem.contacts))
             ]
-            quantities = global_quantities(self.forces, self._reactions, self._by_contact)
+            return global_quantities(self.forces, self._reactions, self._by_contact)
+
+    def _record(self, time: float, solution: Solution) -> None:
+        """Keep what came out of a load step."""
+        quantities = self._measure(solution)
         self._steps.append(
             {
                 "load_factor": time,
@@ -137,6 +168,7 @@ class Run:
                 ],
             }
         )
+        self._announce(len(self._steps), self._steps[-1])
 
     def contacts(self, quantities: list[dict[str, Any]] | None = None) -> list[dict[str, Any]]:
         """``contacts`` of ``result.json``, with the quantities of each once there are any."""
@@ -153,19 +185,22 @@ class Run:
             for contact, found in zip(self.problem.contacts, quantities, strict=True)
         ]
 
-    def _evaluate(self, solution: Solution) -> Result:
-        problem = self.problem
-        self.solution = solution
+    def _evaluate(self) -> Result:
+        """Of the last load step; collective."""
+        problem, solution = self.problem, self.solution
+        assert solution is not None
         with self.timings.phase("output"):
             checks = run_checks(self.forces, self._reactions)
             points = contact_points(problem, solution)
         return Result(
             title=self.scene.title,
             converged=True,
-            verdict=_verdict(checks)
-            + _untouched(problem, solution)
-            + _facets_too_straight(problem, solution)
-            + self._slid_far(),
+            verdict=(
+                verdict.of_checks(checks)
+                + verdict.untouched(problem, solution)
+                + verdict.facets_too_straight(problem, solution)
+                + verdict.slid_far(self._steps)
+            ),
             model=self.model,
             contacts=self.contacts(self._by_contact),
             supports=self._supports,
@@ -177,42 +212,55 @@ class Run:
             points=points,
         )
 
-    def _slid_far(self) -> str:
-        """A sentence on bodies that slid far within a load step, or nothing."""
-        found: dict[str, float] = {}
-        for step in self._steps:
-            for contact in step["contacts"]:
-                slid = contact["quantities"].get("slip_since_pairing", 0.0)
-                found[contact["name"]] = max(slid, found.get(contact["name"], 0.0))
-        far = [f"'{name}' by {slid:.2g}" for name, slid in found.items() if slid > _FAR]
-        if not far:
-            return ""
-        return (
-            f" Bodies slid far within a load step, over the contact's size at {' and '.join(far)}: "
-            "pressures may be off by as much; take more load steps."
+    def _stopped_short(self, words: str, steps: list[dict[str, Any]]) -> Result:
+        """What there is of a history that did not reach its end; collective.
+
+        Args:
+            words: Why it did not.
+            steps: Those accepted, and the one that was not.
+        """
+        if self.solution is not None:
+            reached = self._steps[-1]["load_factor"]
+            words += (
+                f" Results are those of the last load step that was done, at time {reached:g} of "
+                f"{self.scene.steps.last:g}; --resume goes on from there."
+            )
+            return dataclasses.replace(
+                self._evaluate(), converged=False, verdict=words, steps=steps
+            )
+        return Result(
+            title=self.scene.title,
+            converged=False,
+            verdict=words,
+            model=self.model,
+            contacts=self.contacts(),
+            quantities={},
+            steps=steps,
+            checks={},
+            timings=self.timings.summary(self.problem.comm),
+            versions=compat.versions(),
         )
 
     def _unconverged(self, error: NotConvergedError) -> Result:
-        """No answer: the history, and no numbers that could be taken for one."""
+        """The last step that converged, if any, and the history of the one that did not."""
         step = {
-            "load_factor": self.scene.steps.all_times[len(self._steps)],
+            "load_factor": self._history.tried,
             "newton_iterations": max(len(error.residual_history) - 1, 0),
             "outer_iterations": 0,
             "residual_history": list(error.residual_history),
             "quantities": {},
         }
-        return Result(
-            title=self.scene.title,
-            converged=False,
-            verdict=f"No answer: {error}.",
-            model=self.model,
-            contacts=self.contacts(),
-            quantities={},
-            steps=[*self._steps, step],
-            checks={},
-            timings=self.timings.summary(self.problem.comm),
-            versions=compat.versions(),
-        )
+        if self.solution is None:
+            return self._stopped_short(f"No answer: {error}.", [step])
+        advice = "more load steps, or steps.automatic = true"
+        if self.scene.steps.automatic:
+            advice = "a smaller steps.smallest"
+        words = f"No answer at time {self._history.tried:g}: {error}. Or try {advice}."
+        return self._stopped_short(words, [*self._steps, step])
+
+    def _interrupted(self) -> Result:
+        words = "Interrupted" + ("." if self.solution else " before any load step was done.")
+        return dataclasses.replace(self._stopped_short(words, self._steps), interrupted=True)
 
 
 def _strategy(problem: Problem, solution: Solution | None) -> str:
@@ -252,6 +300,14 @@ def _parameters(contact: ContactSurface) -> dict[str, Any]:
     return {name: value for name, value in used.items() if value is not None}
 
 
+def _log_step(number: int, step: dict[str, Any]) -> None:
+    logger.info(step_line(number, step))
+
+
+def _say_nothing(number: int, step: dict[str, Any]) -> None:
+    """Of a run of a single step, its result says it all."""
+
+
 def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None) -> Result:
     """Solve a scene; collective.
 
@@ -267,46 +323,3 @@ def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None)
         InputError: The scene or its mesh cannot be used, or has no equilibrium.
     """
     return Run(scene, comm, body).solve()
-
-
-def _untouched(problem: Problem, solution: Solution) -> str:
-    """A sentence on contacts at which nothing touches, or nothing; collective."""
-    touched = [
-        largest(problem.comm, np.abs(state.contact_pressure)) > 0 for state in solution.states
-    ]
-    words = ""
-    for contact, touches in zip(problem.contacts, touched, strict=True):
-        if not touches and contact.normal is not None:
-            what = "The body does not touch the obstacle"
-            if contact.sides.opposite is not None:
-                what = "The two surfaces do not touch each other"
-            words += f" {what} at '{contact.label}'."
-    return words
-
-
-def _facets_too_straight(problem: Problem, solution: Solution) -> str:
-    """A sentence on curved surfaces of two bodies whose facets are coarse, or nothing; collective.
-
-    Their chords make gaps, beside which what the pressure closes, p L/E*, must be large.
-    """
-    found = []
-    for contact, state in zip(problem.contacts, solution.states, strict=True):
-        kinematics = contact.kinematics
-        if isinstance(kinematics, BodyKinematics):
-            peak = largest(problem.comm, np.abs(state.contact_pressure))
-            closed = peak / contact.moduli.plane_strain * contact.trace.extent()
-            if 0 < closed < _SAGITTAS * kinematics.sagitta:
-                found.append(f"'{contact.label}'")
-    if not found:
-        return ""
-    return (
-        f" The facets at {' and '.join(found)} are too straight for what is pressed together "
-        "there, and pressures not to be trusted: use cells of order 2 (mesh.order), or finer ones."
-    )
-
-
-def _verdict(checks: dict[str, Check]) -> str:
-    failed = [name.replace("_", " ") for name, check in checks.items() if not check.passed]
-    if failed:
-        return f"Converged, but do not trust it: failed {', '.join(failed)}."
-    return f"Converged; all {len(checks)} checks of the physics passed."

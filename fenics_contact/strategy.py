@@ -19,11 +19,8 @@ from fenics_contact.anderson import Anderson
 from fenics_contact.errors import NotConvergedError
 from fenics_contact.newton import Newton
 from fenics_contact.parallel import largest
-from fenics_contact.problem import Problem
 from fenics_contact.rigid import RigidMotions
 from fenics_contact.solution import Solution
-from fenics_contact.solver_choice import SolverChoice, choose_solver, create_system
-from fenics_contact.timings import Timings
 
 logger = logging.getLogger(__name__)
 
@@ -48,65 +45,6 @@ _WORDS = {
     "monolithic": "Newton's method on contact and friction together",
     "continuation": "Newton's method on contact and friction, the coefficient raised in steps",
 }
-
-
-def solve(
-    problem: Problem,
-    timings: Timings | None = None,
-    accepted: Callable[[float, Solution], None] | None = None,
-    choice: SolverChoice | None = None,
-) -> Solution:
-    """Solve a problem step by step; collective.
-
-    Args:
-        problem: The problem; its slip history moves on with the steps.
-        timings: Seconds so far.
-        accepted: Called with pseudo-time and solution of every step, before slip is counted anew.
-        choice: The solver; by default that of the scene and its sizes.
-
-    Returns:
-        The solution of the last step.
-
-    Raises:
-        NotConvergedError: In words, with the history of the force imbalance.
-    """
-    timings = timings or Timings()
-    choice = choice or choose_solver(problem)
-    system = create_system(problem, choice, timings)
-    try:
-        return solve_steps(Newton(problem, system, timings), accepted)
-    finally:
-        system.destroy()
-
-
-def solve_steps(
-    newton: Newton, accepted: Callable[[float, Solution], None] | None = None
-) -> Solution:
-    """Solve all load steps of a scene, one after the other; collective.
-
-    Args:
-        newton: Made for the problem, not started.
-        accepted: As for ``solve``.
-    """
-    problem = newton.problem
-    times = problem.scene.steps.all_times
-    for number, time in enumerate(times):
-        problem.set_time(time)
-        newton.forget()
-        if number == 0:
-            newton.start()
-        else:
-            newton.continue_start()
-        found = solve_step(newton)
-        if len(times) > 1:
-            logger.info("step %d of %d: time %g", number + 1, len(times), time)
-        if accepted is not None:
-            accepted(time, found)
-        if number + 1 < len(times):
-            for contact in problem.contacts:
-                contact.accept()
-            newton.pair_anew(found.displacement)
-    return found
 
 
 def solve_step(newton: Newton) -> Solution:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.errors import InputError
+from fenics_contact.load_paths import KeyedPath
 from fenics_contact.parallel import largest, raise_together, smallest, total
 from fenics_contact.scene import Scene
-from fenics_contact.scene_values import AXES, RAMP, Path
+from fenics_contact.scene_values import AXES, RAMP
 from fenics_contact.spaces import Spaces
 
 Array = NDArray[np.float64]
@@ -33,7 +35,7 @@ class AppliedSupport:
     on: str
     dofs: NDArray[np.int64]
     values: Array
-    path: Path = RAMP
+    path: Callable[[float], float] = RAMP
 
 
 @dataclass(frozen=True)
@@ -105,7 +107,7 @@ class Supports:
         for axis, value in scene.support[number].displacement.items():
             dofs.append(nodes.astype(np.int64) * spaces.components + AXES.index(axis))
             values.append(spaces.evaluate(value, nodes, f"{key}.displacement.{axis}"))
-        path = scene.support[number].path
+        path = KeyedPath(scene.support[number].path, f"{key}.path")
         return AppliedSupport(on, np.concatenate(dofs), np.concatenate(values), path)
 
     def _plane(self, on: str, key: str) -> SymmetryPlane:

@@ -31,6 +31,7 @@ class System(ABC):
         options: PETSc's options for its linear solves.
         first_way: Which strategy of Coulomb friction ``auto`` begins with.
         factorisations: How often a matrix of the bulk was factorised.
+        earlier_forces: Largest of ``present_forces`` in the load steps that are done (force).
     """
 
     name: ClassVar[str]
@@ -44,6 +45,7 @@ class System(ABC):
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.comm = problem.comm
+        self.earlier_forces = 0.0
         self._contact_norm = 0.0
 
     @abstractmethod
@@ -96,6 +98,14 @@ class System(ABC):
 
     @property
     def forces(self) -> float:
+        """What an imbalance is small against (force); collective.
+
+        Not only what acts at present: a body that is unloaded keeps the round-off of before.
+        """
+        return max(self.present_forces, self.earlier_forces)
+
+    @property
+    def present_forces(self) -> float:
         """1-norm of the forces on the body at the last residual (force); collective."""
         owned = self.problem.spaces.owned_nodes
         return float(total(self.comm, np.abs(self.problem.load[:owned]).sum())) + self._contact_norm
@@ -111,6 +121,15 @@ class System(ABC):
             return np.zeros(0)
         last = np.array(state.array_r[-self.scalars :]) if self.comm.rank == 0 else None
         return np.asarray(self.comm.bcast(last))
+
+    def set_scalars(self, values: Array) -> None:
+        """Give the scalar unknowns values, (scalars,)."""
+        with self.state as array:
+            if self.scalars and self.comm.rank == 0:
+                array[-self.scalars :] = values
+
+    def set_mean_stress(self) -> None:  # noqa: B027  (most systems have none)
+        """Start from the mean stress that its function has, where it is an unknown here."""
 
     def starting_scalars(self) -> Array:
         """Where driven obstacles stand; no resultants yet."""

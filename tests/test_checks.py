@@ -18,8 +18,8 @@ from fenics_contact import (
 )
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
+from fenics_contact.load_steps import solve
 from fenics_contact.quantities import support_reactions
-from fenics_contact.strategy import solve
 from tests.scenes import box_body, slab
 
 COMM = MPI.COMM_WORLD

@@ -202,13 +202,13 @@ def test_failed_check_exits_4(folder, monkeypatch):
 
     solve = module.solve
 
-    def wrong(problem, timings, accepted, choice):
+    def wrong(problem, timings, accepted, *others):
         def accept_faulty(time, solution):
             for force in solution.friction_force:
                 force *= 0.9
             accepted(time, solution)
 
-        return solve(problem, timings, accept_faulty, choice)
+        return solve(problem, timings, accept_faulty, *others)
 
     monkeypatch.setattr(module, "solve", wrong)
     out = folder / "out"

@@ -8,7 +8,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Material, Obstacle, Run, Scene, Support
 from fenics_contact.bulk_forces import BulkForces
-from fenics_contact.strategy import solve
+from fenics_contact.load_steps import solve
 from tests.scenes import box_body
 from tests.test_checks import checks_of, failed
 

@@ -17,7 +17,7 @@ from fenics_contact import (
     Support,
     run,
 )
-from fenics_contact.strategy import solve
+from fenics_contact.load_steps import solve
 from tests.scenes import box_body, slab
 
 COMM = MPI.COMM_WORLD

@@ -1,0 +1,79 @@
+"""What a run says of its answer."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.body_kinematics import BodyKinematics
+from fenics_contact.parallel import largest
+from fenics_contact.problem import Problem
+from fenics_contact.result import Check
+from fenics_contact.solution import Solution
+
+# Slip over the size of a contact between two pairings, from which pressures are visibly off:
+# without friction a shift of .01 changes them by 1 %.
+_FAR = 0.01
+# What pressure closes, over the height of facets' arcs, below which these decide about it.
+_SAGITTAS = 10.0
+
+
+def untouched(problem: Problem, solution: Solution) -> str:
+    """A sentence on contacts at which nothing touches, or nothing; collective."""
+    touched = [
+        largest(problem.comm, np.abs(state.contact_pressure)) > 0 for state in solution.states
+    ]
+    words = ""
+    for contact, touches in zip(problem.contacts, touched, strict=True):
+        if not touches and contact.normal is not None:
+            what = "The body does not touch the obstacle"
+            if contact.sides.opposite is not None:
+                what = "The two surfaces do not touch each other"
+            words += f" {what} at '{contact.label}'."
+    return words
+
+
+def facets_too_straight(problem: Problem, solution: Solution) -> str:
+    """A sentence on curved surfaces of two bodies whose facets are coarse, or nothing; collective.
+
+    Their chords make gaps, beside which what the pressure closes, p L/E*, must be large.
+    """
+    found = []
+    for contact, state in zip(problem.contacts, solution.states, strict=True):
+        kinematics = contact.kinematics
+        if isinstance(kinematics, BodyKinematics):
+            peak = largest(problem.comm, np.abs(state.contact_pressure))
+            closed = peak / contact.moduli.plane_strain * contact.trace.extent()
+            if 0 < closed < _SAGITTAS * kinematics.sagitta:
+                found.append(f"'{contact.label}'")
+    if not found:
+        return ""
+    return (
+        f" The facets at {' and '.join(found)} are too straight for what is pressed together "
+        "there, and pressures not to be trusted: use cells of order 2 (mesh.order), or finer ones."
+    )
+
+
+def of_checks(checks: dict[str, Check]) -> str:
+    """Whether to trust it."""
+    failed = [name.replace("_", " ") for name, check in checks.items() if not check.passed]
+    if failed:
+        return f"Converged, but do not trust it: failed {', '.join(failed)}."
+    return f"Converged; all {len(checks)} checks of the physics passed."
+
+
+def slid_far(steps: list[dict[str, Any]]) -> str:
+    """A sentence on bodies that slid far within a load step, or nothing."""
+    found: dict[str, float] = {}
+    for step in steps:
+        for contact in step["contacts"]:
+            slid = contact["quantities"].get("slip_since_pairing", 0.0)
+            found[contact["name"]] = max(slid, found.get(contact["name"], 0.0))
+    far = [f"'{name}' by {slid:.2g}" for name, slid in found.items() if slid > _FAR]
+    if not far:
+        return ""
+    return (
+        f" Bodies slid far within a load step, over the contact's size at {' and '.join(far)}: "
+        "pressures may be off by as much; take more load steps."
+    )
