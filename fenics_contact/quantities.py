@@ -43,7 +43,7 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
         "slip_area": closed - sticking,
         "max_penetration": max(largest(comm, depth), 0.0) if contact.is_one_sided else 0.0,
         "max_slip": largest(comm, np.linalg.norm(state.slip, axis=1)),
-        "friction_work": contact.friction_work(),
+        "friction_work": contact.friction_work(state),
         "penalty_energy": float(integral(state.penalty_energy)),
         **_undecided(contact, state),
         **_of_two_bodies(contact, state),

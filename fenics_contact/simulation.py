@@ -12,6 +12,7 @@ from fenics_contact import compat
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
 from fenics_contact.contact import ContactSurface
+from fenics_contact.energy_book import EnergyBook
 from fenics_contact.equilibrium import FreeMotion, require_equilibrium
 from fenics_contact.errors import InputError, NotConvergedError
 from fenics_contact.gmsh_files import load_body
@@ -36,6 +37,8 @@ logger = logging.getLogger(__name__)
 # Slip over the size of a contact between two pairings, from which pressures are visibly off:
 # without friction a shift of .01 changes them by 1 %.
 _FAR = 0.01
+# Share of the work left open by load steps, from which it is said.
+_OPEN = 0.05
 
 
 class Run:
@@ -47,6 +50,7 @@ class Run:
         choice: The solver, and how much memory it is to need.
         solution: Nodal values of this rank, once solved; None before, or without an answer.
         forces: Nodal forces that the bulk needs in the last step that was solved.
+        book: Work and energies along the steps.
         timings: Seconds so far.
 
     Args:
@@ -105,6 +109,7 @@ class Run:
     def solve(self) -> Result:
         """Solve and evaluate; collective. Failure to converge is a result, too."""
         self._steps: list[dict[str, Any]] = []
+        self.book = EnergyBook(self.problem)
         try:
             solution = solve(self.problem, self.timings, self._record, self.choice)
         except NotConvergedError as error:
@@ -121,6 +126,8 @@ class Run:
                 for number in range(len(self.problem.contacts))
             ]
             quantities = global_quantities(self.forces, self._reactions, self._by_contact)
+            self.book.count(self.forces, self._reactions)
+            quantities |= self.book.quantities(quantities)
         self._steps.append(
             {
                 "load_factor": time,
@@ -154,16 +161,22 @@ class Run:
         problem = self.problem
         self.solution = solution
         with self.timings.phase("output"):
+            quantities = self._steps[-1]["quantities"]
             checks = run_checks(self.forces, self._reactions)
+            balance = self.book.check(quantities)
+            checks |= {} if balance is None else {"energy_balance": balance}
             points = contact_points(problem, solution)
         return Result(
             title=self.scene.title,
             converged=True,
-            verdict=_verdict(checks) + _untouched(problem, solution) + self._slid_far(),
+            verdict=_verdict(checks)
+            + _untouched(problem, solution)
+            + self._slid_far()
+            + self._coarse_path(),
             model=self.model,
             contacts=self.contacts(self._by_contact),
             supports=self._supports,
-            quantities=self._steps[-1]["quantities"],
+            quantities=quantities,
             steps=self._steps,
             checks=checks,
             timings=self.timings.summary(problem.comm),
@@ -184,6 +197,16 @@ class Run:
         return (
             f" Bodies slid far within a load step, over the contact's size at {' and '.join(far)}: "
             "pressures may be off by as much; take more load steps."
+        )
+
+    def _coarse_path(self) -> str:
+        """A sentence on work that the load steps leave open, or nothing."""
+        share = self.book.open_share
+        if share < _OPEN:
+            return ""
+        return (
+            f" The load steps leave {100 * share:.2g} % of the work open, at points that began to "
+            "touch or to slip within a step: take more for sharper energies."
         )
 
     def _unconverged(self, error: NotConvergedError) -> Result:
