@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +28,7 @@ class ContactHistory:
         self.last = at_rest
         self.gap = gap
         self.dissipated = 0.0
+        self._names = [field.name for field in fields(at_rest)]
 
     def changed(self, state: ContactState) -> NDArray[np.bool_]:
         """At which points the status changed in the step, if only in between, as in slip back."""
@@ -73,3 +76,13 @@ class ContactHistory:
         """
         self.last, self.gap = state, gap
         self.dissipated += work
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """All of it as arrays, one row a point, to be given to ``restore``."""
+        last = {name: getattr(self.last, name) for name in self._names}
+        return last | {"obstacle_gap": self.gap, "dissipated": np.array(self.dissipated)}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Go on from where another history was left."""
+        self.last = type(self.last)(**{name: state[name] for name in self._names})
+        self.gap, self.dissipated = state["obstacle_gap"], float(state["dissipated"])

@@ -26,6 +26,10 @@ _ROUND_OFF = 1e-9
 # Of the work done: what a contact may do to the balance besides what is known to be left open.
 _SHARE = 0.02
 
+_AT_NODES = ("displacement", "load", "reactions")
+_OF_OBSTACLES = ("forces", "motions")
+_SUMS = ("work", "done", "round_off", "left_open", "changed")
+
 
 class EnergyBook:
     """External work, summed over the load steps that were accepted.
@@ -37,7 +41,6 @@ class EnergyBook:
         round_off: What the accepted imbalance may leave of the balance (energy).
         left_open: What the steps leave open of the work, where points began to touch, to slip,
             to stick or to slip back within one (energy).
-        steps: How many were counted.
         changed: Whether any contact point's status changed since the start.
     """
 
@@ -45,11 +48,10 @@ class EnergyBook:
         self._problem = problem
         self.work, self.done, self.round_off = 0.0, 0.0, 0.0
         self.left_open = 0.0
-        self.steps, self.changed = 0, False
-        self._displacement = np.zeros_like(problem.load)
-        self._load, self._reactions = np.zeros_like(problem.load), np.zeros_like(problem.load)
+        self.changed = False
         shape = (len(problem.contacts), problem.spaces.components)
-        self._forces, self._motions = np.zeros(shape), np.zeros(shape)
+        self._last = {name: np.zeros_like(problem.load) for name in _AT_NODES}
+        self._last |= {name: np.zeros(shape) for name in _OF_OBSTACLES}
 
     def count(self, forces: BulkForces, reactions: Array) -> None:
         """Count a step that was accepted, before slip is counted anew; collective.
@@ -60,22 +62,22 @@ class EnergyBook:
         """
         problem, solution = self._problem, forces.solution
         owned = slice(0, problem.spaces.owned_nodes)
-        moved = (solution.displacement - self._displacement)[owned]
+        last = self._last
+        moved = (solution.displacement - last["displacement"])[owned]
         done = [
             0.5 * total(problem.comm, np.sum((before + after)[owned] * moved))
-            for before, after in ((self._load, problem.load), (self._reactions, reactions))
+            for before, after in ((last["load"], problem.load), (last["reactions"], reactions))
         ]
         done += [self._work_of_obstacle(i, solution) for i in range(len(problem.contacts))]
         self.work += float(sum(done))
         self.done += float(np.abs(done).sum())
         self.round_off += solution.imbalance_limit * largest(problem.comm, np.abs(moved))
-        self.steps += 1
         for contact, state in zip(problem.contacts, solution.states, strict=True):
             self.left_open += contact.open_work(state)
             changed = contact.history.changed(state) & contact.trace.owned
             self.changed |= total(problem.comm, changed.sum()) > 0
-        self._displacement = solution.displacement.copy()
-        self._load, self._reactions = problem.load, reactions
+        last["displacement"] = solution.displacement.copy()
+        last["load"], last["reactions"] = problem.load, reactions
 
     def _work_of_obstacle(self, number: int, solution: Solution) -> float:
         """In a step, of what stands opposite; it becomes the last step's; collective."""
@@ -84,9 +86,9 @@ class EnergyBook:
         pushed = solution.contact_force[number][contact.owned_nodes].sum(axis=0)
         force = np.asarray(total(contact.spaces.comm, pushed))
         motion = kinematics.indentation * kinematics.direction + kinematics.displacement
-        mean = 0.5 * (self._forces[number] + force)
-        work = float(mean @ (motion - self._motions[number]))
-        self._forces[number], self._motions[number] = force, motion
+        forces, motions = self._last["forces"], self._last["motions"]
+        work = float(0.5 * (forces[number] + force) @ (motion - motions[number]))
+        forces[number], motions[number] = force, motion
         if kinematics.pairing is None:
             # A curved obstacle that moves along the surface pushes the gap before it.
             stays = np.isfinite(history.gap) & np.isfinite(kinematics.gap)
@@ -95,6 +97,20 @@ class EnergyBook:
             pressure = 0.5 * (history.last.contact_pressure + state.contact_pressure)
             work += float(contact.trace.integral(pressure * pushed_in))
         return work
+
+    def state(self) -> dict[str, Array]:
+        """All that the next step needs, to be given to ``restore``.
+
+        Nodal arrays (nodes, components), one row an obstacle (contacts, components), sums (5,).
+        """
+        kept = {name: values.copy() for name, values in self._last.items()}
+        return kept | {"sums": np.array([float(getattr(self, name)) for name in _SUMS])}
+
+    def restore(self, state: Mapping[str, Array]) -> None:
+        """Go on from where another book was left."""
+        self._last = {name: state[name].copy() for name in (*_AT_NODES, *_OF_OBSTACLES)}
+        for name, value in zip(_SUMS, state["sums"].tolist(), strict=True):
+            setattr(self, name, type(getattr(self, name))(value))
 
     @property
     def applies(self) -> bool:
