@@ -247,6 +247,8 @@ class ContactSurface:
         if self.friction is not None:
             slip = self.kinematics.tangential(self.kinematics.jump_at_points())
             self.friction.accept(slip)
+        left = self.history.measured_anew(self.state().gap)
+        self.history.left_open += float(self.trace.integral(left))
 
     def accept(self) -> None:
         """A load step is done: slip counts from here where the law is incremental; collective."""

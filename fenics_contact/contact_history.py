@@ -22,12 +22,13 @@ class ContactHistory:
         last: What happened there at its end; the body at rest before the first step.
         gap: Then, of what stands opposite, before the body deforms (length).
         dissipated: Work of friction in the load steps that are done (force × length).
+        left_open: Work of pressures, where a gap was measured anew between steps (likewise).
     """
 
     def __init__(self, at_rest: ContactState, gap: Array) -> None:
         self.last = at_rest
         self.gap = gap
-        self.dissipated = 0.0
+        self.dissipated, self.left_open = 0.0, 0.0
         self._names = [field.name for field in fields(at_rest)]
 
     def changed(self, state: ContactState) -> NDArray[np.bool_]:
@@ -77,12 +78,24 @@ class ContactHistory:
         self.last, self.gap = state, gap
         self.dissipated += work
 
+    def measured_anew(self, gap: Array) -> Array:
+        """Work that is open when it was found anew, after a step, what faces what (energy/area).
+
+        Args:
+            gap: Of the body as the step left it, in the new measure (length).
+        """
+        both = np.isfinite(gap) & np.isfinite(self.last.gap)
+        jump = np.where(both, gap, 0.0) - np.where(both, self.last.gap, 0.0)
+        return np.asarray(self.last.contact_pressure * np.abs(jump))
+
     def state(self) -> dict[str, NDArray[Any]]:
-        """All of it as arrays, one row a point, to be given to ``restore``."""
+        """All of it as arrays, one row a point, and sums (2,), to be given to ``restore``."""
         last = {name: getattr(self.last, name) for name in self._names}
-        return last | {"obstacle_gap": self.gap, "dissipated": np.array(self.dissipated)}
+        sums = np.array([self.dissipated, self.left_open])
+        return last | {"obstacle_gap": self.gap, "sums": sums}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from where another history was left."""
         self.last = type(self.last)(**{name: state[name] for name in self._names})
-        self.gap, self.dissipated = state["obstacle_gap"], float(state["dissipated"])
+        self.gap = state["obstacle_gap"]
+        self.dissipated, self.left_open = state["sums"].tolist()

@@ -76,6 +76,7 @@ class EnergyBook:
             self.left_open += contact.open_work(state)
             changed = contact.history.changed(state) & contact.trace.owned
             self.changed |= total(problem.comm, changed.sum()) > 0
+            self.changed |= contact.history.left_open > 0
         last["displacement"] = solution.displacement.copy()
         last["load"], last["reactions"] = problem.load, reactions
 
@@ -120,8 +121,9 @@ class EnergyBook:
 
     @property
     def open_share(self) -> float:
-        """``left_open`` over the work done; 0 without a path."""
-        return self.left_open / self.done if self.applies and self.done > 0 else 0.0
+        """``left_open``, in steps and between them, over the work done; 0 without a path."""
+        between = sum(contact.history.left_open for contact in self._problem.contacts)
+        return (self.left_open + between) / self.done if self.applies and self.done > 0 else 0.0
 
     def quantities(self, quantities: Mapping[str, Any]) -> dict[str, float]:
         """``external_work`` along the steps, and the ``energy_defect`` that it leaves.
