@@ -136,9 +136,7 @@ def _solve(scene: Scene, folder: Path, pictures: bool) -> int:
     comm = MPI.COMM_WORLD
     files.require_writable(folder, comm)
     prepared = Run(scene, comm)
-    result = prepared.solve()
-    with prepared.timings.phase("output"):
-        files.write(prepared, result, folder)
+    result = files.solve_and_write(prepared, folder)
     if comm.rank == 0 and (logger.isEnabledFor(logging.INFO) or not result.passed):
         print_result(result, folder)
     if pictures and result.converged:

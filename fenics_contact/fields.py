@@ -11,31 +11,55 @@ from numpy.typing import NDArray
 from fenics_contact import compat
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.contact import OPEN, STICK
+from fenics_contact.parallel import on_root
 from fenics_contact.problem import Problem
 from fenics_contact.solution import Solution
-from fenics_contact.vtu import write_vtu
+from fenics_contact.vtu import write_collection, write_grid
 
 Array = NDArray[np.float64]
 
 # Values of the field `status`.
 NO_CONTACT, FIELD_OPEN, FIELD_STICK, FIELD_SLIP = -1.0, 0.0, 1.0, 2.0
 
+# Of a time series. A node has 19 to 20 numbers, each 8 bytes in 4/3 characters, and its cells.
+_MOST_STEPS, _MOST_BYTES, _BYTES_OF_A_NODE = 200, 2e9, 300
 
-def write_fields(forces: BulkForces, folder: Path) -> None:
-    """Write ``fields.pvd`` and its pieces; collective.
+
+class FieldSeries:
+    """``fields.pvd``, a time series of fields.
 
     Point data: displacement, stress (3 × 3), contact_pressure, friction_traction, status
     (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP) and, where a contact is not prescribed,
     reaction_pressure, which knows nothing of the penalty.
+
+    Attributes:
+        most: How many steps it should hold: these 200, or fewer where they would fill the disk.
     """
-    problem, solution = forces.problem, forces.solution
-    fields = {
-        "displacement": _three(solution.displacement),
-        "stress": nodal_stress(problem).reshape(-1, 9),
-        **_contact_fields(problem, solution),
-        **_reaction_pressure(forces),
-    }
-    write_vtu(folder / "fields.pvd", problem.spaces.displacement_space, fields)
+
+    def __init__(self, problem: Problem, folder: Path) -> None:
+        self._problem, self._path = problem, folder / "fields.pvd"
+        self._grids: dict[str, float] = {}
+        nodes = problem.spaces.displacement_space.dofmap.index_map.size_global
+        self.most = int(np.clip(_MOST_BYTES // (_BYTES_OF_A_NODE * nodes), 2, _MOST_STEPS))
+
+    def write(self, forces: BulkForces, time: float, number: int) -> None:
+        """Write the fields of a step that was just solved; collective.
+
+        Args:
+            forces: Of its solution.
+            time: Its pseudo-time.
+            number: Of the step, from 1.
+        """
+        problem, solution = self._problem, forces.solution
+        fields = {
+            "displacement": _three(solution.displacement),
+            "stress": nodal_stress(problem).reshape(-1, 9),
+            **_contact_fields(problem, solution),
+            **_reaction_pressure(forces),
+        }
+        folder, space = self._path.parent, problem.spaces.displacement_space
+        self._grids[write_grid(folder, self._path.stem, number, space, fields)] = time
+        on_root(problem.comm, lambda: write_collection(self._path, self._grids))
 
 
 def nodal_stress(problem: Problem) -> Array:

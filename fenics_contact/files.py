@@ -1,4 +1,4 @@
-"""Result files: ``result.json``, ``contact.csv`` and fields (see ``interface``)."""
+"""Result files: ``result.json``, ``contact.csv``, ``steps.csv``, fields (see ``interface``)."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import json
 import math
 import re
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +16,11 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fenics_contact.errors import InputError
-from fenics_contact.fields import write_fields
+from fenics_contact.fields import FieldSeries
 from fenics_contact.parallel import on_root
 from fenics_contact.result import ContactPoints, Result
 from fenics_contact.simulation import Run
+from fenics_contact.step_table import StepTable
 
 CSV_HEADER = [
     *("contact", "x", "y", "z", "nx", "ny", "nz", "gap", "contact_pressure"),
@@ -50,23 +52,71 @@ def _require_writable(folder: Path) -> None:
                 path.rmdir()
 
 
-def write(run: Run, result: Result, folder: Path) -> None:
-    """Write the files of a run; collective.
+def solve_and_write(run: Run, folder: Path) -> Result:
+    """Solve, and write the files of a run, those of steps as they are accepted; collective."""
+    steps = StepFiles(run, folder)
+    result = run.solve(steps.add)
+    _finish(run, result, folder)
+    return result
 
-    Without convergence only ``result.json`` is written, with the history. Files of an
-    earlier run in the same folder are removed first, so that none outlives its run.
+
+def write(run: Run, result: Result, folder: Path) -> None:
+    """Write the files of a run that was solved, fields of its last step only; collective.
+
+    Without convergence only ``result.json`` and ``steps.csv`` are written, with the history.
     """
-    comm = run.problem.comm
-    on_root(comm, lambda: _clear(folder))
+    steps = StepFiles(run, folder)
+    steps.catch_up()
     if run.solution is not None:
-        write_fields(run.forces, folder)
-    on_root(comm, lambda: _write_tables(result, folder))
+        steps.add_fields()
+    _finish(run, result, folder)
+
+
+def _finish(run: Run, result: Result, folder: Path) -> None:
+    with run.timings.phase("output"):
+        on_root(run.problem.comm, lambda: _write_tables(result, folder))
+
+
+class StepFiles:
+    """``steps.csv`` and ``fields.pvd`` of a run, growing with its steps; collective.
+
+    Files of an earlier run in the same folder are removed first, so that none outlives its run.
+    """
+
+    def __init__(self, run: Run, folder: Path) -> None:
+        self._run, self._comm = run, run.problem.comm
+        on_root(self._comm, lambda: _clear(folder))
+        self._table = StepTable(folder / "steps.csv")
+        self._fields = FieldSeries(run.problem, folder)
+        self._wanted = spread(run.scene.steps.all_times, self._fields.most)
+
+    def add(self) -> None:
+        """A step was accepted."""
+        with self._run.timings.phase("output"):
+            self.catch_up()
+            if self._run.steps[-1]["load_factor"] in self._wanted:
+                self.add_fields()
+
+    def catch_up(self) -> None:
+        """Rows of the steps that have none yet."""
+        on_root(self._comm, lambda: self._table.follow(self._run.steps))
+
+    def add_fields(self) -> None:
+        """Those of the last step."""
+        steps = self._run.steps
+        self._fields.write(self._run.forces, steps[-1]["load_factor"], len(steps))
+
+
+def spread(times: Sequence[float], most: int) -> set[float]:
+    """Pseudo-times of at most so many steps, evenly spread, the last among them."""
+    numbers = np.linspace(len(times), 0, min(most, len(times)), endpoint=False)
+    return {times[int(np.ceil(number)) - 1] for number in numbers}
 
 
 # Files of a run and of its report, and nothing else that may lie in the folder.
 _OWN_FILES = re.compile(
-    r"result\.json|contact\.csv|report\.html|"
-    r"(deformed|axis_stress|surface_displacement|contact_\d+)\.png|"
+    r"result\.json|contact\.csv|steps\.csv|report\.html|"
+    r"(deformed|axis_stress|surface_displacement|history_\w+|contact_\d+)\.png|"
     r"fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
 )
 

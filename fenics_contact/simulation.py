@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -50,7 +51,8 @@ class Run:
         choice: The solver, and how much memory it is to need.
         solution: Nodal values of this rank, once solved; None before, or without an answer.
         forces: Nodal forces that the bulk needs in the last step that was solved.
-        book: Work and energies along the steps.
+        steps: What came out of the load steps so far, as in ``result.json``.
+        book: Work and energies along them.
         timings: Seconds so far.
 
     Args:
@@ -68,6 +70,7 @@ class Run:
     ) -> None:
         self.scene = scene
         self.solution: Solution | None = None
+        self.steps: list[dict[str, Any]] = []
         self.timings = Timings()
         if body is None:
             if not scene.mesh:
@@ -106,12 +109,22 @@ class Run:
             "symmetry": problem.supports.symmetry,
         } | ({} if self.solution is None else {"bulk_factorisations": self.solution.factorisations})
 
-    def solve(self) -> Result:
-        """Solve and evaluate; collective. Failure to converge is a result, too."""
-        self._steps: list[dict[str, Any]] = []
+    def solve(self, accepted: Callable[[], None] | None = None) -> Result:
+        """Solve and evaluate; collective. Failure to converge is a result, too.
+
+        Args:
+            accepted: Called when a load step has been added to ``steps``.
+        """
+        self.steps = []
         self.book = EnergyBook(self.problem)
+
+        def record(time: float, solution: Solution) -> None:
+            self._record(time, solution)
+            if accepted is not None:
+                accepted()
+
         try:
-            solution = solve(self.problem, self.timings, self._record, self.choice)
+            solution = solve(self.problem, self.timings, record, self.choice)
         except NotConvergedError as error:
             return self._unconverged(error)
         return self._evaluate(solution)
@@ -128,7 +141,7 @@ class Run:
             quantities = global_quantities(self.forces, self._reactions, self._by_contact)
             self.book.count(self.forces, self._reactions)
             quantities |= self.book.quantities(quantities)
-        self._steps.append(
+        self.steps.append(
             {
                 "load_factor": time,
                 "newton_iterations": solution.newton_iterations,
@@ -139,6 +152,7 @@ class Run:
                     {"name": contact.label, "quantities": found}
                     for contact, found in zip(self.problem.contacts, self._by_contact, strict=True)
                 ],
+                "supports": self._supports,
             }
         )
 
@@ -161,7 +175,7 @@ class Run:
         problem = self.problem
         self.solution = solution
         with self.timings.phase("output"):
-            quantities = self._steps[-1]["quantities"]
+            quantities = self.steps[-1]["quantities"]
             checks = run_checks(self.forces, self._reactions)
             balance = self.book.check(quantities)
             checks |= {} if balance is None else {"energy_balance": balance}
@@ -177,7 +191,7 @@ class Run:
             contacts=self.contacts(self._by_contact),
             supports=self._supports,
             quantities=quantities,
-            steps=self._steps,
+            steps=self.steps,
             checks=checks,
             timings=self.timings.summary(problem.comm),
             versions=compat.versions(),
@@ -187,7 +201,7 @@ class Run:
     def _slid_far(self) -> str:
         """A sentence on bodies that slid far within a load step, or nothing."""
         found: dict[str, float] = {}
-        for step in self._steps:
+        for step in self.steps:
             for contact in step["contacts"]:
                 slid = contact["quantities"].get("slip_since_pairing", 0.0)
                 found[contact["name"]] = max(slid, found.get(contact["name"], 0.0))
@@ -212,7 +226,7 @@ class Run:
     def _unconverged(self, error: NotConvergedError) -> Result:
         """No answer: the history, and no numbers that could be taken for one."""
         step = {
-            "load_factor": self.scene.steps.all_times[len(self._steps)],
+            "load_factor": self.scene.steps.all_times[len(self.steps)],
             "newton_iterations": max(len(error.residual_history) - 1, 0),
             "outer_iterations": 0,
             "residual_history": list(error.residual_history),
@@ -225,7 +239,7 @@ class Run:
             model=self.model,
             contacts=self.contacts(),
             quantities={},
-            steps=[*self._steps, step],
+            steps=[*self.steps, step],
             checks={},
             timings=self.timings.summary(self.problem.comm),
             versions=compat.versions(),
