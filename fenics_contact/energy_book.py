@@ -94,7 +94,7 @@ class EnergyBook:
             # A curved obstacle that moves along the surface pushes the gap before it.
             stays = np.isfinite(history.gap) & np.isfinite(kinematics.gap)
             pushed_in = np.zeros(len(stays))
-            pushed_in[stays] = (history.gap - kinematics.gap)[stays]
+            pushed_in[stays] = history.gap[stays] - kinematics.gap[stays]
             pressure = 0.5 * (history.last.contact_pressure + state.contact_pressure)
             work += float(contact.trace.integral(pressure * pushed_in))
         return work

@@ -39,6 +39,7 @@ class FieldSeries:
     def __init__(self, problem: Problem, folder: Path) -> None:
         self._problem, self._path = problem, folder / "fields.pvd"
         self._grids: dict[str, float] = {}
+        self._stress = NodalStress(problem)
         nodes = problem.spaces.displacement_space.dofmap.index_map.size_global
         self.most = int(np.clip(_MOST_BYTES // (_BYTES_OF_A_NODE * nodes), 2, _MOST_STEPS))
 
@@ -53,7 +54,7 @@ class FieldSeries:
         problem, solution = self._problem, forces.solution
         fields = {
             "displacement": _three(solution.displacement),
-            "stress": nodal_stress(problem).reshape(-1, 9),
+            "stress": self._stress.at_nodes().reshape(-1, 9),
             **_contact_fields(problem, solution),
             **_reaction_pressure(forces),
         }
@@ -62,21 +63,32 @@ class FieldSeries:
         on_root(problem.comm, lambda: write_collection(self._path, self._grids))
 
 
-def nodal_stress(problem: Problem) -> Array:
-    """Cauchy stress, averaged over the cells that share a node, (nodes, 3, 3); collective."""
-    mesh, spaces = problem.body.mesh, problem.spaces
-    space = spaces.displacement_space
-    points = compat.interpolation_points(space.element)
-    if spaces.kinematics == "axisymmetric":
-        # u_r / r has no value on the axis itself: look from a millionth inside.
-        points = points + 1e-6 * (points.mean(axis=0) - points)
-    cells = np.arange(mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32)
-    expression = fem.Expression(problem.elastic.stress(), points)
-    values = expression.eval(mesh, cells).reshape(-1, 9)
-    nodes, count = space.dofmap.list[cells].ravel(), len(spaces.coordinates)
-    summed = [np.bincount(nodes, column, count) for column in (*values.T, np.ones(len(nodes)))]
-    *stress, cells_around = spaces.summed(np.stack(summed, axis=1)).T
-    return np.stack(stress / np.maximum(cells_around, 1.0), axis=1).reshape(-1, 3, 3)
+class NodalStress:
+    """Cauchy stress, averaged over the cells that share a node; collective."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        mesh, spaces = problem.body.mesh, problem.spaces
+        space = spaces.displacement_space
+        points = compat.interpolation_points(space.element)
+        if spaces.kinematics == "axisymmetric":
+            # u_r / r has no value on the axis itself: look from a millionth inside.
+            points = points + 1e-6 * (points.mean(axis=0) - points)
+        self._cells = np.arange(
+            mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32
+        )
+        self._nodes = space.dofmap.list[self._cells].ravel()
+        self._expression = fem.Expression(problem.elastic.stress(), points)
+
+    def at_nodes(self) -> Array:
+        """That of the problem's present displacement, (nodes, 3, 3) (stress)."""
+        mesh, spaces = self._problem.body.mesh, self._problem.spaces
+        values = self._expression.eval(mesh, self._cells).reshape(-1, 9)
+        nodes, count = self._nodes, len(spaces.coordinates)
+        columns = (*values.T, np.ones(len(nodes)))
+        summed = [np.bincount(nodes, column, count) for column in columns]
+        *stress, cells_around = spaces.summed(np.stack(summed, axis=1)).T
+        return np.stack(stress / np.maximum(cells_around, 1.0), axis=1).reshape(-1, 3, 3)
 
 
 def _contact_fields(problem: Problem, solution: Solution) -> dict[str, Array]:

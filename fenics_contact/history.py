@@ -90,7 +90,8 @@ class History:
                 [np.where(held, row["displacement"], 0.0) for row in rows], dtype=float
             )
             reaction = np.array([row["reaction"] for row in rows]) * held
-            yield from _along(f"the support on '{support['on']}'", moved, reaction, "reaction", "R")
+            where = f"the support on '{support['on']}'"
+            yield from _along(where, moved, reaction, "reaction", "R")
 
 
 def _along(where: str, moved: Array, force: Array, word: str, symbol: str) -> Iterator[Drive]:

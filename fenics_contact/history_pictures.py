@@ -44,7 +44,7 @@ def draw_history(folder: Path, result: dict[str, Any]) -> list[Path]:
     return drawn + ([_loops(drives, folder / "history_loops.png")] if drives else [])
 
 
-def _over_time(title: str, heights: list[float]) -> tuple[Any, list[Any]]:
+def _over_time(title: str, heights: list[float], history: History) -> tuple[Any, list[Any]]:
     figure, panels = new_figure(
         title,
         (_WIDTH, sum(heights) + _MARGIN),
@@ -53,6 +53,7 @@ def _over_time(title: str, heights: list[float]) -> tuple[Any, list[Any]]:
         height_ratios=heights,
     )
     panels[-1].set_xlabel("pseudo-time, $t$")
+    panels[-1].set_xlim(0, 1.03 * history.time[-1])
     return figure, panels
 
 
@@ -72,7 +73,8 @@ def _legend(panel: Any) -> None:
 def _forces(history: History, contacts: list[dict[str, Any]], path: Path) -> Path:
     """Normal forces, and below them what friction gives, one curve an axis that counts."""
     friction = list(_friction_curves(history, contacts))
-    figure, panels = _over_time("Forces on the body", [_HEIGHT] * (2 if friction else 1))
+    heights = [_HEIGHT] * (2 if friction else 1)
+    figure, panels = _over_time("Forces on the body", heights, history)
     for number, contact in enumerate(contacts):
         normal = history.of_contact(number, "normal_force")
         assert normal is not None
@@ -106,21 +108,22 @@ def _friction_curves(
 
 def _areas(history: History, contacts: list[dict[str, Any]], path: Path) -> Path:
     """In contact, and the part of it that sticks, one panel a contact."""
-    figure, panels = _over_time("Areas in contact", [2.2] * len(contacts))
+    figure, panels = _over_time("Areas in contact", [2.2] * len(contacts), history)
     for number, (contact, panel) in enumerate(zip(contacts, panels, strict=True)):
         closed = history.of_contact(number, "contact_area")
         sticks = history.of_contact(number, "stick_area")
         assert closed is not None and sticks is not None
-        panel.fill_between(history.time, closed, color=COLOURS["OPEN"], linewidth=0, label="closed")
-        if contact["law"] != "none":
-            panel.collections[-1].set(label="slip", color=COLOURS["SLIP"], alpha=0.5)
-            panel.fill_between(
-                history.time, sticks, color=COLOURS["STICK"], linewidth=0, label="stick"
-            )
+        rough = contact["law"] != "none"
+        colour, label = ("SLIP", "slip") if rough else ("OPEN", "in contact")
+        panel.fill_between(
+            history.time, closed, color=COLOURS[colour], alpha=0.5, lw=0, label=label
+        )
+        if rough:
+            panel.fill_between(history.time, sticks, color=COLOURS["STICK"], lw=0, label="stick")
         panel.plot(history.time, closed, color="black", linewidth=1)
-        panel.set_ylim(0, 1.08 * closed.max() or 1)
+        panel.set_ylim(0, 1.3 * closed.max() or 1)
         panel.set_ylabel(f"area of '{contact['name']}'")
-        panel.legend(frameon=False, fontsize=9)
+        panel.legend(frameon=False, fontsize=9, loc="upper left", ncols=2)
     save(figure, path)
     return path
 
@@ -135,7 +138,7 @@ def _energies(history: History, path: Path) -> Path:
     }
     work = np.abs(history.quantity("external_work")).max()
     balances = "energy_defect" in history.steps[0]["quantities"]
-    figure, panels = _over_time("Work and energies", [3.2, 1.6] if balances else [3.2])
+    figure, panels = _over_time("Work and energies", [3.2, 1.6][: 1 + balances], history)
     for number, (name, label) in enumerate(names.items()):
         values = history.quantity(name)
         if np.abs(values).max() > _SHOWN * work:

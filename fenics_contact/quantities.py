@@ -100,15 +100,12 @@ def _motion(problem: Problem, contact: ContactSurface) -> dict[str, Any]:
     obstacle, kinematics = contact.contact.obstacle, contact.kinematics
     if obstacle is None:
         return {}
-    moved = {"obstacle_displacement": kinematics.displacement.tolist()}
-    return {
-        **(
-            {"indentation": kinematics.brought_up + kinematics.indentation}
-            if problem.has_datum
-            else {}
-        ),
-        **(moved if obstacle.displacement is not None else {}),
-    }
+    found: dict[str, Any] = {}
+    if problem.has_datum:
+        found["indentation"] = kinematics.brought_up + kinematics.indentation
+    if obstacle.displacement is not None:
+        found["obstacle_displacement"] = kinematics.displacement.tolist()
+    return found
 
 
 def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
