@@ -163,9 +163,9 @@ def _loops(drives: list[Drive], path: Path) -> Path:
     for drive, panel in zip(drives, panels, strict=False):
         _line(panel, drive.x, drive.y, "", 0)
         _arrows(panel, drive)
-        panel.plot(
-            drive.x[-1:], drive.y[-1:], "o", color=COLOURS["SLIP"], markersize=6, label="end"
-        )
+        end = (drive.x[-1:], drive.y[-1:])
+        panel.plot(*end, "o", color=COLOURS["SLIP"], markersize=6, label="end")
+        panel.locator_params(axis="x", nbins=6)
         panel.legend(frameon=False, fontsize=9, title=drive.title, title_fontsize=9)
         panel.axhline(0, color="black", linewidth=0.6)
         panel.set_xlabel(drive.moved)
@@ -185,6 +185,5 @@ def _arrows(panel: Any, drive: Drive) -> None:
         i = int(np.searchsorted(reached, share * reached[-1]))
         start, end = (drive.x[i], drive.y[i]), (drive.x[i + 1], drive.y[i + 1])
         middle = tuple(0.5 * (a + b) for a, b in zip(start, end, strict=True))
-        panel.annotate(
-            "", middle, start, arrowprops={"arrowstyle": "-|>", "color": COLOURS["STICK"], "lw": 0}
-        )
+        look = {"arrowstyle": "-|>", "color": COLOURS["STICK"], "lw": 0, "mutation_scale": 15}
+        panel.annotate("", middle, start, arrowprops=look)
