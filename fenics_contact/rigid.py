@@ -55,6 +55,8 @@ class RigidMotions:
     @property
     def slides_on_coulomb(self) -> bool:
         """Whether something slides that only friction of unknown bound resists; collective."""
+        if self.count == 0:
+            return False
         weights, normal, _ = self.closings()
         others = np.einsum("q,qi,qj->ij", weights, normal, normal)
         w, slip = self.slips()

@@ -59,7 +59,8 @@ class SurfaceMatrix:
             return every_pair(np.concatenate([self.dofs, pairing.dofs])[None])
         nodes = surface.numbers[surface.facet_nodes]
         places = nodes[..., None] * surface.components + np.arange(surface.components)
-        return every_pair(self.dofs[places.reshape(len(nodes), -1)])
+        width = nodes.shape[1] * surface.components
+        return every_pair(self.dofs[places.reshape(len(nodes), width)])
 
     def parts(self) -> list[AssembledForm]:
         """The forms that the contact's terms have at present; collective."""

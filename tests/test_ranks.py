@@ -18,12 +18,14 @@ from fenics_contact import (
     Obstacle,
     Run,
     Scene,
+    SolverSettings,
     Support,
     files,
     run,
 )
 from fenics_contact.errors import InputError
 from fenics_contact.parallel import gather_rows, largest, on_root, raise_together, smallest, total
+from tests.pair_bodies import Box, boxes
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, slab
 
 COMM = MPI.COMM_WORLD
@@ -56,6 +58,43 @@ def assert_same(alone, together):
 )
 def test_slab_alone_and_together(scene):
     assert_same(run(scene, MPI.COMM_SELF), run(scene, COMM))
+
+
+TWO_BODIES = Scene(
+    kinematics="plane strain",
+    material=(Material(1000, 0.3, on="upper"), Material(300, 0.2, on="lower")),
+    support=(Support("lower.y0", {"x": 0, "y": 0}),),
+    load=(Load("upper.y1", traction=(0.2, -1)),),
+    contact=(Contact("upper.y0", against="lower.y1", friction_coefficient=0.5),),
+)
+BLOCKS = (Box("lower", (0, -1), (1, 0), (6, 5)), Box("upper", (0.1, 0), (0.9, 1), (4, 3)))
+SOLIDS = (
+    Box("lower", (0, 0, -1), (1, 1, 0), (3, 2, 2)),
+    Box("upper", (0, 0, 0.01), (1, 1, 1), (2, 3, 2)),
+)
+
+
+@pytest.mark.parametrize("solver", ["condensed", "full"])
+def test_two_bodies_alone_and_together(solver):
+    """A block that only contact holds, wherever its cells and those below it are."""
+    scene = dataclasses.replace(TWO_BODIES, solver=SolverSettings(solver=solver))
+    alone = run(scene, MPI.COMM_SELF, boxes(BLOCKS, comm=MPI.COMM_SELF))
+    assert_same(alone, run(scene, COMM, boxes(BLOCKS)))
+
+
+@pytest.mark.parametrize("solver", ["condensed", "iterative"])
+def test_two_solids_alone_and_together(solver):
+    motion = {"x": 0.004, "y": 0.001, "z": -0.03}
+    scene = dataclasses.replace(
+        TWO_BODIES,
+        kinematics="3D",
+        support=(Support("lower.z0", {"x": 0, "y": 0, "z": 0}), Support("upper.z1", motion)),
+        load=(),
+        contact=(Contact("upper.z0", against="lower.z1", friction_coefficient=0.2),),
+        solver=SolverSettings(solver=solver, tolerance=1e-12),
+    )
+    alone = run(scene, MPI.COMM_SELF, boxes(SOLIDS, "tetrahedron", MPI.COMM_SELF))
+    assert_same(alone, run(scene, COMM, boxes(SOLIDS, "tetrahedron")))
 
 
 def pads():

@@ -1,6 +1,7 @@
 """Contact between deformable bodies: statics, exact fields, rigid limits, one solver by another."""
 
 import dataclasses
+from pathlib import Path as File
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from fenics_contact import (
     Discretisation,
     Load,
     Material,
+    MeshSource,
     Obstacle,
     Path,
     Run,
@@ -22,7 +24,7 @@ from fenics_contact import (
 )
 from fenics_contact.errors import InputError, NoEquilibriumError
 from fenics_contact.moduli import Moduli
-from fenics_contact.parallel import largest
+from fenics_contact.parallel import largest, on_root
 from tests.pair_bodies import Box, boxes
 
 COMM = MPI.COMM_WORLD
@@ -263,6 +265,67 @@ def test_pairing_follows_bodies_that_slide():
     )
     error = once.quantities["normal_force"] / meshed.quantities["normal_force"] - 1
     assert abs(error) > 1e-2
+
+
+RING = """
+DefineConstant[ inner = 1, outer = 2, cells = 8 ];
+Point(1) = {0, 0, 0};
+If (inner > 0)
+  Point(2) = {inner, 0, 0}; Point(3) = {0, inner, 0};
+  Circle(1) = {3, 1, 2};
+EndIf
+Point(4) = {outer, 0, 0}; Point(5) = {0, outer, 0};
+Circle(2) = {4, 1, 5};
+If (inner > 0)
+  Line(3) = {2, 4}; Line(4) = {5, 3};
+  Curve Loop(1) = {1, 3, 2, 4};
+Else
+  Line(3) = {1, 4}; Line(4) = {5, 1};
+  Curve Loop(1) = {3, 2, 4};
+EndIf
+Plane Surface(1) = {1};
+Transfinite Curve{2} = cells + 1;
+If (inner > 0)
+  Transfinite Curve{1} = cells + 1;
+  Physical Curve("hole") = {1};
+EndIf
+Mesh.MeshSizeMax = outer / cells;
+Physical Curve("rim") = {2};
+Physical Curve("below") = {3};
+Physical Curve("left") = {4};
+Physical Surface("body") = {1};
+"""
+
+
+@pytest.mark.parametrize("slave", ["on", "against"])
+def test_press_fit_of_a_pin_in_a_hole(slave, tmp_path):
+    """A pin too thick by δ: p = E δ (c² − b²) / (2 b c²) in plane stress (Lamé)."""
+    folder = on_root(COMM, lambda: str(tmp_path))  # one folder for all ranks
+    geometry = f"{folder}/ring.geo"
+    on_root(COMM, lambda: File(geometry).write_text(RING))
+    hole, rim, too_thick = 1.0, 2.0, 1e-3
+    scene = Scene(
+        kinematics="plane stress",
+        mesh=(
+            MeshSource(
+                geometry, {"inner": 0, "outer": hole + too_thick, "cells": 16}, order=2, name="pin"
+            ),
+            MeshSource(geometry, {"inner": hole, "outer": rim, "cells": 21}, order=2, name="ring"),
+        ),
+        material=Material(1000, 0.3),
+        symmetry=("pin.below", "pin.left", "ring.below", "ring.left"),
+        contact=(touching("pin.rim", "ring.hole", slave=slave),),
+    )
+    result = run(scene, COMM)
+    assert result.passed
+    expected = 1000 * too_thick * (rim**2 - hole**2) / (2 * hole * rim**2)
+    assert result.points.contact_pressure.mean() == pytest.approx(expected, rel=2e-3)
+    # Pointwise as far as circles of order 2 have the gap: p varies by E over h of its error.
+    assert result.points.contact_pressure == pytest.approx(expected, rel=1e-2)
+    for side in (0, 2):  # ∫ p n over a quarter of the circle, on the pin and on the ring
+        reactions = result.supports[side]["reaction"], result.supports[side + 1]["reaction"]
+        across = sum(np.array(reaction) for reaction in reactions)
+        assert np.abs(across) == pytest.approx(expected * hole, rel=3e-3)
 
 
 def test_slave_is_the_covered_surface_and_not_the_much_finer_one():
