@@ -53,7 +53,8 @@ def _over_time(title: str, heights: list[float], history: History) -> tuple[Any,
         height_ratios=heights,
     )
     panels[-1].set_xlabel("pseudo-time, $t$")
-    panels[-1].set_xlim(0, 1.03 * history.time[-1])
+    first, second, *_ = history.time
+    panels[-1].set_xlim(max(0, 2 * first - second), 1.03 * history.time[-1])
     return figure, panels
 
 
