@@ -142,7 +142,8 @@ def _energies(history: History, path: Path) -> Path:
     figure, panels = _over_time("Work and energies", [3.2, 1.6][: 1 + balances], history)
     for number, (name, label) in enumerate(names.items()):
         values = history.quantity(name)
-        if np.abs(values).max() > _SHOWN * work:
+        least = 0.0 if name == "friction_work" else _SHOWN * work
+        if np.abs(values).max() > least:
             _line(panels[0], history.time, values, label, number)
     panels[0].set_ylabel("energy")
     if balances:

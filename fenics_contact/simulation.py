@@ -39,7 +39,7 @@ logger = logging.getLogger(__name__)
 # without friction a shift of .01 changes them by 1 %.
 _FAR = 0.01
 # Share of the work left open by load steps, from which it is said.
-_OPEN = 0.05
+_OPEN = 0.1
 
 
 class Run:
