@@ -1,4 +1,7 @@
-"""The picture of docs/solve_cost.md: ratio over dofs, a panel a dimension, with the limits."""
+"""The picture of docs/solve_cost.md: ratio over dofs, with the limits.
+
+A panel a dimension, and one of two bodies.
+"""
 
 from __future__ import annotations
 
@@ -15,20 +18,20 @@ APPLIES_TO = {1.4: ",\ncontact ≤ 2.5 %", 2.0: ",\ncontact 8 %", 3.0: ",\nitera
 
 
 def plot(rows: list[dict[str, Any]], path: Path) -> None:
-    """Draw the rows of one load step, those of ``full`` left out."""
+    """Draw the rows of one load step, but for what is far above the others."""
     from matplotlib.ticker import LogLocator
 
-    shown = [row for row in rows if row["solver"] != "full" and row["steps"] == 1]
-    dimensions = sorted({row["dimension"] for row in shown})
-    size = (4.8 * len(dimensions), 4.2)
-    figure, panels = new_figure("", size, ncols=len(dimensions), sharey=True)
+    shown = [row for row in rows if row["steps"] == 1 and not _is_far_above(row)]
+    titles = sorted({_title(row) for row in shown})
+    size = (4.8 * len(titles), 4.2)
+    figure, panels = new_figure("", size, ncols=len(titles), sharey=True)
     figure.suptitle("Frictional solve over linear solve", fontsize=11)
-    for panel, dimension in zip(panels, dimensions, strict=True):
-        chosen = [row for row in shown if row["dimension"] == dimension]
+    for panel, title in zip(panels, titles, strict=True):
+        chosen = [row for row in shown if _title(row) == title]
         for label, points in _lines(chosen).items():
             panel.semilogx(*points, markersize=7, linewidth=1.0, label=label, **_style(label))
         _draw_limits(panel, chosen)
-        panel.set_title(f"{dimension}D", fontsize=10)
+        panel.set_title(title, fontsize=10)
         panel.set_xlabel("dofs")
         panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         panel.xaxis.set_major_formatter(lambda value, _: f"{value / 1000:g}k")
@@ -39,12 +42,21 @@ def plot(rows: list[dict[str, Any]], path: Path) -> None:
     save(figure, path)
 
 
+def _is_far_above(row: dict[str, Any]) -> bool:
+    return row["solver"] == "full" or (row["solver"] == "iterative" and row["bodies"] > 1)
+
+
+def _title(row: dict[str, Any]) -> str:
+    """Of the panel that a row is in."""
+    return "two bodies, 2D and 3D" if row["bodies"] > 1 else f"{row['dimension']}D"
+
+
 def _lines(rows: list[dict[str, Any]]) -> dict[str, tuple[list[float], list[float]]]:
     """Dofs and ratios by what a line is called."""
     found: dict[str, tuple[list[float], list[float]]] = {}
     for row in sorted(rows, key=lambda row: row["dofs"]):
         label = row["element"]
-        if is_wide(row):
+        if is_wide(row) and row["bodies"] == 1:
             label += ", 8 % contact"
         if row["solver"] != "condensed":
             label += f", {row['solver']}"

@@ -126,8 +126,9 @@ class Frictional:
 
     Attributes:
         solution: For the last load step.
-        seconds: For all load steps, results not read.
+        seconds: For all load steps, with pairing, results not read.
         first: For the first of them, with all set-up.
+        pairing: For finding what faces what of two bodies.
         reading: For reading the results of all.
         newton: Newton steps in all.
         outer: Passes of the loop on the pressure in all.
@@ -137,6 +138,7 @@ class Frictional:
     solution: Solution
     seconds: float
     first: float
+    pairing: float
     reading: float
     newton: int
     outer: int
@@ -144,8 +146,10 @@ class Frictional:
 
 
 def frictional_solve(problem: Problem) -> Frictional:
-    """Choose a solver, set it up, solve all load steps; collective."""
+    """Find what faces what, choose a solver, set it up, solve all load steps; collective."""
     watch = Stopwatch(problem.comm)
+    pair_again(problem)
+    pairing = watch.seconds()
     timings = Timings()
     system = create_system(problem, choose_solver(problem), timings)
     firsts: list[float] = []
@@ -162,7 +166,16 @@ def frictional_solve(problem: Problem) -> Frictional:
     finally:
         system.destroy()
     newton, outer = (sum(column) for column in zip(*iterations, strict=True))
-    return Frictional(solution, seconds, firsts[0], reading, newton, outer, system.factorisations)
+    return Frictional(
+        solution, seconds, firsts[0], pairing, reading, newton, outer, system.factorisations
+    )
+
+
+def pair_again(problem: Problem) -> None:
+    """What facing bodies cost where the problem is made, with forms and spaces; collective."""
+    for contact in problem.contacts:
+        if contact.kinematics.pairing is not None:
+            contact.kinematics.pairing.update()
 
 
 def read_results(problem: Problem, solution: Solution) -> None:

@@ -3,10 +3,11 @@
 ``python benchmarks/solve_cost.py [--quick] [--json FILE] [--plot DIR] [--case TEXT]``, also under
 ``mpirun -n N``.
 
-An obstacle is pressed into a block and pulled sideways, so that a part of the contact sticks and
-a part slips. Both solves of a row are timed in one process, with all forms compiled, and each is
-the least of several: CPU time on one rank, wall time of the slowest on several. Set
-``OMP_NUM_THREADS=1``, as ``./bootstrap`` does. ``docs/solve_cost.md`` shows what came out.
+An obstacle, or another block with a rounded foot, is pressed into a block and pulled sideways, so
+that a part of the contact sticks and a part slips. Both solves of a row are timed in one process,
+with all forms compiled, and each is the least of several: CPU time on one rank, wall time of the
+slowest on several. Set ``OMP_NUM_THREADS=1``, as ``./bootstrap`` does. ``docs/solve_cost.md``
+shows what came out.
 
 Meshes and scenes are in ``cost_cases.py``, what is timed in ``cost_solves.py``, how a row comes
 about in ``cost_measure.py``, the picture in ``cost_plot.py``; tables and command line are here.

@@ -70,6 +70,9 @@ class BodyKinematics(ContactKinematics):
             displacement: At the body's nodes of this rank, (nodes, components) (length).
         """
         self.pairing.update(displacement)
+        moved = self.trace.at_points(displacement[self.trace.all_nodes])
+        self._places = self.trace.coordinates.copy()
+        self._places[:, : moved.shape[1]] += moved
         self.move(self.relative(displacement))
         self._face()
 
@@ -84,6 +87,11 @@ class BodyKinematics(ContactKinematics):
         extent = np.linalg.norm([largest(comm, x) - smallest(comm, x) for x in points])
         facet = self.trace.relative_facet_size() * self.trace.extent()
         return largest(comm, np.linalg.norm(slip, axis=1)) / max(float(extent), facet)
+
+    @property
+    def sagitta(self) -> float:
+        """How far the facets of both surfaces are from smooth ones, about (length)."""
+        return self.pairing.sagitta
 
     def relative(self, displacement: Array) -> Array:
         """U − P u' at all nodes of the surface, (nodes, components, ...); collective."""

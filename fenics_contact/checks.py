@@ -29,6 +29,7 @@ from fenics_contact.normal_checks import (
     pressure_recovery,
     tension,
 )
+from fenics_contact.pair_checks import action_and_reaction
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
 from fenics_contact.result import Check
@@ -58,6 +59,7 @@ def run_checks(forces: BulkForces, reactions: Array) -> dict[str, Check]:
     friction, pressures = compared_friction(forces), compared_pressures(forces)
     checks = {
         "equilibrium": equilibrium(forces, reactions),
+        "action_and_reaction": action_and_reaction(forces),
         "boundary_stress": boundary_stress(forces),
         "friction_cone": friction_cone(friction),
         "friction_law": friction_law(friction),

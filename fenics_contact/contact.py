@@ -174,10 +174,12 @@ class ContactSurface:
 
     @property
     def friction_bound(self) -> Array:
-        """Friction bound g = coefficient × pressure at the points, as last set (stress)."""
+        """Friction bound g = coefficient × pressure at the points (stress)."""
         if self.friction is None:
             return np.zeros(len(self.trace.weights))
-        return self.friction.bound
+        if self.normal is None:
+            return self.friction.bound
+        return self.friction.bound_of(self.pressure())
 
     @property
     def regularisation_parameter(self) -> float:

@@ -113,8 +113,7 @@ def _edges(
     found = np.full(len(inner), 0.5)  # where nothing pushes outside, as a foundation that ends
     beyond = ~np.isfinite(distance)
     if beyond.any():
-        reached, outside = inner[beyond], ends[1][beyond]
-        found[beyond] = contact.kinematics.end_of_obstacle(reached, outside)
+        found[beyond] = contact.kinematics.end_of_obstacle(inner[beyond], outer[beyond])
     pushed = ~beyond & (distance > 0)
     soft = pushed & (depth > 0) & (contact.normal.stiffness[inner] * length < _SOFT * modulus)
     found[soft] = depth[soft] / (depth[soft] + distance[soft])

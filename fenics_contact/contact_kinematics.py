@@ -47,6 +47,7 @@ class ContactKinematics(ABC):
         self.displacement = np.zeros(self._spaces.components)
         self.direction = np.zeros(self._spaces.components)
         self.gap = np.zeros(len(trace.weights))
+        self._places = trace.coordinates
 
     @abstractmethod
     def relative(self, displacement: Array) -> Array:
@@ -117,18 +118,19 @@ class ContactKinematics(ABC):
         normals = self.trace.normals[: len(vectors)]
         return vectors - self.normal(vectors)[:, None] * normals
 
-    def end_of_obstacle(self, reached: NDArray[np.int64], beyond: Array) -> Array:
+    def end_of_obstacle(self, reached: NDArray[np.int64], beyond: NDArray[np.int64]) -> Array:
         """How far what stands opposite goes, from points before it to others beyond it (0 … 1).
 
         Args:
             reached: Numbers of the points.
-            beyond: Coordinates of the others, (points, 3) (length).
+            beyond: Those of the others.
         """
-        starts, normals = self.trace.coordinates[reached], self.trace.normals[reached]
+        starts, ends = self._places[reached], self._places[beyond]
+        normals = self.trace.normals[reached]
         low, high = np.zeros(len(starts)), np.ones(len(starts))
         for _ in range(40):
             middle = 0.5 * (low + high)
-            points = starts + middle[:, None] * (beyond - starts)
+            points = starts + middle[:, None] * (ends - starts)
             inside = np.isfinite(self._gap(points, normals))
             low, high = np.where(inside, middle, low), np.where(inside, high, middle)
         return low

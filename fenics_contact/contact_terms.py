@@ -312,11 +312,10 @@ class FrictionTerm:
         self.hold(np.where(sticks, 0.0, -bound)[:, None] * directions)
         self.stick_all()
 
-    def glue(self, stiffness: float) -> None:
-        """Springs along the surface at all points (stress/length), whatever the pressure."""
-        count = len(self.bound)
-        bound = np.full(count, stiffness * self.regularisation_parameter)
-        self.set_status(np.ones(count, dtype=bool), np.zeros_like(self._slip), bound)
+    def glue(self, stiffness: float, points: NDArray[np.bool_]) -> None:
+        """Springs along the surface at some points (stress/length), whatever the pressure."""
+        bound = np.where(points, stiffness * self.regularisation_parameter, 0.0)
+        self.set_status(np.ones(len(bound), dtype=bool), np.zeros_like(self._slip), bound)
 
     def traction(self, slip: Array) -> Array:
         """−g φ_ε′ at the points for a slip since the start (paper, (2.8)) (stress)."""

@@ -60,8 +60,10 @@ class ContactVariables:
             if pairing is None:
                 continue
             slave, master = dofs.places(surface.dofs), dofs.places(pairing.dofs)
-            # A dof that is a slave here and a master there keeps its displacement as the unknown.
-            if (slaves | masters)[slave].any() or slaves[master].any():
+            # A dof that is a slave here and a master there keeps its displacement as the unknown;
+            # it may be both in one contact, as at the tip of a slit.
+            both = np.isin(slave, master) | (slaves | masters)[slave]
+            if both.any() or slaves[master].any():
                 continue
             slaves[slave] = masters[master] = True
             self._as_jumps.append(surface)

@@ -116,20 +116,28 @@ class FacetMesh:
         """Outward normals as long as the surface Jacobian, (points, dimension)."""
         return self._raw_normals(facets, reference) * self._orientations[facets, None]
 
-    def moved(self, displacement: Array, normals: Array | None = None) -> FacetMesh:
-        """The surface displaced.
+    def moved(self, displacement: Array) -> FacetMesh:
+        """The surface displaced; rotations are small, so its normals are those it has.
 
         Args:
             displacement: At all displacement nodes, (nodes, dimension) (length).
-            normals: At all displacement nodes of the displaced surface; the present ones if None.
         """
         places = reference_nodes(self.shape, self.order)
         shift = np.einsum("gn,fnd->fgd", self.shape_functions(places), displacement[self.nodes])
-        return replace(
-            self,
-            geometry=self.geometry + shift,
-            normals=self.normals if normals is None else normals,
-        )
+        return replace(self, geometry=self.geometry + shift)
+
+    @cached_property
+    def sagitta(self) -> float:
+        """How far the facets are from the smooth surface that their normals tell of (length).
+
+        An estimate: r θ/2 of straight ones of half length r, with normals θ off at their ends;
+        r θ³/32 of those of order 2 (the error of a parabola through an arc's ends and middle).
+        """
+        facets, midpoints = self._midpoints
+        own = normalised(self.area_normals(facets, midpoints))
+        off = np.linalg.norm(self.normals[self.nodes] - own[:, None], axis=2).max(axis=1, initial=0)
+        relative = off / 2 if self.order == 1 else off**3 / 32
+        return float((self.radii * relative).max(initial=0.0))
 
     @property
     def _midpoints(self) -> tuple[IntArray, Array]:

@@ -60,7 +60,9 @@ def compared_friction(forces: BulkForces) -> list[ComparedFriction]:
         counted = contact.owned_nodes & movable
         if contact.friction is None or problem.comm.allreduce(int(counted.sum())) == 0:
             continue
-        trace, strongest = contact.trace, largest(problem.comm, contact.friction_bound)
+        trace = contact.trace
+        traction = np.linalg.norm(solution.states[number].friction_traction, axis=1)
+        strongest = largest(problem.comm, np.maximum(contact.friction_bound, traction))
         if strongest <= 0:  # not touched
             continue
         area = trace.to_nodes(trace.weights)

@@ -65,6 +65,7 @@ class Newton:
         history: Force imbalance before every Newton step and at the end, of all solves (force).
         steps: Newton steps of all solves.
         continues: Whether the present solve starts from an answer of the load step before.
+        paired_anew: Whether it was found anew what faces what since the last load step.
         limit: Imbalance that the last solve accepted as converged (force).
     """
 
@@ -77,6 +78,7 @@ class Newton:
         self.steps = 0
         self.continues = False
         self.limit = 0.0
+        self.paired_anew = False
         self._one_sided = any(contact.is_one_sided for contact in problem.contacts)
         self._tolerance = problem.scene.solver.tolerance
         self._tiny = 0.0
@@ -199,7 +201,13 @@ class Newton:
         self._stick_all()
 
     def continue_start(self) -> None:
-        """From the state of the last load step, supports at their new values; collective."""
+        """From the state of the last load step, supports at their new values; collective.
+
+        Of bodies that only contact holds, and that were paired anew, none may be touched then.
+        """
+        if self.paired_anew and RigidMotions(self.problem).count > 0:
+            self.start()
+            return
         self.continues = True
         self.system.follow_supports()
         self._stick_all()
@@ -211,6 +219,7 @@ class Newton:
             displacement: That of the step, at the body's nodes of this rank (length).
         """
         slid = [c for c in self.problem.contacts if c.slid_share() > _SLID]
+        self.paired_anew = bool(slid)
         for contact in slid:
             logger.debug("  '%s': finding anew what faces what", contact.label)
             contact.pair_anew(displacement)

@@ -58,6 +58,7 @@ class Pairing:
         blocks: P by components, each (slave nodes, master nodes), of the whole surfaces: the
             displacement opposite is P u.
         dofs: The body's global number of every dof of the master.
+        sagitta: How far facets of either surface are from smooth ones, about (length).
 
     Args:
         slave: Its contact points.
@@ -70,6 +71,7 @@ class Pairing:
         self._comm = slave.spaces.comm
         self._surfaces = gathered(slave), gathered(master)
         self.dofs = master.surface.dofs
+        self.sagitta = max(surface.sagitta for surface in self._surfaces)
         held = np.zeros(slave.spaces.coordinates.shape[0] * slave.spaces.components, dtype=bool)
         held[constrained] = True
         at_nodes = held.reshape(-1, slave.spaces.components)[slave.all_nodes]
@@ -110,7 +112,7 @@ class Pairing:
         centre_normals, centre_gaps = np.zeros((0, slave.dimension)), np.zeros(0)
         used = np.isfinite(gaps)
         if not self._slave.nodal:
-            own = normalised(slave.normals_at_centres())
+            own = normalised(self._surfaces[0].normals_at_centres())
             centre_normals, at_centres = face(slave.centres, own, master)
             centre_gaps = self._gaps(self._surfaces[0].centres, centre_normals, at_centres)
             used[slave.nodes[np.isfinite(centre_gaps)]] = True

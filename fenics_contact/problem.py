@@ -123,10 +123,14 @@ class Problem:
         return [contact for contact in self.contacts if contact.is_coulomb]
 
     @property
+    def between_bodies(self) -> bool:
+        """Whether some contact is between two deformable surfaces."""
+        return any(contact.contact.against is not None for contact in self.contacts)
+
+    @property
     def can_pair_anew(self) -> bool:
         """Whether what faces what may change: two bodies touch, and there are load steps."""
-        between_bodies = any(contact.contact.against is not None for contact in self.contacts)
-        return between_bodies and len(self.scene.steps.all_times) > 1
+        return self.between_bodies and len(self.scene.steps.all_times) > 1
 
     @property
     def has_datum(self) -> bool:
@@ -142,7 +146,7 @@ class Problem:
         """Hold the outer boundary of a half-space, by forces known or unknown."""
         if self.scene.half_space is None:
             return None
-        if any(contact.contact.against is not None for contact in self.contacts):
+        if self.between_bodies:
             raise InputError(
                 "half_space: the far field is that of forces of obstacles; leave it out where "
                 "bodies touch each other (contact.against), and let the mesh reach farther"

@@ -88,11 +88,12 @@ class RigidMotions:
         moved = contact.trace.at_points(contact.kinematics.relative(self._fields)) @ self._body
         return np.asarray(moved + self._of_obstacles(contact, len(moved)) @ self._obstacles)
 
-    def slips(self, coulomb: bool = False) -> tuple[Array, Array]:
+    def slips(self, coulomb: bool = False, touching: bool = False) -> tuple[Array, Array]:
         """Weights w g and slips (points, components, count) at this rank's friction points.
 
         Args:
             coulomb: Those of the contacts whose bound is not known, with weights w.
+            touching: Only points whose gap is closed before any motion.
         """
         problem = self._problem
         components = problem.spaces.components
@@ -105,8 +106,11 @@ class RigidMotions:
             tangential = np.stack(
                 [contact.kinematics.tangential(moved[..., i]) for i in range(self.count)], axis=-1
             )
-            weights.append((contact.trace.weights * bound)[contact.trace.owned])
-            slips.append(tangential[contact.trace.owned])
+            counted = contact.trace.owned
+            if touching:
+                counted = counted & (self._gap(contact) <= 0)
+            weights.append((contact.trace.weights * bound)[counted])
+            slips.append(tangential[counted])
         return np.concatenate(weights), np.concatenate(slips)
 
     def closings(self) -> tuple[Array, Array, Array]:
@@ -122,12 +126,17 @@ class RigidMotions:
                 continue
             trace = contact.trace
             closing = np.einsum("ijk,ij->ik", self._jumps(contact), trace.normals)
-            kinematics = contact.kinematics
-            gap = kinematics.gap - kinematics.indentation * kinematics.facing
-            acts = trace.owned & kinematics.reached & (contact.normal.stiffness > 0)
+            gap = self._gap(contact)
+            acts = trace.owned & np.isfinite(gap) & (contact.normal.stiffness > 0)
             rows.append(np.column_stack([trace.weights, closing, gap])[acts])
         table = gather_rows(self._problem.comm, np.concatenate(rows))
         return table[:, 0], table[:, 1:-1], table[:, -1]
+
+    @staticmethod
+    def _gap(contact: ContactSurface) -> Array:
+        """Gaps at the points, the obstacle where it stands (length)."""
+        kinematics = contact.kinematics
+        return kinematics.gap - kinematics.indentation * kinematics.facing
 
     def _of_obstacles(self, contact: ContactSurface, points: int) -> Array:
         """Jumps at a contact's points that the obstacles' motions make."""

@@ -10,6 +10,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fenics_contact import compat
+from fenics_contact.body_kinematics import BodyKinematics
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
 from fenics_contact.contact import ContactSurface
@@ -40,6 +41,8 @@ logger = logging.getLogger(__name__)
 _FAR = 0.01
 # Share of the work left open by load steps, from which it is said.
 _OPEN = 0.1
+# What pressure closes, over the height of facets' arcs, below which these decide about it.
+_SAGITTAS = 10.0
 
 
 class Run:
@@ -185,6 +188,7 @@ class Run:
             converged=True,
             verdict=_verdict(checks)
             + _untouched(problem, solution)
+            + _facets_too_straight(problem, solution)
             + self._slid_far()
             + self._coarse_path(),
             model=self.model,
@@ -301,16 +305,39 @@ def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None)
 
 
 def _untouched(problem: Problem, solution: Solution) -> str:
-    """A sentence on obstacles that the body does not touch, or nothing; collective."""
+    """A sentence on contacts at which nothing touches, or nothing; collective."""
     touched = [
         largest(problem.comm, np.abs(state.contact_pressure)) > 0 for state in solution.states
     ]
-    free = [
-        f"'{contact.label}'"
-        for contact, touches in zip(problem.contacts, touched, strict=True)
-        if not touches and contact.normal is not None
-    ]
-    return f" The body does not touch the obstacle at {' and '.join(free)}." if free else ""
+    words = ""
+    for contact, touches in zip(problem.contacts, touched, strict=True):
+        if not touches and contact.normal is not None:
+            what = "The body does not touch the obstacle"
+            if contact.sides.opposite is not None:
+                what = "The two surfaces do not touch each other"
+            words += f" {what} at '{contact.label}'."
+    return words
+
+
+def _facets_too_straight(problem: Problem, solution: Solution) -> str:
+    """A sentence on curved surfaces of two bodies whose facets are coarse, or nothing; collective.
+
+    Their chords make gaps, beside which what the pressure closes, p L/E*, must be large.
+    """
+    found = []
+    for contact, state in zip(problem.contacts, solution.states, strict=True):
+        kinematics = contact.kinematics
+        if isinstance(kinematics, BodyKinematics):
+            peak = largest(problem.comm, np.abs(state.contact_pressure))
+            closed = peak / contact.moduli.plane_strain * contact.trace.extent()
+            if 0 < closed < _SAGITTAS * kinematics.sagitta:
+                found.append(f"'{contact.label}'")
+    if not found:
+        return ""
+    return (
+        f" The facets at {' and '.join(found)} are too straight for what is pressed together "
+        "there, and pressures not to be trusted: use cells of order 2 (mesh.order), or finer ones."
+    )
 
 
 def _verdict(checks: dict[str, Check]) -> str:

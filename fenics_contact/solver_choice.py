@@ -36,6 +36,9 @@ _ITERATIVE_FROM = {1: 50_000, 2: 100_000}
 # S, its inverse and what a Newton step makes of them, where all of a large contact touches
 # (measured: 9.6-9.9 times S).
 _DENSE = 10
+# Of two bodies, bytes for every pair of dofs of their surfaces, all of which P couples, where all
+# displacements are unknowns (measured: 97).
+_COUPLED = 110.0
 
 
 @dataclass(frozen=True)
@@ -93,6 +96,8 @@ def _automatic(problem: Problem, free: float) -> SolverChoice:
         return condensed
     if condensed.memory > free:
         return choice("iterative", "a factorisation would not fit into memory")
+    if problem.between_bodies:
+        return condensed  # in multigrid's zone P couples all of a slave with all of its master
     # Each further step costs the iterative solver about half of the first, the other nothing.
     steps = 0.5 + 0.5 * len(problem.scene.steps.all_times)
     if unknowns(problem) > steps * _ITERATIVE_FROM[problem.spaces.degree]:
@@ -149,12 +154,13 @@ def memory_estimate(problem: Problem, name: Name) -> float:
     )
     cells = problem.body.mesh.topology.index_map(problem.body.dimension).size_global
     bytes_of_cells = 12.0 * cells * dofs_of_cell**2
+    coupled = _COUPLED * contact_unknowns(problem) ** 2 if problem.between_bodies else 0.0
     if name == "iterative":
-        return _ITERATIVE * bytes_of_cells
+        return _ITERATIVE * bytes_of_cells + coupled
     # Cells share entries: with m cells at a node about √m of them have the same one.
     cells_at_node = cells * dofs_of_cell / count
     bytes_of_matrix = bytes_of_cells / max(1.0, sqrt(cells_at_node))
-    dense = 0.0
+    dense = coupled
     if name == "condensed":
         dense = _DENSE * 8.0 * (contact_unknowns(problem) + _between_ranks(problem)) ** 2
     return bytes_of_factors + _COPIES * bytes_of_matrix + dense

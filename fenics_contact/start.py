@@ -31,7 +31,7 @@ def starting_point(problem: Problem) -> tuple[Array, list[float]]:
     if rigid.count == 0:
         return displacement, indentations
     weights, closing, gap = rigid.closings()
-    loose = _unresisted(problem, rigid)
+    loose = _unresisted(problem, rigid, closing)
     if len(weights) == 0 or loose.shape[1] == 0:
         return displacement, indentations
     size = max(contact.trace.extent() for contact in problem.contacts)
@@ -51,12 +51,20 @@ def starting_point(problem: Problem) -> tuple[Array, list[float]]:
     return rigid.displacement(loose @ motion), indentations
 
 
-def _unresisted(problem: Problem, rigid: RigidMotions) -> Array:
-    """Combinations of the motions that friction does not resist, as columns."""
+def _unresisted(problem: Problem, rigid: RigidMotions, closing: Array) -> Array:
+    """Combinations of the motions that friction does not resist, as columns.
+
+    What does not touch yet does not rub; of the motions that would be free then, only those that
+    close a gap are taken.
+    """
     gram = np.zeros((rigid.count, rigid.count))
-    for weights, slips in (rigid.slips(), rigid.slips(coulomb=True)):
+    for weights, slips in (rigid.slips(), rigid.slips(coulomb=True, touching=True)):
         gram += np.einsum("q,qci,qcj->ij", weights, slips, slips)
-    return null_space(np.sum(problem.comm.allgather(gram), axis=0))
+    loose = null_space(np.sum(problem.comm.allgather(gram), axis=0))
+    rows = closing @ loose
+    values, vectors = np.linalg.eigh(rows.T @ rows)
+    closes = values > 1e-13 * max(values.max(initial=0.0), np.finfo(float).tiny)
+    return np.asarray(loose @ vectors[:, closes])
 
 
 def _on_springs(

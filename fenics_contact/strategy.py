@@ -111,6 +111,17 @@ def solve_steps(
 
 def solve_step(newton: Newton) -> Solution:
     """Solve for the present loads, from the present state; collective."""
+    try:
+        return _solve_step(newton)
+    except NotConvergedError as error:
+        if not newton.paired_anew:
+            raise
+        logger.info("%s; next: from the start, with what faces what now", error)
+        newton.start()
+        return _solve_step(newton)
+
+
+def _solve_step(newton: Newton) -> Solution:
     problem = newton.problem
     if not problem.coulomb:
         newton.run()
@@ -142,8 +153,10 @@ class _CoulombLoop:
             "monolithic": self._monolithic,
             "continuation": self._continuation,
         }
-        # The answer of the last load step is near enough for Newton's method.
-        first = "monolithic" if self.newton.continues else self.newton.system.first_way
+        # The answer of the last load step is near enough for Newton's method; between two bodies
+        # it took fewer steps than the loop in all that was measured.
+        at_once = self.newton.continues or self.problem.between_bodies
+        first = "monolithic" if at_once else self.newton.system.first_way
         chosen = [strategy]
         if strategy == "auto":
             chosen = sorted(ways, key=lambda way: way != first)
@@ -174,6 +187,7 @@ class _CoulombLoop:
         """Passes from the first pressures until these change no more."""
         pressures = self._first_pressures()
         if self._peak(pressures) == 0:  # nothing touches, nothing rubs
+            self._rub_nothing()
             return
         anderson = Anderson(self.problem.comm, [c.trace.owned for c in self.contacts])
         best, since, near = np.inf, 0, max(self._near, self.settings.outer_tolerance)
@@ -195,6 +209,17 @@ class _CoulombLoop:
             pressures = anderson.next(pressures, found)
         raise _StalledError(f"the {self.settings.max_outer_iterations} passes allowed were used up")
 
+    def _rub_nothing(self) -> None:
+        """What to do where nothing touches; what glue holds then is not held."""
+        for contact in self.contacts:
+            assert contact.friction is not None
+            contact.friction.mode = "law"
+            contact.friction.set_bound(np.zeros_like(contact.friction.bound))
+        if self._is_glued:
+            self.newton.run()
+            if self._peak([contact.pressure() for contact in self.contacts]) > 0:
+                raise _StalledError("bodies that glue held apart have come together")
+
     def _change(self, before: list[Array], after: list[Array]) -> float:
         comm, peak = self.problem.comm, self._peak(after)
         pairs = zip(before, after, strict=True)
@@ -212,12 +237,13 @@ class _CoulombLoop:
         Args:
             tolerance: Of the solve, by default the scene's.
         """
-        glued = RigidMotions(self.problem).slides_on_coulomb
+        self._is_glued = RigidMotions(self.problem).slides_on_coulomb
         for contact in self.contacts:
             assert contact.friction is not None
             contact.friction.mode = "off"
-            if glued:
-                contact.friction.glue(_GLUE * contact.moduli.combined / contact.facet_size)
+            if self._is_glued:
+                stiffness = _GLUE * contact.moduli.combined / contact.facet_size
+                contact.friction.glue(stiffness, contact.pressure() > 0)
         self.newton.run(tolerance=tolerance)
         self._scale()
         for contact in self.contacts:

@@ -209,7 +209,8 @@ class Trace:
         """A point where facets meet at more than 45°, the same on every rank; or None."""
         sharp = (self._flatness < _SHARP) & (self._flatness > 0)
         rows = gather_rows(self.spaces.comm, self.surface.coordinates[sharp])
-        return rows[np.lexsort(rows.T)[0]] if len(rows) else None
+        order = np.lexsort(np.round(rows / (np.abs(rows).max(initial=0.0) or 1.0), 9).T)
+        return rows[order[0]] if len(rows) else None
 
     @property
     def nodal(self) -> bool:

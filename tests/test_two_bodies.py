@@ -8,8 +8,10 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import (
+    Body,
     Contact,
     Discretisation,
+    Group,
     Load,
     Material,
     MeshSource,
@@ -20,6 +22,7 @@ from fenics_contact import (
     SolverSettings,
     Steps,
     Support,
+    compat,
     run,
 )
 from fenics_contact.errors import InputError, NoEquilibriumError
@@ -326,6 +329,139 @@ def test_press_fit_of_a_pin_in_a_hole(slave, tmp_path):
         reactions = result.supports[side]["reaction"], result.supports[side + 1]["reaction"]
         across = sum(np.array(reaction) for reaction in reactions)
         assert np.abs(across) == pytest.approx(expected * hole, rel=3e-3)
+
+
+DISC = """
+DefineConstant[ inner = 0, outer = 1, cells = 24 ];
+Point(1) = {0, 0, 0};
+Point(2) = {outer, 0, 0}; Point(3) = {0, outer, 0}; Point(4) = {-outer, 0, 0};
+Point(5) = {0, -outer, 0};
+Circle(1) = {2, 1, 3}; Circle(2) = {3, 1, 4}; Circle(3) = {4, 1, 5}; Circle(4) = {5, 1, 2};
+Curve Loop(1) = {1, 2, 3, 4};
+Physical Curve("rim") = {1, 2, 3, 4};
+If (inner > 0)
+  Point(6) = {inner, 0, 0}; Point(7) = {0, inner, 0}; Point(8) = {-inner, 0, 0};
+  Point(9) = {0, -inner, 0};
+  Circle(5) = {6, 1, 7}; Circle(6) = {7, 1, 8}; Circle(7) = {8, 1, 9}; Circle(8) = {9, 1, 6};
+  Curve Loop(2) = {5, 6, 7, 8};
+  Physical Curve("hole") = {5, 6, 7, 8};
+  Plane Surface(1) = {1, 2};
+Else
+  Plane Surface(1) = {1};
+EndIf
+Physical Surface("body") = {1};
+Mesh.MeshSizeMax = 2 * Pi * outer / cells;
+"""
+
+
+@pytest.mark.parametrize("law, steps", [("static", 1), ("incremental", 3)])
+def test_a_loose_pin_hangs_on_its_pressure(law, steps, tmp_path):
+    """In a hole that is wider, friction holds nothing before the pin lies on the wall."""
+    folder = on_root(COMM, lambda: str(tmp_path))
+    geometry = f"{folder}/disc.geo"
+    on_root(COMM, lambda: File(geometry).write_text(DISC))
+    scene = Scene(
+        kinematics="plane stress",
+        mesh=(
+            MeshSource(geometry, {"outer": 0.98}, order=2, name="pin"),
+            MeshSource(geometry, {"inner": 1, "outer": 2, "cells": 40}, order=2, name="ring"),
+        ),
+        material=Material(1000, 0.3),
+        support=(Support("ring.rim", {"x": 0, "y": 0}),),
+        load=(Load("pin", body_force=(0.0, -1.0)),),
+        contact=(touching("pin.rim", "ring.hole", friction_coefficient=0.3, law=law),),
+        steps=Steps(number=steps),
+    )
+    prepared = Run(scene, COMM)
+    result = prepared.solve()
+    assert result.passed
+    for step in result.steps:
+        weight = np.pi * 0.98**2 * step["load_factor"]
+        held = step["quantities"]["normal_force"], step["quantities"]["friction_force"][1]
+        assert held[0] > 0.9 * weight
+        assert sum(held) == pytest.approx(weight, rel=1e-3)
+    lowered = -prepared.solution.displacement[:, 1]
+    assert largest(COMM, lowered) > 0.02  # the clearance
+
+
+def test_a_slit_in_one_body():
+    """Faces of a cut that ends inside share the node at its tip: slave and master at once."""
+    points = np.array([[x, y] for y in (-1, 0, 1) for x in range(4)] + [[0, 0], [1, 0]], float)
+    below = [[0, 1, 4, 5], [1, 2, 5, 6], [2, 3, 6, 7]]
+    cells = np.array([*below, [12, 13, 8, 9], [13, 6, 9, 10], [6, 7, 10, 11]])
+    made = compat.create_mesh(own := MPI.COMM_SELF, "quadrilateral", 1, points, cells)
+    faces = [[4, 5], [5, 6], [12, 13], [13, 6]]
+    lines = np.array([*faces, [0, 1], [1, 2], [2, 3], [8, 9], [9, 10], [10, 11]])
+    values = np.array([1, 1, 2, 2, 3, 3, 3, 4, 4, 4], dtype=np.int32)
+    names = ("under", "over", "bottom", "top")
+    body = Body(
+        made,
+        compat.distributed_tags(made, 2, cells, np.ones(6, dtype=np.int32)),
+        compat.distributed_tags(made, 1, lines, values),
+        {name: Group(1, (tag + 1,)) for tag, name in enumerate(names)} | {"body": Group(2, (1,))},
+    )
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("bottom", {"x": 0, "y": 0}),),
+        load=(Load("top", pressure=lambda x: 4.0 - x[0]),),
+        contact=(touching("over", "under", friction_coefficient=0.2),),
+    )
+    found = [
+        run(dataclasses.replace(scene, solver=SolverSettings(solver=solver)), own, body)
+        for solver in ("condensed", "full")
+    ]
+    assert all(result.passed for result in found)
+    for key in ("normal_force", "max_contact_pressure", "strain_energy"):
+        assert found[0].quantities[key] == pytest.approx(found[1].quantities[key], rel=1e-8)
+
+
+def test_forces_handed_over_at_the_wrong_place_are_noticed():
+    """A projection whose columns are shuffled: resultants balance, moments do not."""
+    prepared = Run(pressed(solver=SolverSettings(solver="full")), COMM, box_pair("quadrilateral"))
+    pairing = prepared.problem.contacts[0].kinematics.pairing
+    order = np.random.default_rng(7).permutation(pairing.blocks[0].shape[1])
+    shuffled = pairing.blocks[0][:, order]
+    pairing.blocks = [shuffled, shuffled]
+    result = prepared.solve()
+    assert not result.checks["action_and_reaction"].passed
+    assert run(pressed(), COMM, box_pair("quadrilateral")).passed
+
+
+def test_straight_facets_in_a_tight_hole_are_warned_of(tmp_path):
+    folder = on_root(COMM, lambda: str(tmp_path))
+    geometry = f"{folder}/ring.geo"
+    on_root(COMM, lambda: File(geometry).write_text(RING))
+    for order, trusted in ((1, False), (2, True)):
+        scene = Scene(
+            kinematics="plane stress",
+            mesh=(
+                MeshSource(geometry, {"inner": 0, "outer": 1.001}, order=order, name="pin"),
+                MeshSource(geometry, {"cells": 11}, order=order, name="ring"),
+            ),
+            material=Material(1000, 0.3),
+            symmetry=("pin.below", "pin.left", "ring.below", "ring.left"),
+            contact=(touching("pin.rim", "ring.hole"),),
+        )
+        assert ("too straight" in run(scene, COMM).verdict) != trusted
+
+
+def test_contact_ends_where_the_master_ends_after_sliding():
+    """A block pushed over the edge of another one: .47 of its width stays on it."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(
+            CLAMP,
+            Support("upper.y1", {"y": -0.01}),
+            Support("upper.y1", {"x": 0.53}, path=Path(time=(0, 0.9, 1), factor=(0, 1, 1))),
+        ),
+        steps=Steps(number=20),
+        contact=(touching(),),
+    )
+    result = run(scene, COMM, boxes((LOWER, Box("upper", (0, 0), (1, 1), (7, 5)))))
+    assert result.converged
+    assert result.quantities["contact_area"] == pytest.approx(0.47, abs=0.03)
 
 
 def test_slave_is_the_covered_surface_and_not_the_much_finer_one():
