@@ -19,10 +19,12 @@ _FIELD_STATUS = ("OPEN", "STICK", "SLIP")  # values 0, 1, 2 of the field `status
 
 
 def read_body(folder: Path) -> Any:
-    """The body as a pyvista grid with the fields of ``fields.pvd``."""
+    """The body as a pyvista grid with the fields of the last step in ``fields.pvd``."""
     import pyvista
 
-    return pyvista.get_reader(str(folder / "fields.pvd")).read().combine()
+    reader = pyvista.get_reader(str(folder / "fields.pvd"))
+    reader.set_active_time_value(reader.time_values[-1])
+    return reader.read().combine()
 
 
 def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Path:

@@ -155,13 +155,14 @@ def _solve(scene: Scene, folder: Path, resume: bool, pictures: bool) -> int:
         logger.info("resuming after time %g", saved.last.unknowns.time)
     elif resume:
         logger.info("there is no '%s' to resume from: beginning at the start", state.path)
-    with Interrupts() as interrupts:
-        with step_bar(scene.steps, comm) if _shows_steps() else nullcontext() as announce:
-            result = prepared.solve(state, saved, interrupts.requested, announce)
-        with prepared.timings.phase("output"):
-            files.write(prepared, result, folder)
-        if result.converged:
-            state.finish(result.exit_code)
+    with (
+        Interrupts() as interrupts,
+        step_bar(scene.steps, comm) if _shows_steps() else nullcontext() as announce,
+    ):
+        asked = interrupts.requested
+        result = files.solve_and_write(prepared, folder, state, saved, asked, announce)
+    if result.converged:
+        state.finish(result.exit_code)
     if comm.rank == 0 and (logger.isEnabledFor(logging.INFO) or not result.passed):
         print_result(result, folder)
     if pictures and result.converged:

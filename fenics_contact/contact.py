@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.body_kinematics import BodyKinematics
 from fenics_contact.bulk import ElasticBody
+from fenics_contact.contact_history import ContactHistory
 from fenics_contact.contact_kinematics import ContactKinematics
 from fenics_contact.contact_sides import ContactSides
 from fenics_contact.contact_terms import FrictionTerm, NormalTerm
@@ -86,7 +87,7 @@ class ContactSurface:
         penalty_parameter: ε₁ as used (length/stress), 0 without a penalty.
         pressure_load: Compiled linear form of a prescribed pressure's work on the surface, or None.
         force: That drives the obstacle at present, None where none does (force).
-        dissipated: Work of friction in the load steps that are done (force × length).
+        history: What it keeps of its last load step.
         is_scaled: Whether ε has been set, for which a pressure must be known.
         normal: Penalty, foundation or glue; None where prescribed, or driven by no force.
         friction: The term of j_ε, or None without friction.
@@ -119,7 +120,6 @@ class ContactSurface:
             self.kinematics.require_one_sided(key)
             self._bring_up()
         self.force = None if contact.obstacle is None else contact.obstacle.force
-        self.dissipated = 0.0
         self.penalty_parameter = self._penalty()
         self.normal = self._normal_term(f"{key}.foundation_stiffness")
         coefficient = self._given(contact.friction_coefficient, f"{key}.friction_coefficient")
@@ -131,6 +131,7 @@ class ContactSurface:
         given = contact.kind == "prescribed" or contact.regularisation_parameter != "auto"
         if self.friction is not None and given:
             self.scale_friction(self._given_pressure)
+        self.history = ContactHistory(self._at_rest(coefficient), self.kinematics.gap)
 
     def _kinematics(self, key: str, constrained: NDArray[np.int64]) -> ContactKinematics:
         if self.sides.opposite is not None:
@@ -268,28 +269,46 @@ class ContactSurface:
         if self.friction is not None:
             slip = self.kinematics.tangential(self.kinematics.jump_at_points())
             self.friction.accept(slip)
+        left = self.history.measured_anew(self.state().gap)
+        self.history.left_open += float(self.trace.integral(left))
 
     def accept(self) -> None:
-        """A load step is done: slip counts from here where the law is incremental."""
-        if self.friction is None:
-            return
-        slip = self.kinematics.tangential(self.kinematics.jump_at_points())
-        if self.contact.law == "incremental":
-            self.dissipated += self._dissipation(slip)
-        self.friction.accept(slip)
+        """A load step is done: slip counts from here where the law is incremental; collective."""
+        state = self.state()
+        self.history.advance(state, self.kinematics.gap, self._work_in_step(state))
+        if self.friction is not None:
+            self.friction.accept(state.slip)
 
-    def _dissipation(self, slip: Array) -> float:
-        """Work of friction on the slip that its law sees; collective."""
-        assert self.friction is not None
-        power = self.friction.traction(slip) * self.friction.counted(slip)
-        return -float(self.trace.integral(power.sum(axis=1)))
-
-    def friction_work(self) -> float:
-        """Dissipated since the start: in all steps, or by the static law; collective."""
+    def _work_in_step(self, state: ContactState) -> float:
+        """Dissipated in the present step; with the static law, since the start; collective."""
         if self.friction is None:
             return 0.0
-        slip = self.kinematics.tangential(self.kinematics.jump_at_points())
-        return self.dissipated + self._dissipation(slip)
+        slip = self.friction.counted(state.slip)
+        if self.contact.law == "incremental":
+            return float(self.trace.integral(self.history.dissipation(state, slip)))
+        return -float(self.trace.integral(np.einsum("ij,ij->i", state.friction_traction, slip)))
+
+    def friction_work(self, state: ContactState) -> float:
+        """Dissipated since the start: in all steps, or by the static law; collective.
+
+        Args:
+            state: At the end of the present step, before it is accepted.
+        """
+        before = self.history.dissipated if self.contact.law == "incremental" else 0.0
+        return before + self._work_in_step(state)
+
+    def open_work(self, state: ContactState) -> float:
+        """Work that the present step leaves open, where points touched or slipped anew; collective.
+
+        Args:
+            state: At its end, before it is accepted.
+        """
+        left = np.zeros(len(state.gap))
+        if self.is_one_sided:
+            left += self.history.open_pressing(state)
+        if self.friction is not None:
+            left += self.history.open_friction(state, self.friction.counted(state.slip))
+        return float(self.trace.integral(left))
 
     @property
     def floats(self) -> bool:
@@ -398,6 +417,19 @@ class ContactSurface:
         counted = slip if self.friction is None else self.friction.counted(slip)
         status = self._status(pressure, counted)
         return ContactState(0.0 - depth, pressure, traction, slip, status, energy)
+
+    def _at_rest(self, coefficient: Array) -> ContactState:
+        """Of the body as it is meshed, without any load: what touches sticks, if it is rough."""
+        gap, nothing = self.kinematics.gap, np.zeros(len(coefficient))
+        closed = gap <= 1e-12 * self.trace.extent()
+        if self.contact.kind == "prescribed":
+            closed = self._given_pressure > 0
+        touching = np.where(coefficient > 0, STICK, SLIP)
+        if self.contact.kind == "bonded":
+            closed, touching = self.kinematics.reached, np.full(len(gap), STICK)
+        status = np.where(closed, touching, OPEN)
+        vectors = np.zeros_like(self.trace.normals)
+        return ContactState(gap, nothing, vectors, vectors, status, nothing)
 
     def _status(self, pressure: Array, slip: Array) -> NDArray[np.str_]:
         """STICK where |u_T| ≤ ε and friction acts, SLIP beyond, OPEN without pressure."""

@@ -20,19 +20,23 @@ class ContactMemory:
     Attributes:
         indentation: Of its obstacle (length).
         dissipated: By friction, in the steps before (force × length).
+        left_open: Work of pressures, where a gap was measured anew (force × length).
         regularisation_parameter: ε as used (length).
         is_scaled: Whether ε has been set.
         reference: Where slip counts from, at the points, (points, components) (length).
         bound: Friction bound at the points, (points,) (stress).
+        before: What happened at the points at the end of the step before, by name.
         paired_at: Displacement at which two bodies were paired; None as meshed (length).
     """
 
     indentation: float
     dissipated: float
+    left_open: float
     regularisation_parameter: float
     is_scaled: bool
     reference: Array
     bound: Array
+    before: dict[str, Array]
     paired_at: Array | None
 
 
@@ -42,11 +46,13 @@ def remember(contact: ContactSurface) -> ContactMemory:
     slipless = np.zeros_like(contact.trace.normals)
     return ContactMemory(
         indentation=kinematics.indentation,
-        dissipated=contact.dissipated,
+        dissipated=contact.history.dissipated,
+        left_open=contact.history.left_open,
         regularisation_parameter=1.0 if friction is None else friction.regularisation_parameter,
         is_scaled=contact.is_scaled,
         reference=slipless if friction is None else friction.reference.copy(),
         bound=contact.friction_bound.copy(),
+        before=contact.history.at_points(),
         paired_at=kinematics.paired_at if isinstance(kinematics, BodyKinematics) else None,
     )
 
@@ -63,7 +69,7 @@ def recall_pairing(contact: ContactSurface, memory: ContactMemory) -> bool:
 def recall(contact: ContactSurface, memory: ContactMemory) -> None:
     """Go back to a remembered state, bodies being paired as they were."""
     contact.kinematics.indentation = memory.indentation
-    contact.dissipated = memory.dissipated
+    contact.history.restore(memory.before, memory.dissipated, memory.left_open)
     contact.is_scaled = memory.is_scaled
     if contact.normal is not None:
         contact.normal.release()

@@ -11,48 +11,95 @@ from numpy.typing import NDArray
 from fenics_contact import compat
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.contact import OPEN, STICK
+from fenics_contact.parallel import on_root
 from fenics_contact.problem import Problem
 from fenics_contact.solution import Solution
-from fenics_contact.vtu import write_vtu
+from fenics_contact.vtu import read_collection, write_collection, write_grid
 
 Array = NDArray[np.float64]
 
 # Values of the field `status`.
 NO_CONTACT, FIELD_OPEN, FIELD_STICK, FIELD_SLIP = -1.0, 0.0, 1.0, 2.0
 
+# Of a time series. A node has 19 to 20 numbers, each 8 bytes in 4/3 characters, and its cells.
+_MOST_STEPS, _MOST_BYTES, _BYTES_OF_A_NODE = 200, 2e9, 300
 
-def write_fields(forces: BulkForces, folder: Path) -> None:
-    """Write ``fields.pvd`` and its pieces; collective.
+
+class FieldSeries:
+    """``fields.pvd``, a time series of fields.
 
     Point data: displacement, stress (3 × 3), contact_pressure, friction_traction, status
     (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP) and, where a contact is not prescribed,
     reaction_pressure, which knows nothing of the penalty.
+
+    Args:
+        problem: The model.
+        folder: Where to.
+        resumed: Pseudo-time up to which the series that is there is kept; None to begin anew.
+
+    Attributes:
+        most: How many steps it should hold: these 200, or fewer where they would fill the disk.
+        last: Pseudo-time of the last fields, None before there are any.
     """
-    problem, solution = forces.problem, forces.solution
-    fields = {
-        "displacement": _three(solution.displacement),
-        "stress": nodal_stress(problem).reshape(-1, 9),
-        **_contact_fields(problem, solution),
-        **_reaction_pressure(forces),
-    }
-    write_vtu(folder / "fields.pvd", problem.spaces.displacement_space, fields)
+
+    def __init__(self, problem: Problem, folder: Path, resumed: float | None = None) -> None:
+        self._problem, self._path = problem, folder / "fields.pvd"
+        self._grids: dict[str, float] = {}
+        if resumed is not None:
+            found = on_root(problem.comm, lambda: read_collection(self._path))
+            self._grids = {name: time for name, time in found.items() if time <= resumed}
+        self.last = max(self._grids.values(), default=None)
+        self._stress = NodalStress(problem)
+        nodes = problem.spaces.displacement_space.dofmap.index_map.size_global
+        self.most = int(np.clip(_MOST_BYTES // (_BYTES_OF_A_NODE * nodes), 2, _MOST_STEPS))
+
+    def write(self, forces: BulkForces, time: float, number: int) -> None:
+        """Write the fields of a step that was just solved; collective.
+
+        Args:
+            forces: Of its solution.
+            time: Its pseudo-time.
+            number: Of the step, from 1.
+        """
+        problem, solution = self._problem, forces.solution
+        fields = {
+            "displacement": _three(solution.displacement),
+            "stress": self._stress.at_nodes().reshape(-1, 9),
+            **_contact_fields(problem, solution),
+            **_reaction_pressure(forces),
+        }
+        folder, space = self._path.parent, problem.spaces.displacement_space
+        self._grids[write_grid(folder, self._path.stem, number, space, fields)] = time
+        on_root(problem.comm, lambda: write_collection(self._path, self._grids))
+        self.last = time
 
 
-def nodal_stress(problem: Problem) -> Array:
-    """Cauchy stress, averaged over the cells that share a node, (nodes, 3, 3); collective."""
-    mesh, spaces = problem.body.mesh, problem.spaces
-    space = spaces.displacement_space
-    points = compat.interpolation_points(space.element)
-    if spaces.kinematics == "axisymmetric":
-        # u_r / r has no value on the axis itself: look from a millionth inside.
-        points = points + 1e-6 * (points.mean(axis=0) - points)
-    cells = np.arange(mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32)
-    expression = fem.Expression(problem.elastic.stress(), points)
-    values = expression.eval(mesh, cells).reshape(-1, 9)
-    nodes, count = space.dofmap.list[cells].ravel(), len(spaces.coordinates)
-    summed = [np.bincount(nodes, column, count) for column in (*values.T, np.ones(len(nodes)))]
-    *stress, cells_around = spaces.summed(np.stack(summed, axis=1)).T
-    return np.stack(stress / np.maximum(cells_around, 1.0), axis=1).reshape(-1, 3, 3)
+class NodalStress:
+    """Cauchy stress, averaged over the cells that share a node; collective."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        mesh, spaces = problem.body.mesh, problem.spaces
+        space = spaces.displacement_space
+        points = compat.interpolation_points(space.element)
+        if spaces.kinematics == "axisymmetric":
+            # u_r / r has no value on the axis itself: look from a millionth inside.
+            points = points + 1e-6 * (points.mean(axis=0) - points)
+        self._cells = np.arange(
+            mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32
+        )
+        self._nodes = space.dofmap.list[self._cells].ravel()
+        self._expression = fem.Expression(problem.elastic.stress(), points)
+
+    def at_nodes(self) -> Array:
+        """That of the problem's present displacement, (nodes, 3, 3) (stress)."""
+        mesh, spaces = self._problem.body.mesh, self._problem.spaces
+        values = self._expression.eval(mesh, self._cells).reshape(-1, 9)
+        nodes, count = self._nodes, len(spaces.coordinates)
+        columns = (*values.T, np.ones(len(nodes)))
+        summed = [np.bincount(nodes, column, count) for column in columns]
+        *stress, cells_around = spaces.summed(np.stack(summed, axis=1)).T
+        return np.stack(stress / np.maximum(cells_around, 1.0), axis=1).reshape(-1, 3, 3)
 
 
 def _contact_fields(problem: Problem, solution: Solution) -> dict[str, Array]:

@@ -1,4 +1,4 @@
-"""Result files: ``result.json``, ``contact.csv`` and fields (see ``interface``)."""
+"""Result files: ``result.json``, ``contact.csv``, ``steps.csv``, fields (see ``interface``)."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import json
 import math
 import re
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +16,13 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fenics_contact.errors import InputError
-from fenics_contact.fields import write_fields
+from fenics_contact.fields import FieldSeries
 from fenics_contact.parallel import on_root
 from fenics_contact.result import ContactPoints, Result
+from fenics_contact.scene import Steps
 from fenics_contact.simulation import Run
+from fenics_contact.state_file import SavedRun, StateFile
+from fenics_contact.step_table import StepTable
 
 CSV_HEADER = [
     *("contact", "x", "y", "z", "nx", "ny", "nz", "gap", "contact_pressure"),
@@ -50,23 +54,110 @@ def _require_writable(folder: Path) -> None:
                 path.rmdir()
 
 
-def write(run: Run, result: Result, folder: Path) -> None:
-    """Write the files of a run; collective.
+def solve_and_write(
+    run: Run,
+    folder: Path,
+    state: StateFile | None = None,
+    saved: SavedRun | None = None,
+    stopped: Callable[[], bool] | None = None,
+    announce: Callable[[int, dict[str, Any]], None] | None = None,
+) -> Result:
+    """Solve, and write the files of a run, those of steps as they are accepted; collective.
 
-    Without convergence only ``result.json`` is written, with the history. Files of an
-    earlier run in the same folder are removed first, so that none outlives its run.
+    Args:
+        run: Made ready.
+        folder: Where to.
+        state: As for ``Run.solve``.
+        saved: Likewise; then its files are kept.
+        stopped: Likewise.
+        announce: Likewise.
     """
-    comm = run.problem.comm
-    on_root(comm, lambda: _clear(folder))
+    steps = StepFiles(run, folder, None if saved is None else saved.last.unknowns.time)
+    result = run.solve(state, saved, stopped, announce, steps.add)
+    with run.timings.phase("output"):
+        steps.complete()
+    _finish(run, result, folder)
+    return result
+
+
+def write(run: Run, result: Result, folder: Path) -> None:
+    """Write the files of a run that was solved, fields of its last step only; collective.
+
+    Without convergence only ``result.json`` and ``steps.csv`` are written, with the history.
+    """
+    steps = StepFiles(run, folder)
+    steps.catch_up()
     if run.solution is not None:
-        write_fields(run.forces, folder)
-    on_root(comm, lambda: _write_tables(result, folder))
+        steps.add_fields()
+    _finish(run, result, folder)
+
+
+def _finish(run: Run, result: Result, folder: Path) -> None:
+    with run.timings.phase("output"):
+        on_root(run.problem.comm, lambda: _write_tables(result, folder))
+
+
+class StepFiles:
+    """``steps.csv`` and ``fields.pvd`` of a run, growing with its steps; collective.
+
+    Files of an earlier run in the same folder are removed first, so that none outlives its run.
+    """
+
+    def __init__(self, run: Run, folder: Path, resumed: float | None = None) -> None:
+        self._run, self._comm = run, run.problem.comm
+        if resumed is None:
+            on_root(self._comm, lambda: _clear(folder))
+        self._table = StepTable(folder / "steps.csv")
+        self._fields = FieldSeries(run.problem, folder, resumed)
+
+    def add(self) -> None:
+        """A step was accepted."""
+        with self._run.timings.phase("output"):
+            self.catch_up()
+            steps = self._run.steps
+            before = steps[-2]["load_factor"] if len(steps) > 1 else 0.0
+            if is_kept(self._run.scene.steps, steps[-1]["load_factor"], before, self._fields.most):
+                self.add_fields()
+
+    def complete(self) -> None:
+        """No step follows: the last one has its fields."""
+        self.catch_up()
+        if self._run.solution is not None and not self._has_last:
+            self.add_fields()
+
+    def catch_up(self) -> None:
+        """Rows of the steps that have none yet."""
+        on_root(self._comm, lambda: self._table.follow(self._run.steps))
+
+    def add_fields(self) -> None:
+        """Those of the last step."""
+        done = [step for step in self._run.steps if step["quantities"]]
+        self._fields.write(self._run.forces, done[-1]["load_factor"], len(done))
+
+    @property
+    def _has_last(self) -> bool:
+        return bool(self._fields.last == self._run.steps[-1]["load_factor"])
+
+
+def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
+    """Whether a step's fields are written, if at most so many are.
+
+    Args:
+        steps: Those of the scene.
+        time: Pseudo-time of the step.
+        before: That of the step before.
+        most: How many steps' fields are kept; of more, those evenly spread in pseudo-time.
+    """
+    if not steps.automatic and len(steps.all_times) <= most:
+        return True
+    marks = [int(most * t / steps.last * (1 + 1e-12)) for t in (before, time)]
+    return marks[1] > marks[0]
 
 
 # Files of a run and of its report, and nothing else that may lie in the folder.
 _OWN_FILES = re.compile(
-    r"result\.json|contact\.csv|report\.html|"
-    r"(deformed|axis_stress|surface_displacement|contact_\d+)\.png|"
+    r"result\.json|contact\.csv|steps\.csv|report\.html|"
+    r"(deformed|axis_stress|surface_displacement|history_\w+|contact_\d+)\.png|"
     r"fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
 )
 

@@ -12,6 +12,15 @@ Array = NDArray[np.float64]
 # Legible in grey as well: stick dark and filled, slip light and open.
 COLOURS = {"STICK": "#1b4f72", "SLIP": "#e67e22", "OPEN": "#aab7b8"}
 COLOUR_MAP = "viridis"
+# Curves that share a panel: colour and dashes.
+LINES = (
+    ("#1b4f72", "-"),
+    ("#e67e22", "--"),
+    ("#1e8449", "-."),
+    ("#7d3c98", ":"),
+    ("#616a6b", "-"),
+    ("#c0392b", "--"),
+)
 
 # A view of the neighbourhood of a contact zone is this many times as wide as the zone.
 _NEIGHBOURHOOD = 2.5

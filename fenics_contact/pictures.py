@@ -11,6 +11,7 @@ from fenics_contact.body_picture import draw_body, read_body
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.curves import draw_curves
 from fenics_contact.errors import InputError
+from fenics_contact.history_pictures import draw_history
 from fenics_contact.surface_displacement import draw_surface_displacement
 from fenics_contact.surface_maps import draw_maps
 
@@ -24,7 +25,7 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Path]:
 
     Returns:
         The PNG files drawn: one a contact, displacements and stresses along lines of flat models,
-        and the deformed body.
+        the deformed body, and curves over the load steps where there are several.
 
     Raises:
         InputError: matplotlib, pyvista or a display is missing; says what to install.
@@ -41,6 +42,7 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Path]:
         *_contacts(folder, result, table),
         *_along_lines(folder, result, table, body),
         draw_body(body, result, table, folder / "deformed.png"),
+        *draw_history(folder, result),
     ]
     return drawn
 

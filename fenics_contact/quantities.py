@@ -43,11 +43,11 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
         "slip_area": closed - sticking,
         "max_penetration": max(largest(comm, depth), 0.0) if contact.is_one_sided else 0.0,
         "max_slip": largest(comm, np.linalg.norm(state.slip, axis=1)),
-        "friction_work": contact.friction_work(),
+        "friction_work": contact.friction_work(state),
         "penalty_energy": float(integral(state.penalty_energy)),
         **_undecided(contact, state),
         **_of_two_bodies(contact, state),
-        **_indentation(problem, contact),
+        **_motion(problem, contact),
     }
 
 
@@ -95,11 +95,17 @@ def _undecided(contact: ContactSurface, state: ContactState) -> dict[str, int]:
     return {"undecided_points": int(total(contact.spaces.comm, near.sum()))}
 
 
-def _indentation(problem: Problem, contact: ContactSurface) -> dict[str, float]:
-    """How far an obstacle went in (length); nothing where there is none, or no datum."""
-    if contact.contact.obstacle is None or not problem.has_datum:
+def _motion(problem: Problem, contact: ContactSurface) -> dict[str, Any]:
+    """How far an obstacle went in, and besides; nothing where there is none, or no datum."""
+    obstacle, kinematics = contact.contact.obstacle, contact.kinematics
+    if obstacle is None:
         return {}
-    return {"indentation": contact.kinematics.brought_up + contact.kinematics.indentation}
+    found: dict[str, Any] = {}
+    if problem.has_datum:
+        found["indentation"] = kinematics.brought_up + kinematics.indentation
+    if obstacle.displacement is not None:
+        found["obstacle_displacement"] = kinematics.displacement.tolist()
+    return found
 
 
 def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
@@ -109,7 +115,8 @@ def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
     supports hold counts to the first.
 
     Returns:
-        Reactions of shape (nodes, components), zero at free dofs; and a row a support.
+        Reactions of shape (nodes, components), zero at free dofs; and a row a support, with
+        the mean displacement of what it holds along each axis, None along others (length).
     """
     problem, needed = forces.problem, forces.unbalanced.reshape(-1)
     spaces = problem.spaces
@@ -124,8 +131,23 @@ def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
         mine = dofs[dofs < owned]
         by_node = np.zeros((len(mine), spaces.components))
         by_node[np.arange(len(mine)), mine % spaces.components] = needed[mine]
-        rows.append({"on": support.on, "reaction": _resultant(spaces, by_node).tolist()})
+        rows.append(
+            {
+                "on": support.on,
+                "reaction": _resultant(spaces, by_node).tolist(),
+                "displacement": _mean_displacement(forces, mine),
+            }
+        )
     return reactions.reshape(problem.load.shape), rows
+
+
+def _mean_displacement(forces: BulkForces, dofs: NDArray[np.int64]) -> list[float | None]:
+    """Of owned dofs of all ranks by component, None where there are none; collective."""
+    components = forces.problem.spaces.components
+    moved = forces.solution.displacement.reshape(-1)[dofs]
+    sums = [np.bincount(dofs % components, w, components) for w in (moved, np.ones(len(dofs)))]
+    summed, counts = total(forces.problem.comm, np.stack(sums))
+    return [float(s / n) if n > 0 else None for s, n in zip(summed, counts, strict=True)]
 
 
 def _resultant(spaces: Spaces, forces: Array) -> Array:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
@@ -48,9 +47,7 @@ def _mass(contact: ContactSurface) -> tuple[Any, Any, Array]:
     """∫ N_i N_j over the surface: global rows and columns, and values, of owned nodes."""
     surface = contact.trace.surface
     space = surface.scalar_space
-    trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)
-    mass = surface.weight * trial * test * surface.measure()
-    matrix = fem.assemble_matrix(fem.form(mass))
+    matrix = fem.assemble_matrix(surface.mass)
     matrix.scatter_reverse()
     entries = matrix.to_scipy().tocoo()
     kept = entries.row < space.dofmap.index_map.size_local

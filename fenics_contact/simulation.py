@@ -13,6 +13,7 @@ from fenics_contact import compat, verdict
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
 from fenics_contact.contact import ContactSurface
+from fenics_contact.energy_book import EnergyBook
 from fenics_contact.equilibrium import FreeMotion, require_equilibrium
 from fenics_contact.errors import InputError, NotConvergedError, StoppedError
 from fenics_contact.gmsh_files import load_body
@@ -46,6 +47,8 @@ class Run:
         choice: The solver, and how much memory it is to need.
         solution: Nodal values of this rank, once solved; None before, or without an answer.
         forces: Nodal forces that the bulk needs in the last step that was solved.
+        steps: What came out of the load steps so far, as in ``result.json``.
+        book: Work and energies along them.
         timings: Seconds so far.
 
     Args:
@@ -63,7 +66,7 @@ class Run:
     ) -> None:
         self.scene = scene
         self.solution: Solution | None = None
-        self._steps: list[dict[str, Any]] = []
+        self.steps: list[dict[str, Any]] = []
         self._announce: Callable[[int, dict[str, Any]], None] = _log_step
         self.timings = Timings()
         if body is None:
@@ -109,6 +112,7 @@ class Run:
         saved: SavedRun | None = None,
         stopped: Callable[[], bool] | None = None,
         announce: Callable[[int, dict[str, Any]], None] | None = None,
+        accepted: Callable[[], None] | None = None,
     ) -> Result:
         """Solve and evaluate; collective. Failure to converge is a result, too.
 
@@ -118,22 +122,30 @@ class Run:
             stopped: Whether this rank was asked to stop; then the last accepted step counts.
             announce: Called with number and record of every accepted step; by default it is
                 logged, where there are several.
+            accepted: Called when a load step has been added to ``steps``; collective.
         """
-        self._steps = [] if saved is None else list(saved.steps)
+        self.steps = [] if saved is None else list(saved.steps)
+        self.book = EnergyBook(self.problem)
         self._announce = announce or (_log_step if self.scene.steps.several else _say_nothing)
 
         def begin(history: History) -> None:
             self._history = history
             if saved is not None:
                 self._measure(history.resume(saved.last, saved.size, saved.forces))
+                self.book.resume(saved.energy, self.forces, self._reactions)
+
+        def record(time: float, solution: Solution) -> None:
+            self._record(time, solution)
+            if accepted is not None:
+                accepted()
 
         def keep(history: History) -> None:
             if state is not None:
                 with self.timings.phase("output"):
-                    state.save(history, self._steps)
+                    state.save(history, self.steps, self.book.sums)
 
         try:
-            solve(self.problem, self.timings, self._record, self.choice, begin, keep, stopped)
+            solve(self.problem, self.timings, record, self.choice, begin, keep, stopped)
         except NotConvergedError as error:
             return self._unconverged(error)
         except StoppedError:
@@ -155,7 +167,9 @@ class Run:
     def _record(self, time: float, solution: Solution) -> None:
         """Keep what came out of a load step."""
         quantities = self._measure(solution)
-        self._steps.append(
+        self.book.count(self.forces, self._reactions)
+        quantities |= self.book.quantities(quantities)
+        self.steps.append(
             {
                 "load_factor": time,
                 "newton_iterations": solution.newton_iterations,
@@ -166,9 +180,10 @@ class Run:
                     {"name": contact.label, "quantities": found}
                     for contact, found in zip(self.problem.contacts, self._by_contact, strict=True)
                 ],
+                "supports": self._supports,
             }
         )
-        self._announce(len(self._steps), self._steps[-1])
+        self._announce(len(self.steps), self.steps[-1])
 
     def contacts(self, quantities: list[dict[str, Any]] | None = None) -> list[dict[str, Any]]:
         """``contacts`` of ``result.json``, with the quantities of each once there are any."""
@@ -190,7 +205,10 @@ class Run:
         problem, solution = self.problem, self.solution
         assert solution is not None
         with self.timings.phase("output"):
+            quantities = self.steps[-1]["quantities"]
             checks = run_checks(self.forces, self._reactions)
+            balance = self.book.check(quantities)
+            checks |= {} if balance is None else {"energy_balance": balance}
             points = contact_points(problem, solution)
         return Result(
             title=self.scene.title,
@@ -199,13 +217,14 @@ class Run:
                 verdict.of_checks(checks)
                 + verdict.untouched(problem, solution)
                 + verdict.facets_too_straight(problem, solution)
-                + verdict.slid_far(self._steps)
+                + verdict.slid_far(self.steps)
+                + verdict.coarse_path(self.book.open_share)
             ),
             model=self.model,
             contacts=self.contacts(self._by_contact),
             supports=self._supports,
-            quantities=self._steps[-1]["quantities"],
-            steps=self._steps,
+            quantities=quantities,
+            steps=self.steps,
             checks=checks,
             timings=self.timings.summary(problem.comm),
             versions=compat.versions(),
@@ -220,7 +239,7 @@ class Run:
             steps: Those accepted, and the one that was not.
         """
         if self.solution is not None:
-            reached = self._steps[-1]["load_factor"]
+            reached = self.steps[-1]["load_factor"]
             words += (
                 f" Results are those of the last load step that was done, at time {reached:g} of "
                 f"{self.scene.steps.last:g}; --resume goes on from there."
@@ -256,11 +275,11 @@ class Run:
         if self.scene.steps.automatic:
             advice = "a smaller steps.smallest"
         words = f"No answer at time {self._history.tried:g}: {error}. Or try {advice}."
-        return self._stopped_short(words, [*self._steps, step])
+        return self._stopped_short(words, [*self.steps, step])
 
     def _interrupted(self) -> Result:
         words = "Interrupted" + ("." if self.solution else " before any load step was done.")
-        return dataclasses.replace(self._stopped_short(words, self._steps), interrupted=True)
+        return dataclasses.replace(self._stopped_short(words, self.steps), interrupted=True)
 
 
 def _strategy(problem: Problem, solution: Solution | None) -> str:

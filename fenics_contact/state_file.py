@@ -41,6 +41,7 @@ class SavedRun:
         steps: Records of all steps, as in ``result.json``.
         size: Of the next automatic step (pseudo-time).
         forces: Largest of all steps (force).
+        energy: Sums of its energy book.
         exit_code: Of a run that came to its end; else None.
     """
 
@@ -48,6 +49,7 @@ class SavedRun:
     steps: list[dict[str, Any]]
     size: float
     forces: float
+    energy: list[float]
     exit_code: int | None
 
     def is_done(self, scene: Scene) -> bool:
@@ -82,8 +84,14 @@ class StateFile:
         """Take away that of an earlier run; collective."""
         on_root(self._comm, lambda: self.path.unlink(missing_ok=True))
 
-    def save(self, history: History, steps: list[dict[str, Any]]) -> None:
-        """Write the last accepted step of a history; collective."""
+    def save(self, history: History, steps: list[dict[str, Any]], energy: list[float]) -> None:
+        """Write the last accepted step of a history; collective.
+
+        Args:
+            history: Of the run.
+            steps: Records of all steps.
+            energy: Sums of the energy book.
+        """
         last = history.last
         assert last is not None
         header = {
@@ -93,6 +101,7 @@ class StateFile:
             "steps": steps,
             "size": history.pace.size,
             "forces": history.newton.system.earlier_forces,
+            "energy": energy,
             "exit_code": None,
             "contacts": [_plain_part(memory) for memory in last.contacts],
             "solution": {
@@ -149,7 +158,9 @@ class StateFile:
             ),
             before=None if before is None else self._unknowns("before", before, arrays),
         )
-        return SavedRun(last, steps, header["size"], header["forces"], header["exit_code"])
+        return SavedRun(
+            last, steps, header["size"], header["forces"], header["energy"], header["exit_code"]
+        )
 
     def _require_same(self, made_for: dict[str, Any]) -> None:
         """Refuse what another version, mesh or scene has left."""
@@ -194,7 +205,7 @@ class StateFile:
     def _contact_as_arrays(self, number: int, memory: ContactMemory) -> Arrays:
         """What is at the points of a contact, at its nodes and at its facets' centres."""
         trace = self._problem.contacts[number].trace
-        values = np.column_stack([memory.reference, memory.bound])
+        values = np.column_stack([memory.reference, memory.bound, *memory.before.values()])
         count = len(trace.nodes)
         on_body = trace.surface.on_body(trace.at_all_nodes(values[:count]))
         ones = np.ones(count)
@@ -220,10 +231,19 @@ class StateFile:
             raise self._refused("its facets are those of another mesh")
         values = np.concatenate([at_nodes, arrays[f"{name}_at_centres"][places]])
         paired_at = arrays.get(f"{name}_paired_at")
+        before = contact.history.at_points()
+        wide = [memory.shape[1] if memory.ndim == 2 else 1 for memory in before.values()]
+        size = self._problem.spaces.components
+        reference, bound, *parts = np.split(values, np.cumsum([size, 1, *wide])[:-1], axis=1)
+        shaped = [
+            part.reshape(like.shape).copy()
+            for part, like in zip(parts, before.values(), strict=True)
+        ]
         return ContactMemory(
             **plain,
-            reference=values[:, :-1].copy(),
-            bound=values[:, -1].copy(),
+            reference=reference.copy(),
+            bound=bound[:, 0].copy(),
+            before=dict(zip(before, shaped, strict=True)),
             paired_at=None
             if paired_at is None
             else self._spread(self._nodes, arrays["nodes"], paired_at),

@@ -67,6 +67,12 @@ class SurfaceSpace:
         self.weight = measure_weight(spaces.kinematics, self.position, self._thickness())
 
     @cached_property
+    def mass(self) -> Any:
+        """∫ N_i N_j of the scalar space, a compiled form."""
+        trial, test = ufl.TrialFunction(self.scalar_space), ufl.TestFunction(self.scalar_space)
+        return fem.form(self.weight * trial * test * self.measure())
+
+    @cached_property
     def dofs(self) -> NDArray[np.int64]:
         """The body's global number of every dof of the whole surface, by its number here."""
         mine = self.body_nodes[: self.owned_nodes]

@@ -17,6 +17,8 @@ from fenics_contact.solution import Solution
 _FAR = 0.01
 # What pressure closes, over the height of facets' arcs, below which these decide about it.
 _SAGITTAS = 10.0
+# Share of the work left open by load steps, from which it is said.
+_OPEN = 0.1
 
 
 def untouched(problem: Problem, solution: Solution) -> str:
@@ -76,4 +78,18 @@ def slid_far(steps: list[dict[str, Any]]) -> str:
     return (
         f" Bodies slid far within a load step, over the contact's size at {' and '.join(far)}: "
         "pressures may be off by as much; take more load steps."
+    )
+
+
+def coarse_path(share: float) -> str:
+    """A sentence on work that the load steps leave open, or nothing.
+
+    Args:
+        share: Of the work done.
+    """
+    if share < _OPEN:
+        return ""
+    return (
+        f" The load steps leave {100 * share:.2g} % of the work open, at points that began to "
+        "touch or to slip within a step: take more for sharper energies."
     )

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 from dolfinx import plot
@@ -22,19 +23,26 @@ _VERSION = "2.2"
 _TYPES = {"float64": "Float64", "int64": "Int64", "uint8": "UInt8"}
 
 
-def write_vtu(path: Path, space: Any, fields: Mapping[str, Array]) -> None:
-    """Write ``path``, a collection of a grid in one piece a rank; collective.
+def write_grid(
+    folder: Path, stem: str, number: int, space: Any, fields: Mapping[str, Array]
+) -> str:
+    """Write a grid with its fields, in one piece a rank; collective.
 
     Args:
-        path: Its name ends in ``.pvd``; the pieces' names begin with its stem.
+        folder: Where to.
+        stem: With which the names of the files begin.
+        number: With which they end.
         space: Lagrange space whose nodes are the grid's points.
         fields: Values at the nodes of this rank, (nodes,) or (nodes, components).
+
+    Returns:
+        The name of the file that holds the pieces together.
 
     Raises:
         OSError: On every rank.
     """
-    comm, stem = space.mesh.comm, path.stem
-    pieces = [f"{stem}_p{rank}_000000.vtu" for rank in range(comm.size)]
+    comm = space.mesh.comm
+    pieces = [f"{stem}_p{rank}_{number:06d}.vtu" for rank in range(comm.size)]
     cells, kinds, points = plot.vtk_mesh(space)
     # Cells that this rank owns, and only the nodes that these have.
     width = space.dofmap.dof_layout.num_dofs
@@ -54,22 +62,44 @@ def write_vtu(path: Path, space: Any, fields: Mapping[str, Array]) -> None:
     )
     error: OSError | None = None
     try:
-        _write(path.parent / pieces[comm.rank], "UnstructuredGrid", body)
+        _write(folder / pieces[comm.rank], "UnstructuredGrid", body)
     except OSError as caught:
         error = caught
-    raise_together(comm, error)  # the collection is written when all pieces are
-    on_root(comm, lambda: _write_collection(path, pieces, fields))
+    raise_together(comm, error)  # they are held together when all are written
+    whole = f"{stem}{number:06d}.pvtu"
+    on_root(comm, lambda: _write_whole(folder / whole, pieces, fields))
+    return whole
 
 
-def _write_collection(path: Path, pieces: list[str], fields: Mapping[str, Array]) -> None:
-    """The files that name the pieces."""
-    grid = f"{path.stem}000000.pvtu"
+def _write_whole(path: Path, pieces: list[str], fields: Mapping[str, Array]) -> None:
+    """The file that names the pieces of a grid."""
     names = "".join(f'<Piece Source="{piece}"/>\n' for piece in pieces)
     empty = {name: values[:0] for name, values in fields.items()}
     kinds = _block("PPoints", {"points": np.zeros((0, 3))}) + _block("PPointData", empty)
-    _write(path.parent / grid, "PUnstructuredGrid", kinds + names)
-    entry = f'<DataSet timestep="0" part="0" file="{grid}"/>\n'
-    _write(path, "Collection", entry)
+    _write(path, "PUnstructuredGrid", kinds + names)
+
+
+def write_collection(path: Path, grids: Mapping[str, float]) -> None:
+    """Write a ``.pvd``, in one move: which grid is of which pseudo-time.
+
+    Args:
+        path: Of the file.
+        grids: Names of the grids' files beside it → pseudo-time.
+    """
+    entries = (
+        f'<DataSet timestep="{time!r}" part="0" file="{name}"/>\n' for name, time in grids.items()
+    )
+    temporary = path.with_name(f".{path.name}")
+    _write(temporary, "Collection", "".join(entries))
+    temporary.replace(path)
+
+
+def read_collection(path: Path) -> dict[str, float]:
+    """Grids of a ``.pvd`` and their pseudo-times; none where there is no such file."""
+    if not path.exists():
+        return {}
+    found = ElementTree.parse(path).getroot().iter("DataSet")
+    return {entry.attrib["file"]: float(entry.attrib["timestep"]) for entry in found}
 
 
 def _write(path: Path, kind: str, content: str) -> None:

@@ -282,7 +282,7 @@ def test_machine_failure_and_interrupt(folder, capsys, monkeypatch, error, code,
     def fail(*arguments):
         raise error
 
-    monkeypatch.setattr(files, "write", fail)
+    monkeypatch.setattr(files, "solve_and_write", fail)
     assert main(["run", write(folder, SCENE), "--out", str(folder / "out")]) == code
     assert words in capsys.readouterr().err
 

@@ -8,7 +8,7 @@ from dolfinx.mesh import CellType
 from mpi4py import MPI
 
 from fenics_contact import Contact, Discretisation, Load, Material, Run, Scene, Support, material
-from fenics_contact.fields import nodal_stress
+from fenics_contact.fields import NodalStress
 from tests.scenes import box_body
 from tests.test_material import bimaterial
 
@@ -54,7 +54,7 @@ def thick_cylinder(element, cells):
     r = np.hypot(points[:, 0], points[:, 1])
     found = np.einsum("ij,ij->i", prepared.solution.displacement, points[:, :2]) / r
     exact = (1 + NU) / E / 3 * ((1 - 2 * NU) * r + 4 / r)
-    stress = nodal_stress(prepared.problem)
+    stress = NodalStress(prepared.problem).at_nodes()
     mean = np.trace(stress, axis1=1, axis2=2) / 3
     expected = 2 * (1 + NU) / 9
     return worst(found - exact) / worst(exact), worst(mean - expected)
@@ -92,7 +92,7 @@ def driven_block(element, cells):
     prepared = Run(scene, COMM, box_body((2 * cells, cells), (2, 1), cell))
     result = prepared.solve()
     assert result.passed
-    stress = nodal_stress(prepared.problem)
+    stress = NodalStress(prepared.problem).at_nodes()
     contact = prepared.problem.contacts[0]
     inner = np.abs(prepared.problem.spaces.coordinates[contact.nodes, 0] - 1) < 0.7
     return result.quantities, worst(stress[contact.nodes[inner], 1, 1] + 10)

@@ -1,0 +1,127 @@
+"""What came out of the load steps of a run, as curves: from its ``result.json``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_AXES = "xyz"
+# What varies by less than this share of the largest stands still.
+_STILL = 1e-9
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Something that is moved and what it takes, step by step.
+
+    Attributes:
+        title: What is moved, in words.
+        moved: Words and symbol of how far.
+        force: Words and symbol of what acts on the body there.
+        x: How far (length).
+        y: The force.
+    """
+
+    title: str
+    moved: str
+    force: str
+    x: Array
+    y: Array
+
+
+@dataclass(frozen=True)
+class History:
+    """The load steps that have an answer.
+
+    Attributes:
+        steps: Their entries in ``result.json``.
+        time: Pseudo-times.
+    """
+
+    steps: list[dict[str, Any]]
+    time: Array
+
+    @classmethod
+    def of(cls, result: dict[str, Any]) -> History:
+        """That of a run."""
+        steps = [step for step in result["steps"] if step["quantities"]]
+        return cls(steps, np.array([step["load_factor"] for step in steps]))
+
+    def quantity(self, name: str) -> Array:
+        """A quantity of the whole model, (steps,) or (steps, components)."""
+        return np.array([step["quantities"][name] for step in self.steps])
+
+    def of_contact(self, number: int, name: str) -> Array | None:
+        """A quantity of a contact, likewise; None where it has none."""
+        found = [step["contacts"][number]["quantities"].get(name) for step in self.steps]
+        return None if found[0] is None else np.array(found)
+
+    def drives(self, contacts: list[dict[str, Any]]) -> list[Drive]:
+        """Obstacles and supports that are moved.
+
+        Args:
+            contacts: Of ``result.json``.
+        """
+        return [*self._obstacles(contacts), *self._supports()]
+
+    def _obstacles(self, contacts: list[dict[str, Any]]) -> Iterator[Drive]:
+        for number, contact in enumerate(contacts):
+            where = f"the obstacle at '{contact['name']}'"
+            depth = self.of_contact(number, "indentation")
+            normal = self.of_contact(number, "normal_force")
+            if depth is not None and normal is not None and _varies(depth):
+                yield Drive(where, r"indentation, $\delta$", "normal force, $P$", depth, normal)
+            moved = self.of_contact(number, "obstacle_displacement")
+            friction = self.of_contact(number, "friction_force")
+            if moved is not None and friction is not None and contact["law"] != "none":
+                yield from _along(where, moved, friction, "friction force", "Q")
+
+    def _supports(self) -> Iterator[Drive]:
+        for number, support in enumerate(self.steps[0]["supports"]):
+            rows = [step["supports"][number] for step in self.steps]
+            held = [value is not None for value in support["displacement"]]
+            moved = np.array(
+                [np.where(held, row["displacement"], 0.0) for row in rows], dtype=float
+            )
+            reaction = np.array([row["reaction"] for row in rows]) * held
+            where = f"the support on '{support['on']}'"
+            yield from _along(where, moved, reaction, "reaction", "R")
+
+
+def _along(where: str, moved: Array, force: Array, word: str, symbol: str) -> Iterator[Drive]:
+    """A drive along the axis, or the direction, in which something moves; none where it does not.
+
+    Args:
+        where: What is moved.
+        moved: How far, (steps, components) (length).
+        force: On the body, likewise.
+        word: For the force.
+        symbol: For the force.
+    """
+    if not _varies(moved):
+        return
+    farthest = moved[np.argmax(np.linalg.norm(moved - moved[0], axis=1))] - moved[0]
+    direction = farthest / np.linalg.norm(farthest)
+    axis = int(np.argmax(np.abs(direction)))
+    name, along = _AXES[axis], ""
+    if abs(direction[axis]) > 1 - 1e-6:
+        direction = np.eye(len(direction))[axis]
+    else:
+        name, along = "s", f" along ({', '.join(f'{x:.2g}' for x in direction)})"
+    yield Drive(
+        where,
+        f"displacement{along}, $u_{name}$",
+        f"{word}, ${symbol}_{name}$",
+        moved @ direction,
+        force @ direction,
+    )
+
+
+def _varies(values: Array) -> bool:
+    return bool(np.ptp(values, axis=0).max() > _STILL * np.abs(values).max())

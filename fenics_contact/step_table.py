@@ -1,0 +1,74 @@
+"""``steps.csv``: a row a load step, written as steps are accepted."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from fenics_contact.scene_values import AXES
+
+
+class StepTable:
+    """The table; a run that is killed leaves whole rows.
+
+    Args:
+        path: Of the file, which the first row makes anew.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._columns: list[str] = []
+        self._rows = 0
+
+    def follow(self, steps: Sequence[Mapping[str, Any]]) -> None:
+        """Append the rows of the steps that were accepted since the last time.
+
+        Args:
+            steps: All so far, as in ``result.json``.
+        """
+        for step in steps[self._rows :]:
+            self._append({"step": self._rows + 1, **row_of(step)})
+            self._rows += 1
+
+    def _append(self, row: Mapping[str, Any]) -> None:
+        text = io.StringIO()
+        if not self._columns:
+            self._columns = list(row)
+            csv.writer(text).writerow(self._columns)
+        csv.DictWriter(text, self._columns).writerow(row)
+        mode = "ab" if self._rows else "wb"
+        with self._path.open(mode, buffering=0) as file:  # a row is one call to the system
+            file.write(text.getvalue().encode())
+
+
+def row_of(step: Mapping[str, Any]) -> dict[str, Any]:
+    """A load step by column.
+
+    Quantities are those of the whole model and, where there are several contacts, then those
+    of each, as ``contact.quantity``; vectors by component, as ``quantity_x``.
+    """
+    row = {
+        "time": step["load_factor"],
+        "newton_iterations": step["newton_iterations"],
+        "outer_iterations": step["outer_iterations"],
+        **_by_component(step["quantities"]),
+    }
+    contacts = step["contacts"]
+    for contact in contacts if len(contacts) > 1 else []:
+        found = _by_component(contact["quantities"])
+        row |= {f"{contact['name']}.{name}": value for name, value in found.items()}
+    return row
+
+
+def _by_component(quantities: Mapping[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in quantities.items():
+        if isinstance(value, list):
+            named = zip(AXES, value, strict=False)
+            found |= {f"{name}_{axis}": component for axis, component in named}
+        else:
+            found[name] = value
+    return found
