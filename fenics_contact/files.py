@@ -53,8 +53,9 @@ def _require_writable(folder: Path) -> None:
 def write(run: Run, result: Result, folder: Path) -> None:
     """Write the files of a run; collective.
 
-    Without convergence only ``result.json`` is written, with the history. Files of an
-    earlier run in the same folder are removed first, so that none outlives its run.
+    Without convergence they are of the last accepted load step; if there is none, only
+    ``result.json`` is written, with the history. Files of an earlier run in the same folder are
+    removed first, so that none outlives its run.
     """
     comm = run.problem.comm
     on_root(comm, lambda: _clear(folder))

@@ -44,7 +44,7 @@ class Run:
         problem: The model: spaces, energies, forms.
         free_motion: Rigid motions that the supports leave to friction.
         choice: The solver, and how much memory it is to need.
-        solution: Nodal values of this rank, once solved; None before, or without an answer.
+        solution: Nodal values of this rank of the last load step that was solved, or None.
         forces: Nodal forces that the bulk needs in the last step that was solved.
         timings: Seconds so far.
 
@@ -119,6 +119,7 @@ class Run:
             announce: Called with number and record of every accepted step; by default it is
                 logged, where there are several.
         """
+        self.solution = None
         self._steps = [] if saved is None else list(saved.steps)
         self._announce = announce or (_log_step if self.scene.steps.several else _say_nothing)
 
