@@ -64,6 +64,9 @@ def solve_and_write(
 ) -> Result:
     """Solve, and write the files of a run, those of steps as they are accepted; collective.
 
+    Without convergence they are of the last accepted load step; if there is none, only
+    ``result.json`` is written, with the history.
+
     Args:
         run: Made ready.
         folder: Where to.
@@ -131,8 +134,8 @@ class StepFiles:
 
     def add_fields(self) -> None:
         """Those of the last step."""
-        done = [step for step in self._run.steps if step["quantities"]]
-        self._fields.write(self._run.forces, done[-1]["load_factor"], len(done))
+        steps = self._run.steps
+        self._fields.write(self._run.forces, steps[-1]["load_factor"], len(steps))
 
     @property
     def _has_last(self) -> bool:

@@ -45,7 +45,7 @@ class Run:
         problem: The model: spaces, energies, forms.
         free_motion: Rigid motions that the supports leave to friction.
         choice: The solver, and how much memory it is to need.
-        solution: Nodal values of this rank, once solved; None before, or without an answer.
+        solution: Nodal values of this rank of the last load step that was solved, or None.
         forces: Nodal forces that the bulk needs in the last step that was solved.
         steps: What came out of the load steps so far, as in ``result.json``.
         book: Work and energies along them.
@@ -124,6 +124,7 @@ class Run:
                 logged, where there are several.
             accepted: Called when a load step has been added to ``steps``; collective.
         """
+        self.solution = None
         self.steps = [] if saved is None else list(saved.steps)
         self.book = EnergyBook(self.problem)
         self._announce = announce or (_log_step if self.scene.steps.several else _say_nothing)

@@ -77,9 +77,18 @@ def times(result: Result) -> tuple[float, ...]:
     return tuple(step["load_factor"] for step in result.steps)
 
 
+# Of a single step, the work is that of the final forces.
+OF_THE_PATH = {"external_work", "energy_defect"}
+
+
 def require_same(found: Result, expected: Result, tolerance: float = 1e-9) -> None:
     """The same numbers at the end, over the largest of their kind, and at every point."""
+    alike = {len(found.steps), len(expected.steps)} == {1} or 1 not in map(
+        len, (found.steps, expected.steps)
+    )
     for key, value in expected.quantities.items():
+        if key in OF_THE_PATH and not alike:
+            continue
         kind = ("normal_force", "max_contact_pressure") if "reaction" in key else (key,)
         size = max(np.abs(expected.quantities[name]).max() for name in (key, *kind))
         difference = np.abs(np.array(found.quantities[key]) - np.array(value)).max()

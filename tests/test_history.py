@@ -111,7 +111,8 @@ def test_load_and_friction_bound_follow_a_given_pressure():
     assert found.passed and expected.passed
     assert found.quantities["normal_force"] == pytest.approx(10)
     for key, value in expected.quantities.items():
-        assert found.quantities[key] == pytest.approx(value, rel=1e-5, abs=1e-7), key
+        if key not in OF_THE_PATH:
+            assert found.quantities[key] == pytest.approx(value, rel=1e-5, abs=1e-7), key
     with pytest.raises(InputError, match=r"pressure_path: -1 at time"):
         run(pulled(Path((0,), (1,)), pressure_path=lambda t: -1), COMM, block())
     with pytest.raises(ValueError, match="only a pressure that is given"):

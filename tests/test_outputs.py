@@ -81,7 +81,7 @@ def test_every_step_is_on_disk_when_it_is_accepted(folder):
         written.add()
         on_root(COMM, lambda: found.append(len(rows_of(folder))))
 
-    result = prepared.solve(accepted)
+    result = prepared.solve(accepted=accepted)
     rows = on_root(COMM, lambda: rows_of(folder))
     if COMM.rank == 0:
         assert found == list(range(1, STEPS + 1))
@@ -106,7 +106,7 @@ def test_fields_are_a_time_series(folder):
         size = COMM.allreduce(np.abs(displacement).max(initial=0), op=MPI.MAX)
         found[prepared.steps[-1]["load_factor"]] = size
 
-    assert prepared.solve(accepted).passed
+    assert prepared.solve(accepted=accepted).passed
 
     def read():
         times, body = series(folder)
@@ -129,7 +129,7 @@ def test_a_run_that_is_killed_leaves_what_it_had(tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        prepared.solve(accepted)
+        prepared.solve(accepted=accepted)
     assert len(rows_of(tmp_path)) == 3
     times, body = series(tmp_path)
     assert times == [step["load_factor"] for step in prepared.steps]
