@@ -30,7 +30,16 @@ from fenics_contact.load_paths import knots
 from fenics_contact.load_steps import History
 from fenics_contact.pace import AutomaticPace
 from fenics_contact.scene_file import load_scene
-from tests.histories import DRAGGED, block, dragged, require_same, shoved, times, two_blocks
+from tests.histories import (
+    DRAGGED,
+    OF_THE_PATH,
+    block,
+    dragged,
+    require_same,
+    shoved,
+    times,
+    two_blocks,
+)
 
 COMM = MPI.COMM_WORLD
 # The drag needs more of Newton's steps than these.
