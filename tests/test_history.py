@@ -216,7 +216,8 @@ def test_a_step_that_fails_keeps_the_one_before():
     assert "steps.automatic = true" in result.verdict
     half = run(dragged(Steps(times=(0.5,)), **FEW), COMM, block())
     require_same(result, half)
-    assert {name: c.passed for name, c in result.checks.items()} == dict.fromkeys(half.checks, True)
+    assert set(result.checks) == set(half.checks) | {"energy_balance"}  # where steps may follow
+    assert all(check.passed for check in (*result.checks.values(), *half.checks.values()))
     assert [bool(step["quantities"]) for step in result.steps] == [True, False]
     stuck = Steps(number=2, automatic=True, smallest=0.4)
     last = run(dragged(stuck, **FEW), COMM, block())
