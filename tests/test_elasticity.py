@@ -64,7 +64,9 @@ def test_pressure_and_body_force_are_balanced_by_the_reaction():
     )
     result = run(scene, COMM, box_body((4, 4), (2, 1)))
     assert result.quantities["reaction"] == pytest.approx([-3 * 2, P * 2 + 5 * 2])
-    assert result.supports == [{"on": "y0", "reaction": result.quantities["reaction"]}]
+    (support,) = result.supports
+    assert support["on"] == "y0" and support["displacement"] == [0, 0]
+    assert support["reaction"] == pytest.approx(result.quantities["reaction"])
 
 
 def test_load_that_varies_in_space():
