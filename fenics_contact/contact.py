@@ -217,15 +217,27 @@ class ContactSurface:
         obstacle = self.contact.obstacle
         if obstacle is None:
             return
-        factor = self._paths["obstacle.path"](time)
-        self.force = None if obstacle.force is None else obstacle.force * factor
-        if obstacle.force is None:
+        if obstacle.force is not None:
+            self.force = self._force_at(time, obstacle.force)
+        else:
+            factor = self._paths["obstacle.path"](time)
             self.kinematics.indentation = (obstacle.indentation or 0.0) * factor
         if obstacle.displacement is not None and isinstance(self.kinematics, ObstacleKinematics):
             share = self._paths["obstacle.displacement_path"](time)
             self.kinematics.displace(share * np.array(obstacle.displacement))
             if self.normal is not None:
                 self.normal.set_gap(self.kinematics.gap)
+
+    def _force_at(self, time: float, force: float) -> float:
+        """Force on the obstacle at a pseudo-time, ≥ 0 unless it is glued on."""
+        path = self._paths["obstacle.path"]
+        factor = path(time)
+        if factor < 0 and self.contact.kind != "bonded":
+            raise InputError(
+                f"{path.key}: {factor:g} at time {time:g}, but a force on an obstacle that the "
+                "body may leave must be ≥ 0"
+            )
+        return force * factor
 
     def pressure_factor(self, time: float) -> float:
         """Share of a given pressure that acts at a pseudo-time, ≥ 0."""
@@ -309,6 +321,12 @@ class ContactSurface:
         if self.friction is not None:
             left += self.history.open_friction(state, self.friction.counted(state.slip))
         return float(self.trace.integral(left))
+
+    @property
+    def on_body(self) -> NDArray[np.bool_]:
+        """Which of the body's nodes are points of it; collective."""
+        ones = self.trace.at_all_nodes(np.ones(len(self.nodes)))
+        return self.trace.surface.on_body(ones) > 0
 
     @property
     def floats(self) -> bool:

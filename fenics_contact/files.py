@@ -108,8 +108,8 @@ class StepFiles:
 
     def __init__(self, run: Run, folder: Path, resumed: float | None = None) -> None:
         self._run, self._comm = run, run.problem.comm
-        if resumed is None:
-            on_root(self._comm, lambda: _clear(folder))
+        names = _OF_THE_END if resumed is not None else f"{_OF_THE_END}|{_OF_STEPS}"
+        on_root(self._comm, lambda: _clear(folder, names))
         self._table = StepTable(folder / "steps.csv")
         self._fields = FieldSeries(run.problem, folder, resumed)
 
@@ -158,17 +158,16 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 
 
 # Files of a run and of its report, and nothing else that may lie in the folder.
-_OWN_FILES = re.compile(
-    r"result\.json|contact\.csv|steps\.csv|report\.html|"
-    r"(deformed|axis_stress|surface_displacement|history_\w+|contact_\d+)\.png|"
-    r"fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
-)
+_PICTURES = r"(deformed|axis_stress|surface_displacement|history_\w+|contact_\d+)\.png"
+# Those that say how a run ended, which is not true any more when it goes on.
+_OF_THE_END = rf"result\.json|contact\.csv|report\.html|{_PICTURES}"
+_OF_STEPS = r"steps\.csv|fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
 
 
-def _clear(folder: Path) -> None:
+def _clear(folder: Path, names: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for path in folder.iterdir():
-        if _OWN_FILES.fullmatch(path.name):
+        if re.fullmatch(names, path.name):
             path.unlink()
 
 

@@ -9,19 +9,30 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import ufl
 
 from fenics_contact import compat
 from fenics_contact.mesh import Body
+from fenics_contact.parallel import largest, smallest
 from fenics_contact.scene import Scene
 
 # What may change between a run and one that goes on from it: how to get there.
 _FREE = ("title", "steps", "solver", "mesh")
+# Where functions are asked: places along each axis of the box around the body, and pseudo-times.
+_PLACES = 7
+_TIMES = np.linspace(0.0, 5.0, 51).tolist()
 
 
-def of_scene(scene: Scene) -> dict[str, str]:
-    """A digest of every key of a scene but those that may change."""
+def of_scene(scene: Scene, body: Body) -> dict[str, str]:
+    """A digest of every key of a scene but those that may change; collective.
+
+    Args:
+        scene: Its functions are known by what they give.
+        body: Where they are asked.
+    """
+    probe = _Probe(body)
     return {
-        field.name: _digest(_plain(getattr(scene, field.name)))
+        field.name: _digest(probe.plain(getattr(scene, field.name)))
         for field in dataclasses.fields(scene)
         if field.name not in _FREE
     }
@@ -31,22 +42,43 @@ def _digest(value: Any) -> str:
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def _plain(value: Any) -> Any:
-    """A part of a scene as JSON has it; a function by its code and what it encloses."""
-    if dataclasses.is_dataclass(value):
-        return {f.name: _plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
-    if isinstance(value, Mapping):
-        return {str(key): _plain(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    if value is None or isinstance(value, bool | int | float | str):
-        return value
-    code = getattr(value, "__code__", None)
-    if code is None:
-        return type(value).__qualname__
-    enclosed = [cell.cell_contents for cell in value.__closure__ or ()]
-    constants = [c for c in code.co_consts if isinstance(c, int | float | str)]
-    return [code.co_code.hex(), constants, list(code.co_names), _plain(enclosed)]
+class _Probe:
+    """Parts of a scene as JSON has them."""
+
+    def __init__(self, body: Body) -> None:
+        comm, columns = body.mesh.comm, body.mesh.geometry.x.T
+        self._position = ufl.SpatialCoordinate(body.mesh)
+        sides = [
+            np.linspace(smallest(comm, column), largest(comm, column), _PLACES)
+            for column in columns
+        ]
+        self._points = np.stack(np.meshgrid(*sides, indexing="ij")).reshape(3, -1)
+
+    def plain(self, value: Any) -> Any:
+        """A part of a scene."""
+        if dataclasses.is_dataclass(value) and not isinstance(value, type):
+            fields = dataclasses.fields(value)
+            return {field.name: self.plain(getattr(value, field.name)) for field in fields}
+        if isinstance(value, Mapping):
+            return {str(key): self.plain(entry) for key, entry in value.items()}
+        if isinstance(value, list | tuple):
+            return [self.plain(entry) for entry in value]
+        if value is None or isinstance(value, bool | int | float | str):
+            return value
+        return self._given_by(value) if callable(value) else type(value).__qualname__
+
+    def _given_by(self, function: Any) -> str:
+        """What a function gives: of places, of pseudo-times, or as UFL; else only its name."""
+        for ask in (
+            lambda: np.asarray(function(self._points), dtype=np.float64).tobytes().hex(),
+            lambda: np.array([float(function(t)) for t in _TIMES]).tobytes().hex(),
+            lambda: str(function(self._position)),
+        ):
+            try:
+                return _digest(ask())
+            except Exception:  # whatever a user's function raises, when it is asked amiss
+                continue
+        return getattr(function, "__qualname__", type(function).__qualname__)
 
 
 def of_mesh(body: Body) -> str:

@@ -9,6 +9,9 @@ from fenics_contact.errors import InputError
 from fenics_contact.scene import Scene
 from fenics_contact.scene_values import LoadPath, Path
 
+# Of the last, below which two knots are one.
+_SAME = 1e-12
+
 
 @dataclass(frozen=True)
 class KeyedPath:
@@ -50,4 +53,6 @@ def knots(scene: Scene) -> list[float]:
         *(obstacle.path for obstacle in obstacles),
         *(obstacle.displacement_path for obstacle in obstacles),
     ]
-    return sorted({knot for path in paths if isinstance(path, Path) for knot in path.knots})
+    every = sorted({knot for path in paths if isinstance(path, Path) for knot in path.knots})
+    close = _SAME * max(every, default=0.0)
+    return [b for a, b in zip([-math.inf, *every], every, strict=False) if b - a > close]

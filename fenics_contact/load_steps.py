@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -87,19 +87,19 @@ class History:
         assert self.last is not None  # there is a step, or one was resumed
         return self.last.solution
 
-    def resume(self, last: AcceptedStep, size: float, forces: float) -> Solution:
+    def resume(self, last: AcceptedStep, pace: Sequence[float], forces: float) -> Solution:
         """Take up a history that another run began; collective.
 
         Args:
             last: Its last step. Of the solution, only what it says of the way there counts.
-            size: Of the next automatic step (pseudo-time).
+            pace: The state of its pace.
             forces: Largest of its steps so far (force).
 
         Returns:
             The solution of that step.
         """
         self.last = last
-        self.pace.resume(size)
+        self.pace.resume(pace)
         self.newton.system.earlier_forces = forces
         self._go_back()
         said, newton = last.solution, self.newton

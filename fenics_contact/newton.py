@@ -235,9 +235,11 @@ class Newton:
     def continue_start(self) -> None:
         """From the state of the last load step, supports at their new values; collective.
 
-        Of bodies that only contact holds, and that were paired anew, none may be touched then.
+        What only contact holds, and nothing touches, is brought into contact as at the start; so
+        are bodies that were paired anew, of which none may be touched then.
         """
-        if self.paired_anew and RigidMotions(self.problem).count > 0:
+        is_doubtful = self.paired_anew or self._is_out_of_touch()
+        if is_doubtful and RigidMotions(self.problem).count > 0:
             self.start()
             return
         self.continues = True
@@ -262,6 +264,14 @@ class Newton:
         """Take what faces what as the contacts know it now; collective."""
         with self.timings.phase("assemble"):
             self.system.pair_anew()
+
+    def _is_out_of_touch(self) -> bool:
+        """Whether nothing presses on an obstacle that a force drives, or nowhere; collective."""
+        pushing = [contact for contact in self.problem.contacts if contact.is_one_sided]
+        touched = [largest(self.comm, contact.pressure()) > 0 for contact in pushing]
+        loose = [contact.floats for contact in pushing]
+        apart = any(f and not t for f, t in zip(loose, touched, strict=True))
+        return apart or (bool(pushing) and not any(touched))
 
     def _stick_all(self) -> None:
         for contact in self.problem.frictional:

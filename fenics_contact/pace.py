@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from fenics_contact.scene import Steps
 
 # Of a step, below which two pseudo-times are the same.
@@ -19,13 +17,7 @@ _JUMP = 0.75
 
 
 class FixedPace:
-    """The steps that the scene lists.
-
-    Attributes:
-        size: Of no step: they are listed (pseudo-time).
-    """
-
-    size = 0.0
+    """The steps that the scene lists."""
 
     def __init__(self, steps: Steps) -> None:
         self._times = steps.all_times
@@ -45,7 +37,12 @@ class FixedPace:
     def went(self, newton_iterations: int, change: float) -> None:
         """The step that was tried is accepted."""
 
-    def resume(self, size: float) -> None:
+    @property
+    def state(self) -> list[float]:
+        """What ``resume`` needs: nothing."""
+        return []
+
+    def resume(self, state: Sequence[float]) -> None:
         """Go on as before."""
 
 
@@ -65,7 +62,7 @@ class AutomaticPace:
         self._steps = steps
         self._targets = [*(knot for knot in knots if 0 < knot < steps.end), steps.end]
         self._tried = self._goal = 0.0
-        self._refused, self._refused_until = np.inf, 0.0
+        self._refused = self._refused_until = 0.0
         self._before_cut = self.size
 
     def next(self, time: float) -> float | None:
@@ -117,11 +114,19 @@ class AutomaticPace:
         elif newton_iterations <= _EASY and change <= self._steps.area_change / 2:
             self.size = min(_GROWTH * self.size, self._steps.largest_size)
 
-    def resume(self, size: float) -> None:
-        """Go on as before.
+    @property
+    def state(self) -> list[float]:
+        """What ``resume`` needs."""
+        return [self.size, self._before_cut, self._refused, self._refused_until]
+
+    def resume(self, state: Sequence[float]) -> None:
+        """Go on as before, within the bounds of the present scene.
 
         Args:
-            size: Of the next step (pseudo-time).
+            state: That of another run.
         """
         steps = self._steps
-        self.size = min(max(size, steps.smallest_size), steps.largest_size)
+        if state:  # else its steps were listed
+            sizes = [min(max(size, steps.smallest_size), steps.largest_size) for size in state[:2]]
+            self.size, self._before_cut = sizes
+            self._refused, self._refused_until = state[2:]

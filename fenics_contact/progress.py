@@ -62,7 +62,11 @@ def step_bar(steps: Steps, comm: MPI.Comm) -> Iterator[Announce | None]:
 def _logging_above() -> Iterator[None]:
     """Let messages go where the bar makes room for them."""
     handlers = logging.getLogger("fenics_contact").handlers
-    streams = [handler for handler in handlers if isinstance(handler, logging.StreamHandler)]
+    streams = [
+        handler
+        for handler in handlers
+        if isinstance(handler, logging.StreamHandler) and not handler.stream.closed
+    ]
     before = [handler.setStream(sys.stderr) for handler in streams]
     try:
         yield

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -172,7 +173,10 @@ class Steps:
         if limits and not self.automatic:
             raise ValueError(f"{limits[0]}: only automatic steps have one; set automatic = true")
         if self.smallest_size > self.largest_size:
-            raise ValueError(f"smallest = {self.smallest_size:g} exceeds {self.largest_size:g}")
+            raise ValueError(
+                f"smallest = {self.smallest_size:g} exceeds largest = {self.largest_size:g}, "
+                "which is the first step where it is not given"
+            )
 
     @property
     def first_size(self) -> float:
@@ -199,7 +203,7 @@ class Steps:
         """Whether there may be more than one."""
         return self.automatic or len(self.all_times) > 1
 
-    @property
+    @cached_property
     def all_times(self) -> tuple[float, ...]:
         """Pseudo-time at the end of each step; of automatic ones, if none is cut."""
         if self.times:

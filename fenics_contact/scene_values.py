@@ -81,10 +81,12 @@ class Path:
             raise ValueError(f"time has {len(self.time)} entries and factor {len(self.factor)}")
         if any(b <= a for a, b in zip(self.time, self.time[1:], strict=False)):
             raise ValueError("the times must increase")
+        if self.time[0] < 0:
+            raise ValueError(f"the first time, {self.time[0]:g}, must be ≥ 0")
         if self.cycles == 1:
             return
-        if self.time[0] < 0 or self.time[-1] <= 0:
-            raise ValueError("cycles: a period needs times ≥ 0, the last of them > 0")
+        if self.time[-1] <= 0:
+            raise ValueError("cycles: the last time is the period, which must be > 0")
         if self.factor[0] != self.factor[-1]:
             raise ValueError(
                 f"cycles: the last factor, {self.factor[-1]:g}, must be the first, "

@@ -132,7 +132,7 @@ class Run:
         def begin(history: History) -> None:
             self._history = history
             if saved is not None:
-                self._measure(history.resume(saved.last, saved.size, saved.forces))
+                self._measure(history.resume(saved.last, saved.pace, saved.forces))
                 self.book.resume(saved.energy, self.forces, self._reactions)
 
         def record(time: float, solution: Solution) -> None:

@@ -39,7 +39,7 @@ class SavedRun:
     Attributes:
         last: Its last accepted load step.
         steps: Records of all steps, as in ``result.json``.
-        size: Of the next automatic step (pseudo-time).
+        pace: What is to come next.
         forces: Largest of all steps (force).
         energy: Sums of its energy book.
         exit_code: Of a run that came to its end; else None.
@@ -47,7 +47,7 @@ class SavedRun:
 
     last: AcceptedStep
     steps: list[dict[str, Any]]
-    size: float
+    pace: list[float]
     forces: float
     energy: list[float]
     exit_code: int | None
@@ -77,7 +77,8 @@ class StateFile:
         self._made_for = {
             "version": compat.versions()["fenics_contact"],
             "mesh": fingerprint.of_mesh(problem.body),
-            "scene": fingerprint.of_scene(problem.scene),
+            "several": problem.scene.steps.several,
+            "scene": fingerprint.of_scene(problem.scene, problem.body),
         }
 
     def remove(self) -> None:
@@ -99,7 +100,7 @@ class StateFile:
             "time": last.unknowns.time,
             "time_before": None if last.before is None else last.before.time,
             "steps": steps,
-            "size": history.pace.size,
+            "pace": history.pace.state,
             "forces": history.newton.system.earlier_forces,
             "energy": energy,
             "exit_code": None,
@@ -159,7 +160,7 @@ class StateFile:
             before=None if before is None else self._unknowns("before", before, arrays),
         )
         return SavedRun(
-            last, steps, header["size"], header["forces"], header["energy"], header["exit_code"]
+            last, steps, header["pace"], header["forces"], header["energy"], header["exit_code"]
         )
 
     def _require_same(self, made_for: dict[str, Any]) -> None:
@@ -174,6 +175,8 @@ class StateFile:
             raise self._refused(
                 f"the scene's {' and '.join(other)} differ; only steps, solver and title may"
             )
+        if self._made_for["several"] != made_for["several"]:
+            raise self._refused("of the two, one has a single load step and the other several")
         if self._made_for["mesh"] != made_for["mesh"]:
             raise self._refused("it is of another mesh")
 
@@ -208,8 +211,7 @@ class StateFile:
         values = np.column_stack([memory.reference, memory.bound, *memory.before.values()])
         count = len(trace.nodes)
         on_body = trace.surface.on_body(trace.at_all_nodes(values[:count]))
-        ones = np.ones(count)
-        wanted = trace.surface.on_body(trace.at_all_nodes(ones)) > 0
+        wanted = self._problem.contacts[number].on_body
         name = f"contact{number}"
         nodes, at_nodes = self._nodes.gathered(on_body, wanted)
         arrays: Arrays = {f"{name}_nodes": nodes, f"{name}_at_nodes": at_nodes}
@@ -223,9 +225,11 @@ class StateFile:
 
     def _contact(self, number: int, plain: dict[str, Any], arrays: Arrays) -> ContactMemory:
         contact, name = self._problem.contacts[number], f"contact{number}"
-        at_nodes = self._spread(self._nodes, arrays[f"{name}_nodes"], arrays[f"{name}_at_nodes"])[
-            contact.nodes
-        ]
+        keys = arrays[f"{name}_nodes"]
+        owned = contact.on_body[: self._problem.spaces.owned_nodes]
+        if total(self._comm, int(owned.sum())) != len(keys):
+            raise self._refused(f"the contact '{contact.label}' had other facets")
+        at_nodes = self._spread(self._nodes, keys, arrays[f"{name}_at_nodes"])[contact.nodes]
         places, known = found_among(arrays[f"{name}_facets"], self._centre_keys(contact))
         if total(self._comm, int((~known).sum())):
             raise self._refused("its facets are those of another mesh")

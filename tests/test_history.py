@@ -18,6 +18,7 @@ from fenics_contact import (
     Load,
     Material,
     NotConvergedError,
+    Obstacle,
     Path,
     Run,
     Scene,
@@ -67,8 +68,8 @@ def test_cycles_repeat_a_table():
     assert path.knots == (1, 2, 4, 5, 6, 8, 9, 10, 12)
     with pytest.raises(ValueError, match="begin with a jump"):
         Path(time=(0, 1), factor=(0, 1), cycles=2)
-    with pytest.raises(ValueError, match="times ≥ 0"):
-        Path(time=(-1, 1), factor=(1, 1), cycles=2)
+    with pytest.raises(ValueError, match="the first time, -1, must be ≥ 0"):
+        Path(time=(-1, 1), factor=(1, 1))
 
 
 def pulled(path, **contact):
@@ -300,7 +301,10 @@ def test_a_rank_that_is_asked_to_stop_stops_all():
     [
         ({"automatic": True, "times": (1.0,)}, "leave out times"),
         ({"smallest": 0.1}, "only automatic steps"),
-        ({"automatic": True, "smallest": 0.3, "number": 4}, "smallest = 0.3 exceeds 0.25"),
+        (
+            {"automatic": True, "smallest": 0.3, "number": 4},
+            "smallest = 0.3 exceeds largest = 0.25",
+        ),
     ],
 )
 def test_keys_of_automatic_steps_that_contradict(keys, words):
@@ -348,3 +352,24 @@ def test_paths_in_a_file(tmp_path):
     with pytest.raises(InputError, match=r"load\[0\].path.factor = 'x': must be a list"):
         load_scene(tmp_path / "a.toml")
     json.dumps(dataclasses.asdict(scene))
+
+
+def test_a_force_that_comes_and_goes():
+    """An obstacle that nothing presses on is brought up again when something does."""
+    path = Path((0, 0.5, 1), (0, 1, 0), cycles=2)
+    obstacle = Obstacle("parabola", radius=2, position=(0.5, 1), force=6, path=path)
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(Contact("y1", obstacle=obstacle, friction_coefficient=0.3, law="incremental"),),
+        steps=Steps(number=16, end=2),
+    )
+    result = run(scene, COMM, block())
+    assert result.passed
+    forces = [step["quantities"]["normal_force"] for step in result.steps]
+    assert forces == pytest.approx(2 * [1.5, 3, 4.5, 6, 4.5, 3, 1.5, 0], rel=1e-7, abs=1e-6)
+    pulling = dataclasses.replace(obstacle, path=Path((0, 1), (0, -1)))
+    contact = dataclasses.replace(scene.contact[0], obstacle=pulling)
+    with pytest.raises(InputError, match=r"obstacle.path: -0.125 at time"):
+        run(dataclasses.replace(scene, contact=(contact,), steps=Steps(8)), COMM, block())

@@ -1,6 +1,7 @@
 """Runs that are killed, stopped or moved to other ranks, and go on as if nothing had happened."""
 
 import dataclasses
+import functools
 import json
 import os
 import random
@@ -160,16 +161,50 @@ def test_another_mesh_or_version_is_refused(folder, monkeypatch):
         resumed(scene, body(), folder)
 
 
+def test_a_single_step_is_no_beginning_of_several(folder):
+    """What a history is, its works among others, is decided before its first step."""
+    scene, body = SCENES["incremental"]
+    stopped_after(scene, body(), folder, 2)
+    with pytest.raises(InputError, match="one has a single load step and the other several"):
+        resumed(dataclasses.replace(scene, steps=Steps()), body(), folder)
+
+
+def test_other_contact_facets_are_refused(folder):
+    def patched(width):
+        return box_body(
+            (8, 6), (1, 1), patches={"pad": ("y1", lambda x: np.abs(x[0] - 0.5) < width)}
+        )
+
+    scene, _ = SCENES["incremental"]
+    contact = dataclasses.replace(scene.contact[0], on="pad")
+    scene = dataclasses.replace(scene, contact=(contact,))
+    stopped_after(scene, patched(0.3), folder, 2)
+    with pytest.raises(InputError, match="had other facets"):
+        resumed(scene, patched(0.45), folder)
+
+
 def test_functions_are_told_apart_by_what_they_do():
     def with_path(path):
         return state_file.fingerprint.of_scene(
-            Scene("plane strain", Material(1, 0.3), load=(Load("a", pressure=1, path=path),))
+            Scene("plane strain", Material(1, 0.3), load=(Load("a", pressure=1, path=path),)),
+            box_body((1, 1)),
         )["load"]
 
     assert with_path(lambda t: 2 * t) == with_path(lambda t: 2 * t)
     assert with_path(lambda t: 2 * t) != with_path(lambda t: 3 * t)
     assert with_path(lambda t: 2 * t) != with_path(lambda t: t - 2)
     assert with_path(scaled(2)) != with_path(scaled(3))
+    assert with_path(lambda t, c=3.0: c * t) != with_path(lambda t, c=4.0: c * t)
+    table = np.array([0.0, 1.0, 0.5])
+    first, second = (
+        functools.partial(np.interp, xp=[0, 1, 2], fp=values) for values in (table, 2 * table)
+    )
+    assert with_path(first) != with_path(second)
+    assert with_path(folded) == with_path(folded)  # which calls itself
+
+
+def folded(t):
+    return t if t <= 1 else folded(t - 1)
 
 
 def scaled(factor):
