@@ -161,6 +161,7 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 _OWN_FILES = re.compile(
     r"result\.json|contact\.csv|steps\.csv|report\.html|"
     r"(deformed|axis_stress|surface_displacement|history_\w+|contact_\d+)\.png|"
+    r"animation_\d+\.gif|"
     r"fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
 )
 
