@@ -3,15 +3,14 @@
 A rigid paraboloid, with the curvature of a sphere of radius 50, is pressed on a half-space
 (E = 1000, ν = .49) by P = 35.092, so that contact ends at Hertz's radius a = 1, and then moved
 along it in ten load steps. From the edge of the contact a ring of slip grows inwards: at the force
-Q along the surface it sticks up to the radius
+Q along the surface it sticks up to the radius c = a (1 − Q/μP)^(1/3) (K. L. Johnson, Contact
+Mechanics, Cambridge 1985, Section 7.2). One gets, with c/a from the areas that stick and touch,
 
-    c = a (1 − Q/μP)^(1/3)
+    Q/μP       .115   .331   .526   .699   .842   .902
+    c/a        .971   .865   .764   .663   .531   .452
+    formula    .960   .875   .780   .670   .541   .461
 
-(K. L. Johnson, Contact Mechanics, Cambridge 1985, Section 7.2), whatever the way there:
-
-ROWS
-
-c from the areas, c²/a² = stick_area/contact_area. The last displacement, .00697, is that of
+and a = 1.008. The last displacement, .00697, is that of
 Q = .9 μP by Mindlin's formula. animation_0.gif, of the report, shows what sticks and slips, and the
 friction traction. The model is half of the body; on its outer boundary displacements are those of
 Boussinesq and Cerruti. The scene file cattaneo.toml says the same.

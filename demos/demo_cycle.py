@@ -5,14 +5,16 @@ P = 20, and moved along it in 45 load steps: to the right, then twice to the lef
 little that the middle of the contact always sticks. After the first quarter the force along the
 surface against the displacement is a loop, the same one in every cycle (history_loops.png;
 animation_0.gif shows the friction traction on the way). In plane strain displacements have no
-datum, but the area of the loop needs none. From Q(δ) = μ (P(δ_n) − P(δ_n − δ/μ)) of
-partial slip (K. L. Johnson, Contact Mechanics, Cambridge 1985, Sections 7.2 and 7.4; J. Jäger,
-Arch. Appl. Mech. 68 (1998) 478-492) and dδ_n/dP = −ln P / (πE*) + const., E* = E/(1 − ν²),
+datum, but the area of the loop needs none. From δ(Q) = μ (δ_n(P) − δ_n(P − Q/μ)) for partial slip
+(M. Ciavarella, Int. J. Solids Struct. 35 (1998) 2349-2378; J. Jäger, J. Tribology 120 (1998)
+677-684) and dδ_n/dP = −ln P / (πE*) + const. with E* = E/(1 − ν²), and with both ways back as that
+at twice the size (K. L. Johnson, Contact Mechanics, Cambridge 1985, Section 7.4), the friction work
+of a cycle is
 
-    W = 4 (μP)²/(πE*) ((1 − q) ln(1 − q) + q − q²/2) = FORMULA    with q = Q/μP = AMPLITUDE,
+    W = 4 (μP)²/(πE*) ((1 − q) ln(1 − q) + q − q²/2) = .01955    for q = Q/μP = .848,
 
-the friction work of a cycle for the largest force that comes out. One gets WORK in the first and
-in the second cycle. The scene file cycle.toml says the same.
+the largest force that comes out. One gets .01966 in the first cycle and .01965 in the second, whose
+forces differ by less than .01 %. The scene file cycle.toml says the same.
 
 Run it with ``python demos/demo_cycle.py`` or ``mpirun -n 2 python demos/demo_cycle.py``.
 """

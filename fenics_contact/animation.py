@@ -110,34 +110,48 @@ def draw_film(film: Film, flat: bool, axes: str, path: Path) -> Path:
         axes: Letters of the model's axes.
         path: Where to.
     """
-    from matplotlib.animation import PillowWriter
-
     rough = film.contact["law"] != "none"
     names = ["line"] if flat else (["zones", "traction"] if rough else ["zones"])
     names += ["drive"] if film.drive else []
     widths = [_WIDTHS[name] for name in names]
     screen = _Line(film, axes) if flat else _Map(film, axes)
     size = (sum(widths), screen.height)
-    figure, panels = new_figure("", size, ncols=len(names), width_ratios=widths)
-    pace = min(_PER_SECOND, max(round(len(film.frames) / _SECONDS), 1))
-    writer = PillowWriter(fps=pace)
-    with writer.saving(figure, str(path), _DPI):
-        for number, time in enumerate(film.time):
-            for panel in panels:
-                panel.clear()
-            screen.draw(figure, panels, number)
-            if film.drive:
-                _follow(panels[-1], film.drive, number)
-            title = f"{surface_of(film.contact)} at pseudo-time {time:.4g}"
-            panels[0].set_title(title.replace("$", r"\$"), loc="left", fontsize=11)
-            if number == 0:  # then nothing moves any more
+    figure, panels = new_figure("", size, ncols=len(names), width_ratios=widths, dpi=_DPI)
+    figure.get_layout_engine().set(w_pad=0.12)
+    pictures = []
+    for number, time in enumerate(film.time):
+        for panel in panels:
+            panel.clear()
+        screen.draw(figure, panels, number)
+        if film.drive:
+            _follow(panels[-1], film.drive, number)
+        title = f"{surface_of(film.contact)} at pseudo-time {time:.4g}"
+        panels[0].set_title(title.replace("$", r"\$"), loc="left", fontsize=11)
+        if number == 0:
+            for _ in range(2):  # then nothing moves any more
                 figure.canvas.draw()
-                figure.set_layout_engine("none")
-            writer.grab_frame()
+            figure.set_layout_engine("none")
+        figure.canvas.draw()
+        pictures.append(np.asarray(figure.canvas.buffer_rgba())[..., :3].copy())
+    _write_gif(pictures, path)
     import matplotlib.pyplot as plt
 
     plt.close(figure)
     return path
+
+
+def _write_gif(pictures: list[NDArray[np.uint8]], path: Path) -> None:
+    """Write frames with the colours of a few of them, so that none flickers."""
+    from PIL import Image
+
+    some = [pictures[i] for i in np.linspace(0, len(pictures) - 1, 4).round().astype(int)]
+    palette = Image.fromarray(np.concatenate(some)).quantize(256)
+    no_dither = Image.Dither.NONE
+    first, *others = (
+        Image.fromarray(picture).quantize(palette=palette, dither=no_dither) for picture in pictures
+    )
+    pace = min(_PER_SECOND, max(len(pictures) / _SECONDS, 2))  # frames a second
+    first.save(path, save_all=True, append_images=others, duration=round(1000 / pace), loop=0)
 
 
 class _Map:
