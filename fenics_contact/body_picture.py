@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -20,11 +21,26 @@ _FIELD_STATUS = ("OPEN", "STICK", "SLIP")  # values 0, 1, 2 of the field `status
 
 def read_body(folder: Path) -> Any:
     """The body as a pyvista grid with the fields of the last step in ``fields.pvd``."""
+    ((_, body),) = read_series(folder, [len(times_of_fields(folder)) - 1])
+    return body
+
+
+def times_of_fields(folder: Path) -> list[float]:
+    """Pseudo-times of the steps in ``fields.pvd``."""
+    import pyvista
+
+    return list(pyvista.get_reader(str(folder / "fields.pvd")).time_values)
+
+
+def read_series(folder: Path, numbers: Iterable[int]) -> Iterator[tuple[float, Any]]:
+    """Pseudo-times of steps in ``fields.pvd``, by number, and the body with their fields."""
     import pyvista
 
     reader = pyvista.get_reader(str(folder / "fields.pvd"))
-    reader.set_active_time_value(reader.time_values[-1])
-    return reader.read().combine()
+    for number in numbers:
+        time = reader.time_values[number]
+        reader.set_active_time_value(time)
+        yield time, reader.read().combine()
 
 
 def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Path:

@@ -158,7 +158,9 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 
 
 # Files of a run and of its report, and nothing else that may lie in the folder.
-_PICTURES = r"(deformed|axis_stress|surface_displacement|history_\w+|contact_\d+)\.png"
+_PICTURES = (
+    r"(deformed|axis_stress|surface_displacement|history_\w+|contact_\d+)\.png|animation_\d+\.gif"
+)
 # Those that say how a run ended, which is not true any more when it goes on.
 _OF_THE_END = rf"result\.json|contact\.csv|report\.html|{_PICTURES}"
 _OF_STEPS = r"steps\.csv|fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"

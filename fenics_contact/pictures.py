@@ -1,4 +1,4 @@
-"""PNG files from the files of a run, by matplotlib and pyvista. No MPI, no FEniCSx."""
+"""Pictures from the files of a run, by matplotlib and pyvista. No MPI, no FEniCSx."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import importlib
 from pathlib import Path
 from typing import Any
 
+from fenics_contact.animation import FEWEST_STEPS, Film, draw_film, frame_numbers
 from fenics_contact.axis_stress import draw_axis_stress
-from fenics_contact.body_picture import draw_body, read_body
+from fenics_contact.body_picture import draw_body, read_body, read_series, times_of_fields
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.curves import draw_curves
 from fenics_contact.errors import InputError
@@ -24,8 +25,9 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Path]:
         result: The content of its ``result.json``.
 
     Returns:
-        The PNG files drawn: one a contact, displacements and stresses along lines of flat models,
-        the deformed body, and curves over the load steps where there are several.
+        The files drawn: one a contact, displacements and stresses along lines of flat models,
+        the deformed body, curves over the load steps where there are several, and animations of
+        the contacts where there are many.
 
     Raises:
         InputError: matplotlib, pyvista or a display is missing; says what to install.
@@ -43,6 +45,7 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Path]:
         *_along_lines(folder, result, table, body),
         draw_body(body, result, table, folder / "deformed.png"),
         *draw_history(folder, result),
+        *_animations(folder, result, table),
     ]
     return drawn
 
@@ -62,6 +65,20 @@ def _contacts(folder: Path, result: dict[str, Any], table: ContactTable) -> list
         else:
             draw_curves(rows, contact, _axes(result), path)
         drawn.append(path)
+    return drawn
+
+
+def _animations(folder: Path, result: dict[str, Any], table: ContactTable) -> list[Path]:
+    """Each contact over the load steps, if there are many."""
+    steps = len(times_of_fields(folder))
+    if steps < FEWEST_STEPS:
+        return []
+    flat, drawn = result["model"]["kinematics"] != "3D", []
+    for number, contact in enumerate(result["contacts"]):
+        series = read_series(folder, frame_numbers(steps).tolist())
+        film = Film.of(series, table.of(contact["name"]), contact, result)
+        path = folder / f"animation_{number}.gif"
+        drawn.append(draw_film(film, flat, _axes(result) if flat else "xyz", path))
     return drawn
 
 

@@ -54,7 +54,7 @@ def write_report(folder: Path) -> list[Path]:
     Raises:
         InputError: The folder holds no result, or one without an answer to draw.
     """
-    result = _read(folder)
+    result = read_result(folder)
     if not result["converged"]:
         raise InputError(f"{folder}: this run did not converge, so there is nothing to draw")
     pictures = draw_pictures(folder, result)
@@ -63,7 +63,12 @@ def write_report(folder: Path) -> list[Path]:
     return [*pictures, page]
 
 
-def _read(folder: Path) -> dict[str, Any]:
+def read_result(folder: Path) -> dict[str, Any]:
+    """The content of a run's ``result.json``.
+
+    Raises:
+        InputError: There is none, or it is not one of this program.
+    """
     path = folder / "result.json"
     try:
         result = json.loads(path.read_text(encoding="utf-8"))

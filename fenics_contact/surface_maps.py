@@ -19,30 +19,32 @@ _PANEL = (6.0, 5.0)
 
 
 @dataclass(frozen=True)
-class _Surface:
+class Surface:
     """A contact surface, seen along the axis across which it extends least.
 
     Attributes:
         rows: Its points, those that are shown.
         axes: Numbers of the two axes of the map.
         points: Coordinates on these, shape (points, 2).
+        shown: Which of all points these are.
     """
 
     rows: ContactTable
     axes: NDArray[np.int64]
     points: Array
+    shown: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, rows: ContactTable, contact: dict[str, Any]) -> _Surface:
+    def of(cls, rows: ContactTable, contact: dict[str, Any]) -> Surface:
         """The whole surface where its pressure is given, else the zone's neighbourhood."""
         points = rows.vectors("x", "y", "z")
         axes = np.sort(np.argsort(np.ptp(points, axis=0))[-2:])
-        points = points[:, axes]
+        points, shown = points[:, axes], np.ones(len(points), dtype=bool)
         if contact["contact"] != "prescribed":
             low, high = neighbourhood(points, rows.closed)
             shown = ((points >= low) & (points <= high)).all(axis=1)
             rows, points = rows.rows(shown), points[shown]
-        return cls(rows, axes, points)
+        return cls(rows, axes, points, shown)
 
 
 def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> None:
@@ -53,7 +55,7 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> None:
         contact: The contact's entry in ``result.json``.
         path: PNG file to write.
     """
-    surface = _Surface.of(rows, contact)
+    surface = Surface.of(rows, contact)
     found, frictional = contact["contact"] != "prescribed", contact["law"] != "none"
     draw = {
         **({"contact pressure": _pressure} if found or not frictional else {}),
@@ -78,12 +80,12 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> None:
     save(figure, path)
 
 
-def _pressure(figure: Any, panel: Any, surface: _Surface, contact: dict[str, Any]) -> None:
+def _pressure(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) -> None:
     pressure = surface.rows.numbers["contact_pressure"]
     _scatter(figure, panel, surface, contact, pressure, "contact pressure, $p$")
 
 
-def _friction(figure: Any, panel: Any, surface: _Surface, contact: dict[str, Any]) -> None:
+def _friction(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) -> None:
     traction = surface.rows.vectors("traction_x", "traction_y", "traction_z")
     size = np.linalg.norm(traction, axis=1)
     _scatter(figure, panel, surface, contact, size, r"friction traction, $|\sigma_T|$")
@@ -94,7 +96,7 @@ def _friction(figure: Any, panel: Any, surface: _Surface, contact: dict[str, Any
 def _scatter(
     figure: Any,
     panel: Any,
-    surface: _Surface,
+    surface: Surface,
     contact: dict[str, Any],
     values: Array,
     label: str,

@@ -3,20 +3,30 @@
 import csv
 import json
 import os
+import runpy
 import shutil
 import subprocess
 import sys
-from math import pi, sqrt
+from dataclasses import replace
+from itertools import pairwise
+from math import log, pi, sqrt
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 
+from fenics_contact.scene_file import load_scene
 from tests.scenes import ROOT
 
 pytestmark = pytest.mark.serial
 DEMOS = sorted(path.stem.removeprefix("demo_") for path in (ROOT / "demos").glob("demo_*.py"))
 NO_FRICTION = "contact.0.friction_coefficient=0"
+# Demos of many load steps → coarser, for tests.
+LONG = {
+    "cycle": ["mesh.parameters.size=0.14", "steps.number=26", "steps.end=26"],
+    "cattaneo": ["mesh.parameters.size=0.3", "mesh.parameters.cells_outside=3"],
+}
 WEIGHT, SLOPE, FRICTION = 10, 0.1, 0.3  # of the block on an incline
 # Quantity of a demo → value and relative tolerance; of the specification, Section 3.
 FLAT_FORCE = 0.9819 * 2 * 1000 / (1 - 0.3**2) * 0.01  # of the annular punch
@@ -131,10 +141,10 @@ def table(folder):
 
 
 def test_there_are_demos():
-    assert sorted(EXPECTED) == DEMOS
+    assert sorted([*EXPECTED, *LONG]) == DEMOS
 
 
-@pytest.mark.parametrize("name", DEMOS)
+@pytest.mark.parametrize("name", EXPECTED)
 def test_script_and_scene_on_one_and_two_ranks(name, tmp_path):
     script = ROOT / "demos" / f"demo_{name}.py"
     scene = ROOT / "demos" / f"{name}.toml"
@@ -183,6 +193,59 @@ def test_cylinders_against_hertz_and_cattaneo(tmp_path):
     used = shear / (0.3 * force)
     assert used == pytest.approx(0.57, abs=5e-3)
     assert found["stick_area"] == pytest.approx(2 * half_width * sqrt(1 - used), rel=1e-2)
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_script_says_what_the_scene_does(name):
+    script = runpy.run_path(str(ROOT / "demos" / f"demo_{name}.py"))["scene"]
+    scene = load_scene(ROOT / "demos" / f"{name}.toml", ())
+    ((mine,), (other,)) = script.mesh, scene.mesh
+    assert Path(mine.file).resolve() == Path(other.file).resolve()
+    assert replace(script, mesh=replace(mine, file=other.file)) == scene
+
+
+def history_of(name, folder, ranks):
+    """Quantities of each step of a long demo, on a coarser mesh."""
+    run_demo(name, folder, *LONG[name], ranks=ranks)
+    result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    return [step["quantities"] for step in result["steps"]]
+
+
+def test_work_of_a_cycle(tmp_path):
+    """Of the formula in the demo, for the largest force of the second half of the cycle."""
+    friction, force, modulus = 0.5, 20, 1000 / (1 - 0.49**2)
+    steps = history_of("cycle", tmp_path, ranks=2)
+    turns = [steps[number - 1] for number in (6, 16, 26)]
+    forces = [turn["friction_force"][0] for turn in turns]
+    assert forces == pytest.approx([forces[2], -forces[2], forces[2]], rel=1e-3)
+    most = forces[2] / (friction * force)
+    assert most == pytest.approx(0.848, rel=2e-3)
+    share = (1 - most) * log(1 - most) + most - most**2 / 2
+    work = 4 * (friction * force) ** 2 / (pi * modulus) * share
+    found = turns[2]["friction_work"] - turns[0]["friction_work"]
+    assert found == pytest.approx(work, rel=0.02)
+    loop = np.array([step["friction_force"][0] for step in steps[5:26]])
+    there = 0.022 * np.linspace(1, -1, 11)
+    moved = np.concatenate([there, there[-2::-1]])
+    area = np.sum((loop[1:] + loop[:-1]) / 2 * np.diff(moved))
+    assert abs(area) == pytest.approx(work, rel=0.02)
+
+
+def test_sheared_sphere_sticks_on_cattaneos_circle(tmp_path):
+    """And its report has an animation with a frame a step, which changes."""
+    steps = history_of("cattaneo", tmp_path, ranks=2)
+    for step in steps[3:]:
+        share = step["friction_force"][0] / (0.3 * step["normal_force"])
+        sticks = sqrt(step["stick_area"] / step["contact_area"])
+        assert sticks == pytest.approx((1 - share) ** (1 / 3), abs=0.03)
+    assert share == pytest.approx(0.9, abs=5e-3)
+    done = start(["-m", "fenics_contact", "report", tmp_path], 1)
+    assert done.returncode == 0, done.stderr
+    with Image.open(tmp_path / "animation_0.gif") as film:
+        frames = [np.array(frame.convert("RGB")) for frame in ImageSequence.Iterator(film)]
+    assert len(frames) == len(steps)
+    assert all((one != other).any() for one, other in pairwise(frames))
+    assert "animation_0.gif" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_block_slides_up_the_incline(tmp_path):

@@ -1,0 +1,278 @@
+"""What happens on a contact surface, load step by load step, as an animation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from fenics_contact.contact_table import ContactTable
+from fenics_contact.figures import new_figure, surface_of
+from fenics_contact.history import Drive, History
+from fenics_contact.picture_style import COLOUR_MAP, COLOURS, marks
+from fenics_contact.surface_line import SurfaceLine
+from fenics_contact.surface_maps import Surface
+
+Array = NDArray[np.float64]
+
+# Load steps from which a run is worth an animation, and the frames that it has at most.
+FEWEST_STEPS, _MOST_FRAMES = 10, 60
+_SECONDS, _PER_SECOND, _DPI = 6, 10, 80  # about how long, and frames a second at most
+_HEIGHT, _WIDTHS = 4.0, {"zones": 4.0, "traction": 4.6, "line": 6.0, "drive": 4.4}
+_STATUS = np.array(["OPEN", "STICK", "SLIP"])  # values 0, 1, 2 of the field `status`
+
+
+@dataclass(frozen=True)
+class Film:
+    """A contact in the load steps whose fields were written.
+
+    Attributes:
+        contact: Its entry in ``result.json``.
+        time: Pseudo-times of the frames.
+        frames: Its points that are nodes, as they are then.
+        zone: The same points, STICK where they ever touch.
+        drive: What is moved, with a value a frame; None where nothing moves.
+    """
+
+    contact: dict[str, Any]
+    time: Array
+    frames: list[ContactTable]
+    zone: ContactTable
+    drive: Drive | None
+
+    @classmethod
+    def of(
+        cls,
+        series: Iterable[tuple[float, Any]],
+        rows: ContactTable,
+        contact: dict[str, Any],
+        result: dict[str, Any],
+    ) -> Film:
+        """Take the fields at the contact's nodes.
+
+        Args:
+            series: Pseudo-times and pyvista grids with their fields.
+            rows: Points of the contact, at the end.
+            contact: Its entry in ``result.json``.
+            result: The content of that.
+        """
+        times, frames = [], []
+        points = rows.vectors("x", "y", "z")
+        for time, body in series:
+            on_contact = np.flatnonzero(np.asarray(body["status"]) >= 0)
+            nodes = np.asarray(body.points)[on_contact]
+            distance, found = cKDTree(nodes).query(points)
+            drawn = distance < 1e-6 * np.ptp(nodes)
+            frames.append(_frame(rows.rows(drawn), body, on_contact[found[drawn]]))
+            times.append(time)
+        ever = np.any([frame.closed for frame in frames], axis=0)
+        zone = replace(frames[-1], status=np.where(ever, "STICK", "OPEN"))
+        return cls(contact, np.array(times), frames, zone, _drive(result, contact, times))
+
+
+def _frame(rows: ContactTable, body: Any, nodes: NDArray[np.int64]) -> ContactTable:
+    """The points with a step's fields in place of the last one's."""
+    traction = np.asarray(body["friction_traction"])[nodes]
+    fields = {f"traction_{axis}": traction[:, i] for i, axis in enumerate("xyz")}
+    fields["contact_pressure"] = np.asarray(body["contact_pressure"])[nodes]
+    status = _STATUS[np.asarray(body["status"])[nodes].round().astype(int)]
+    return replace(rows, status=status, numbers=rows.numbers | fields)
+
+
+def _drive(result: dict[str, Any], contact: dict[str, Any], times: list[float]) -> Drive | None:
+    """What is moved last of what moves: of an obstacle, how it moves along the surface."""
+    history = History.of(result)
+    drives = history.drives(result["contacts"])
+    own = [drive for drive in drives if f"'{contact['name']}'" in drive.title]
+    if not drives:
+        return None
+    drive = (own or drives)[-1]
+    kept = np.abs(history.time[:, None] - np.array(times)).argmin(axis=0)
+    return replace(drive, x=drive.x[kept], y=drive.y[kept])
+
+
+def frame_numbers(steps: int) -> NDArray[np.int64]:
+    """Which of so many steps are shown: all, or as many evenly spread, with the last."""
+    return np.unique(np.linspace(0, steps - 1, min(steps, _MOST_FRAMES)).round().astype(np.int64))
+
+
+def draw_film(film: Film, flat: bool, axes: str, path: Path) -> Path:
+    """Write a film as a GIF.
+
+    Args:
+        film: What it shows.
+        flat: Whether the contact is a line.
+        axes: Letters of the model's axes.
+        path: Where to.
+    """
+    rough = film.contact["law"] != "none"
+    names = ["line"] if flat else (["zones", "traction"] if rough else ["zones"])
+    names += ["drive"] if film.drive else []
+    widths = [_WIDTHS[name] for name in names]
+    screen = _Line(film, axes) if flat else _Map(film, axes)
+    size = (sum(widths), screen.height)
+    figure, panels = new_figure("", size, ncols=len(names), width_ratios=widths, dpi=_DPI)
+    figure.get_layout_engine().set(w_pad=0.12)
+    pictures = []
+    for number, time in enumerate(film.time):
+        for panel in panels:
+            panel.clear()
+        screen.draw(figure, panels, number)
+        if film.drive:
+            _follow(panels[-1], film.drive, number)
+        title = f"{surface_of(film.contact)} at pseudo-time {time:.4g}"
+        panels[0].set_title(title.replace("$", r"\$"), loc="left", fontsize=11)
+        if number == 0:
+            for _ in range(2):  # then nothing moves any more
+                figure.canvas.draw()
+            figure.set_layout_engine("none")
+        figure.canvas.draw()
+        pictures.append(np.asarray(figure.canvas.buffer_rgba())[..., :3].copy())
+    _write_gif(pictures, path)
+    import matplotlib.pyplot as plt
+
+    plt.close(figure)
+    return path
+
+
+def _write_gif(pictures: list[NDArray[np.uint8]], path: Path) -> None:
+    """Write frames with the colours of a few of them, so that none flickers."""
+    from PIL import Image
+
+    some = [pictures[i] for i in np.linspace(0, len(pictures) - 1, 4).round().astype(int)]
+    palette = Image.fromarray(np.concatenate(some)).quantize(256)
+    no_dither = Image.Dither.NONE
+    first, *others = (
+        Image.fromarray(picture).quantize(palette=palette, dither=no_dither) for picture in pictures
+    )
+    pace = min(_PER_SECOND, max(len(pictures) / _SECONDS, 2))  # frames a second
+    first.save(path, save_all=True, append_images=others, duration=round(1000 / pace), loop=0)
+
+
+class _Map:
+    """A contact surface in 3D: what sticks and slips, and the friction traction.
+
+    Attributes:
+        height: Of the figure in inches.
+    """
+
+    def __init__(self, film: Film, axes: str) -> None:
+        self._film, self._axes = film, axes
+        self._surface = Surface.of(film.zone, film.contact)
+        across, up = np.ptp(self._surface.points, axis=0)
+        self.height = float(np.clip(_WIDTHS["zones"] * up / across + 1.2, 2.6, 6))
+        shown = self._surface.shown
+        rows = [frame.rows(shown) for frame in film.frames]
+        self._status = [frame.status for frame in rows]
+        self._traction = [frame.vectors("traction_x", "traction_y", "traction_z") for frame in rows]
+        self._most = max(float(np.linalg.norm(t, axis=1).max()) for t in self._traction) or 1.0
+        self._has_bar = False
+
+    def draw(self, figure: Any, panels: list[Any], number: int) -> None:
+        """A frame."""
+        points = self._surface.points
+        self._zones(panels[0], self._status[number])
+        drawn = panels[:1]
+        if self._film.contact["law"] != "none":
+            drawn = panels[:2]
+            traction = self._traction[number]
+            colours = panels[1].tripcolor(
+                *points.T,
+                np.linalg.norm(traction, axis=1),
+                shading="gouraud",
+                cmap=COLOUR_MAP,
+                vmin=0,
+                vmax=self._most,
+            )
+            arrows = traction[:, self._surface.axes]
+            panels[1].quiver(
+                *points.T, *arrows.T, color="white", width=0.004, scale=14 * self._most
+            )
+            if not self._has_bar:
+                label = r"friction traction, $|\sigma_T|$"
+                figure.colorbar(colours, ax=panels[1], label=label, shrink=0.8)
+                self._has_bar = True
+        for panel in drawn:
+            panel.set_aspect("equal")
+            panel.set_xlim(points[:, 0].min(), points[:, 0].max())
+            panel.set_ylim(points[:, 1].min(), points[:, 1].max())
+            panel.set_xlabel(f"${self._axes[self._surface.axes[0]]}$")
+            panel.set_ylabel(f"${self._axes[self._surface.axes[1]]}$")
+
+    def _zones(self, panel: Any, status: NDArray[np.str_]) -> None:
+        size = float(np.clip(100 / np.sqrt(len(status)), 2.5, 9))
+        for mark in marks(self._film.contact["law"]):
+            mine = np.isin(status, mark.status)
+            look = {
+                "color": mark.colour,
+                "markersize": 0.4 * size if mark.label == "open" else size,
+            }
+            panel.plot(*self._surface.points[mine].T, mark.shape, label=mark.label, **look)
+        above = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.2), "ncols": 3}
+        panel.legend(frameon=False, fontsize=9, **above)
+
+
+class _Line:
+    """A contact line of a flat model: friction traction and its bound, or the pressure.
+
+    Attributes:
+        height: Of the figure in inches.
+    """
+
+    height = _HEIGHT
+
+    def __init__(self, film: Film, axes: str) -> None:
+        self._film, self._axes = film, axes
+        self._lines = [SurfaceLine.of(frame, film.contact) for frame in film.frames]
+        self._view = SurfaceLine.of(film.zone, film.contact).view
+        given = film.contact["parameters"]["friction_coefficient"]
+        rough = film.contact["law"] != "none"
+        self._coefficient = float(given) if isinstance(given, float | int) and rough else None
+        self._values = [
+            line.traction if rough else line.rows.numbers["contact_pressure"]
+            for line in self._lines
+        ]
+        self._label = (
+            r"friction traction on the body, $\sigma_T$" if rough else "contact pressure, $p$"
+        )
+        self._most = max(float(np.abs(values).max()) for values in self._values)
+        if self._coefficient:
+            self._most = self._coefficient * max(
+                float(line.rows.numbers["contact_pressure"].max()) for line in self._lines
+            )
+
+    def draw(self, figure: Any, panels: list[Any], number: int) -> None:
+        """A frame."""
+        panel, line, values = panels[0], self._lines[number], self._values[number]
+        panel.plot(line.position, values, color="0.6", linewidth=1, zorder=1)
+        for mark in line.marks:
+            mine = np.isin(line.rows.status, mark.status)
+            fill = mark.colour if mark.filled else "white"
+            look = {"color": mark.colour, "markerfacecolor": fill, "markersize": 4}
+            panel.plot(line.position[mine], values[mine], mark.shape, label=mark.label, **look)
+        if self._coefficient:
+            bound = self._coefficient * line.rows.numbers["contact_pressure"]
+            for side, label in ((1, r"bound $\pm\mu p$"), (-1, None)):
+                panel.plot(line.position, side * bound, "--", color="0.3", linewidth=1, label=label)
+        panel.axhline(0, color="black", linewidth=0.6)
+        panel.set_xlim(*self._view)
+        panel.set_ylim(-1.1 * self._most, 1.4 * self._most)
+        panel.set_xlabel(f"position along the surface, ${self._axes[line.axis]}$")
+        panel.set_ylabel(self._label)
+        panel.legend(frameon=False, fontsize=9, loc="upper center", ncols=4)
+
+
+def _follow(panel: Any, drive: Drive, number: int) -> None:
+    """Force against displacement: all of the way in grey, and how far it has come."""
+    panel.plot(drive.x, drive.y, color="0.8", linewidth=1)
+    panel.plot(drive.x[: number + 1], drive.y[: number + 1], color=COLOURS["STICK"], linewidth=1.4)
+    panel.plot(drive.x[number], drive.y[number], "o", color=COLOURS["SLIP"])
+    panel.axhline(0, color="black", linewidth=0.6)
+    panel.set_xlabel(drive.moved)
+    panel.set_ylabel(f"{drive.force} on the body")
+    panel.locator_params(axis="x", nbins=5)
