@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from fenics_contact.result import Result
 from fenics_contact.scene import Scene, SolverSettings, Steps
@@ -63,10 +64,15 @@ def dissipated_share(result: Result) -> float:
         np.array([0.0, *(step[key] for step in found)]) for key in ("normal_force", "indentation")
     )
     there = slice(int(depth.argmax()) + 1)
-    return float(found[-1]["friction_work"] / np.trapezoid(force[there], depth[there]))
+    return float(found[-1]["friction_work"] / trapezoid(force[there], depth[there]))
 
 
 def _pressing(quick: bool) -> Iterator[Finding]:
+    """The way there and back, without friction, with little and with much.
+
+    With much, nearly all sticks where it came into contact, and the way back is the way there; if
+    all slipped, μ = .6 would take .078 of the work.
+    """
     number = 5 if quick else 10
     steps = solved(pressed_and_released(number, 0.0)).steps
     force = np.array([step["quantities"]["normal_force"] for step in steps])
