@@ -134,6 +134,48 @@ def test_partial_slip_moves_a_sphere_as_its_traction_does():
     assert slope == pytest.approx(stuck, rel=1e-5)
 
 
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.9, 1.0])
+def test_cycle_of_shear_loses_what_its_loop_encloses(share):
+    """∮ Q dδ of Mindlin's δ(Q), and its way back by Masing's rule: doubled, from the turn."""
+    nu, shear_modulus, coefficient = 0.3, 1000 / 2.6, 0.4
+    contact = formulas.paraboloid(MODULUS, RADIUS, 1.0)
+    properties = shear_modulus, nu
+    strongest = coefficient * contact.force
+
+    def moved(share):
+        return formulas.partial_slip_shift(contact, coefficient, share, *properties)
+
+    def width(part):  # of the loop at Q = part μP, between the way there and the way back
+        back = moved(share) - 2 * moved((share - part) / 2)
+        there = -moved(share) + 2 * moved((share + part) / 2)
+        return back - there
+
+    area = strongest * quad(width, -share, share)[0]
+    lost = formulas.partial_slip_loss(contact, coefficient, share, *properties)
+    assert lost == pytest.approx(area, rel=1e-8)
+
+
+def test_pressing_loses_what_little_friction_takes_on_the_way():
+    """μ p on the slip rate, with u_r = −(1 − 2ν)(1 + ν)/E ∫ p s ds / r of any pressure inside r."""
+    nu, modulus = 0.3, 1000.0
+
+    def pressure(r, a):
+        return 2 * MODULUS / (np.pi * RADIUS) * math.sqrt(max(a**2 - r**2, 0.0))
+
+    def moved(r, a):
+        inside = quad(lambda s: pressure(s, a) * s, 0, min(r, a))[0]
+        return -(1 - 2 * nu) * (1 + nu) / modulus * inside / r
+
+    def power(r, a, step=1e-5):
+        rate = (moved(r, a + step) - moved(r, a - step)) / (2 * step)
+        return 2 * math.pi * r * pressure(r, a) * abs(rate)
+
+    # Self-similar: the power at a contact radius a grows like a⁴, work to a like a⁵.
+    loss = 2 * quad(power, 1e-6, 1, args=(1,), epsrel=1e-6)[0] / 5
+    work = 8 / 15 * MODULUS / RADIUS**2
+    assert formulas.pressing_loss(1.0, nu) == pytest.approx(loss / work, rel=1e-4)
+
+
 @pytest.mark.parametrize(("modulus", "poisson"), [(1000.0, 0.2), (300.0, 0.4)])
 def test_airy_field_is_in_equilibrium_and_lies_flat_on_the_interface(modulus, poisson):
     """Stresses from its displacements, by differences, at points around the interface."""
@@ -178,6 +220,12 @@ def test_slab_finds_the_last_sticking_points():
     (case,) = (case for case in verification.CASES if case.name == "slab")
     findings = list(case.run(True))
     assert [finding.passed for finding in findings] == [True] * 8
+
+
+def test_pressing_and_taking_back():
+    (case,) = (case for case in verification.CASES if case.name == "pressing")
+    findings = list(case.run(True))
+    assert [finding.passed for finding in findings] == [True] * 3
 
 
 @pytest.mark.parametrize(

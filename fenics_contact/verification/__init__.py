@@ -4,6 +4,7 @@ A module of cases ends with a tuple ``CASES``; the one below lists them all.
 """
 
 from fenics_contact.verification import (
+    cycle_cases,
     friction_cases,
     hertz_pair_cases,
     incline_cases,
@@ -24,6 +25,7 @@ CASES: tuple[Case, ...] = (
     *punch_cases.CASES,
     *friction_cases.CASES,
     *shear_cases.CASES,
+    *cycle_cases.CASES,
     *pair_cases.CASES,
     *pair_ways_cases.CASES,
     *hertz_pair_cases.CASES,

@@ -190,3 +190,39 @@ def annular_punch_force(
     kernel = 4 / np.pi * (factor * logarithm + smooth * np.pi / terms) / sums
     pressure = np.linalg.solve(kernel, np.full(terms, indentation))  # times s √(…) / E*
     return float(2 * np.pi * modulus * pressure.sum() * np.pi / terms)
+
+
+def partial_slip_loss(
+    contact: HertzContact,
+    coefficient: float,
+    share: float,
+    shear_modulus: float,
+    poissons_ratio: float,
+) -> float:
+    """What a cycle of the shear between ±Q dissipates (Mindlin & Deresiewicz 1953).
+
+    W = 9/10 (μP)² (2 − ν)/(G a) (1 − x^(5/3) − 5/6 q (1 + x^(2/3))), q = Q/μP and x = 1 − q: the
+    area between ``partial_slip_shift`` and its way back, δ(Q) − 2 δ((Q − Q')/2), on one elastic
+    half-space; two alike dissipate twice as much. The arguments are those of
+    ``partial_slip_shift``.
+    """
+    most = 0.9 * (coefficient * contact.force) ** 2 * (2 - poissons_ratio)
+    x = 1 - share
+    shape = 1 - x ** (5 / 3) - 5 / 6 * share * (1 + x ** (2 / 3))
+    return most / (shear_modulus * contact.radius) * shape
+
+
+def pressing_loss(coefficient: float, poissons_ratio: float) -> float:
+    """What pressing a paraboloid and taking it back dissipates, over the work of pressing.
+
+    6/π (π/4 − 2/3) (1 − 2ν)/(1 − ν) μ, for so little friction that all of the contact slips and
+    moves as without: ∫∫ μ p |∂u_r/∂a| 2πr dr da with Hertz's pressure p and radial displacement
+    u_r (Johnson, (3.41b)), there and back, over ∫ F dd = 8/15 E* a⁵/R². With more friction
+    much of the contact sticks, and less is lost; nothing if all of it does.
+
+    Args:
+        coefficient: μ, ≪ 1.
+        poissons_ratio: ν.
+    """
+    lateral = (1 - 2 * poissons_ratio) / (1 - poissons_ratio)
+    return 6 / pi * (pi / 4 - 2 / 3) * lateral * coefficient

@@ -33,6 +33,11 @@ def shift(share: float) -> float:
     return formulas.partial_slip_shift(HERTZ, _COEFFICIENT, share, _SHEAR_MODULUS, _POISSONS_RATIO)
 
 
+def loss(share: float) -> float:
+    """What a cycle between ± this share of μP dissipates (energy)."""
+    return formulas.partial_slip_loss(HERTZ, _COEFFICIENT, share, _SHEAR_MODULUS, _POISSONS_RATIO)
+
+
 def sheared_scene(*shares: float, **mesh: float) -> Scene:
     """Pressed in the first step, then moved to where these shares of μP are expected."""
     shifts = [shift(share) for share in shares]
