@@ -166,6 +166,8 @@ class History:
         problem.set_time(time)
         if predicted is not None:
             self._place(predicted)
+            if newton.is_out_of_touch():  # an obstacle that turns leaves the straight line
+                self._place(self.last.unknowns)
         newton.continue_start()
 
     def _prediction(self, time: float) -> Unknowns | None:

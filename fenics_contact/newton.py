@@ -238,7 +238,7 @@ class Newton:
         What only contact holds, and nothing touches, is brought into contact as at the start; so
         are bodies that were paired anew, of which none may be touched then.
         """
-        is_doubtful = self.paired_anew or self._is_out_of_touch()
+        is_doubtful = self.paired_anew or self.is_out_of_touch()
         if is_doubtful and RigidMotions(self.problem).count > 0:
             self.start()
             return
@@ -265,7 +265,7 @@ class Newton:
         with self.timings.phase("assemble"):
             self.system.pair_anew()
 
-    def _is_out_of_touch(self) -> bool:
+    def is_out_of_touch(self) -> bool:
         """Whether nothing presses on an obstacle that a force drives, or nowhere; collective."""
         pushing = [contact for contact in self.problem.contacts if contact.is_one_sided]
         touched = [largest(self.comm, contact.pressure()) > 0 for contact in pushing]

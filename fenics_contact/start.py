@@ -47,7 +47,7 @@ def starting_point(problem: Problem) -> tuple[Array, list[float]]:
     motion = problem.comm.bcast(motion)
     found = rigid.indentations(loose @ motion)
     for contact, indentation in zip(rigid.floating, found, strict=True):
-        indentations[problem.contacts.index(contact)] = float(indentation)
+        indentations[problem.contacts.index(contact)] += float(indentation)
     return rigid.displacement(loose @ motion), indentations
 
 
