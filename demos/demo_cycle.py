@@ -29,7 +29,6 @@ from fenics_contact import (
     MeshSource,
     Obstacle,
     Scene,
-    SolverSettings,
     Steps,
     run_script,
 )
@@ -66,7 +65,6 @@ scene = Scene(
         ),
     ),
     steps=Steps(number=46, end=46),
-    solver=SolverSettings(strategy="monolithic"),
 )
 
 if __name__ == "__main__":
