@@ -9,10 +9,13 @@ from fenics_contact import compat
 from fenics_contact.surface_space import SurfaceSpace
 
 Array = NDArray[np.float64]
+Place = tuple[int, ...]
 
 
 class SurfacePieces:
     """Facets cut into flat segments (2D) or triangles (3D) between nodes.
+
+    Quadrilaterals are cut along either diagonal, and so covered twice.
 
     Attributes:
         points: Contact points at the corners, (pieces, corners); a node on the axis of
@@ -42,12 +45,26 @@ class SurfacePieces:
 def _facet_pieces(surface: SurfaceSpace) -> NDArray[np.int32]:
     """Nodes of the segments or triangles of all facets, (pieces, corners)."""
     points = compat.interpolation_points(surface.scalar_space.element)
+    degree, is_square = surface.spaces.degree, compat.is_tensor_cell(surface.mesh)
+    places = np.rint(degree * points).astype(int)
+    node = {tuple(place): number for number, place in enumerate(places.tolist())}
     dimension = points.shape[1]
+    # Whatever the numbering of a facet, its pieces are the same: it may differ between ranks.
+    pieces: list[list[Place]]
     if dimension == 1:
-        order = np.argsort(points[:, 0])
-        pieces = np.stack([order[:-1], order[1:]], axis=1)
+        pieces = [[(k,), (k + 1,)] for k in range(degree)]
     else:
-        from scipy.spatial import Delaunay
+        pieces = [
+            corners
+            for i in range(degree)
+            for j in range(degree)
+            for corners in _cut((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1), is_square)
+        ]
+    numbers = [[node[place] for place in piece] for piece in pieces if node.keys() >= {*piece}]
+    return np.asarray(surface.facet_nodes[:, numbers].reshape(-1, dimension + 1))
 
-        pieces = Delaunay(points).simplices
-    return np.asarray(surface.facet_nodes[:, pieces].reshape(-1, dimension + 1))
+
+def _cut(a: Place, b: Place, c: Place, d: Place, along_both: bool) -> list[list[Place]]:
+    """Triangles of a square between nodes, along one diagonal or along either."""
+    first = [[a, b, d], [b, c, d]]
+    return [*first, [a, b, c], [a, c, d]] if along_both else first

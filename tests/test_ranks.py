@@ -97,6 +97,31 @@ def test_two_solids_alone_and_together(solver):
     assert_same(alone, run(scene, COMM, boxes(SOLIDS, "tetrahedron")))
 
 
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("cell", [CellType.hexahedron, CellType.tetrahedron])
+def test_areas_alone_and_together(cell, degree):
+    """Facets are cut into pieces the same way, however ranks number their corners."""
+    obstacle = Obstacle(
+        "paraboloid",
+        radius=2,
+        position=(0.46, 0.57, 0.5),
+        indentation=0.02,
+        displacement=(3e-3, 0, 0),
+    )
+    scene = Scene(
+        kinematics="3D",
+        material=Material(1000, 0.3),
+        discretisation=Discretisation(degree),
+        support=(Support("z0", {"x": 0, "y": 0, "z": 0}),),
+        contact=(Contact("z1", obstacle=obstacle, friction_coefficient=0.2),),
+    )
+    cells = (6, 5, 3) if cell == CellType.hexahedron else (4, 5, 2)
+    alone = run(scene, MPI.COMM_SELF, box_body(cells, cell=cell, comm=MPI.COMM_SELF))
+    together = run(scene, COMM, box_body(cells, cell=cell))
+    for key in ("contact_area", "stick_area"):
+        assert together.quantities[key] == pytest.approx(alone.quantities[key], rel=1e-9), key
+
+
 def pads():
     """A strip with a rough pad at its right end only, and a second, smooth one."""
     scene = Scene(
