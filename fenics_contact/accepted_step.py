@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.contact import STICK
 from fenics_contact.contact_memory import ContactMemory
+from fenics_contact.contact_state import STICK
 from fenics_contact.problem import Problem
 from fenics_contact.solution import Solution
 

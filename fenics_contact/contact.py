@@ -6,7 +6,6 @@ One object per ``[[contact]]``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,12 +17,14 @@ from fenics_contact.body_kinematics import BodyKinematics
 from fenics_contact.bulk import ElasticBody
 from fenics_contact.contact_history import ContactHistory
 from fenics_contact.contact_kinematics import ContactKinematics
+from fenics_contact.contact_paths import ContactPaths
+from fenics_contact.contact_scales import ContactScales
 from fenics_contact.contact_sides import ContactSides
-from fenics_contact.contact_terms import FrictionTerm, NormalTerm
+from fenics_contact.contact_state import OPEN, SLIP, STICK, ContactState
 from fenics_contact.errors import InputError
-from fenics_contact.load_paths import KeyedPath
-from fenics_contact.moduli import Moduli
+from fenics_contact.friction_term import FrictionTerm
 from fenics_contact.normal_contact import prescribed_pressure_energy
+from fenics_contact.normal_term import NormalTerm
 from fenics_contact.obstacle_kinematics import ObstacleKinematics
 from fenics_contact.parallel import largest, smallest
 from fenics_contact.scene_contact import Contact, Obstacle
@@ -34,41 +35,11 @@ from fenics_contact.surface_supports import SurfaceSupports
 
 Array = NDArray[np.float64]
 
-OPEN, STICK, SLIP = "OPEN", "STICK", "SLIP"
-
-# ε = this × g h / E, h the shortest edge at the contact: a stuck point creeps by less
-# than ε, which changes the stress near it by about E ε / h, so the bias is of this order.
-_REGULARISATION_SHARE = 1e-5
-# ε₁ = this × h / E: a pressure p then sinks in by this share of the elastic displacement
-# p h / E of one cell, so its bias stays below .1 % down to contacts of a single cell.
-_PENALTY_SHARE = 3e-4
-
 _NAMES = {
     "unilateral": "unilateral contact (penalty)",
     "winkler": "Winkler foundation",
     "bonded": "bonded contact (penalty)",
 }
-
-
-@dataclass(frozen=True, eq=False)
-class ContactState:
-    """What happens at the contact points of this rank, one row a point.
-
-    Attributes:
-        gap: Along the normal, > 0 open, infinite where no obstacle stands (length).
-        contact_pressure: On the body, ≥ 0; < 0 in tension where bonded (stress).
-        friction_traction: Tangential traction on the body, (points, components) (stress).
-        slip: Tangential displacement relative to the obstacle, (points, components) (length).
-        status: OPEN, STICK or SLIP.
-        penalty_energy: Of penalty or foundation (energy/area).
-    """
-
-    gap: Array
-    contact_pressure: Array
-    friction_traction: Array
-    slip: Array
-    status: NDArray[np.str_]
-    penalty_energy: Array
 
 
 class ContactSurface:
@@ -86,6 +57,7 @@ class ContactSurface:
         facet_size: Shortest edge of the cells at the contact (length).
         penalty_parameter: ε₁ as used (length/stress), 0 without a penalty.
         pressure_load: Compiled linear form of a prescribed pressure's work on the surface, or None.
+        paths: What drives it at a pseudo-time.
         force: That drives the obstacle at present, None where none does (force).
         history: What it keeps of its last load step.
         is_scaled: Whether ε has been set, for which a pressure must be known.
@@ -112,15 +84,16 @@ class ContactSurface:
         self.owned_nodes = self.trace.owned[: len(self.nodes)]
         self.kinematics = self._kinematics(key, constrained)
         self.supports = SurfaceSupports(self.trace, constrained)
-        self.moduli, self.facet_size = self._scales(elastic)
+        self._scales = ContactScales(self.sides, elastic)
+        self.moduli, self.facet_size = self._scales.moduli, self._scales.facet_size
         self._full_pressure = self._given(contact.pressure or 0.0, f"{key}.pressure")
         self._given_pressure = self._full_pressure
-        self._paths = _paths(contact, key)
+        self.paths = ContactPaths(contact, key)
         if contact.kind in ("unilateral", "winkler"):
             self.kinematics.require_one_sided(key)
             self._bring_up()
         self.force = None if contact.obstacle is None else contact.obstacle.force
-        self.penalty_parameter = self._penalty()
+        self.penalty_parameter = self._scales.penalty_parameter(contact)
         self.normal = self._normal_term(f"{key}.foundation_stiffness")
         coefficient = self._given(contact.friction_coefficient, f"{key}.friction_coefficient")
         if contact.law == "none" or (contact.kind != "prescribed" and self.normal is None):
@@ -139,15 +112,6 @@ class ContactSurface:
         described = self.contact.obstacle or Obstacle()
         prescribed = self.contact.kind == "prescribed"
         return ObstacleKinematics(self.trace, None if prescribed else described, f"{key}.obstacle")
-
-    def _scales(self, elastic: ElasticBody) -> tuple[Moduli, float]:
-        """Stiffness and facet size, also of what is opposite; collective."""
-        moduli, size = elastic.moduli_behind(self.nodes), self.trace.smallest_edge()
-        opposite = self.sides.opposite
-        if opposite is None:
-            return moduli, size
-        others = elastic.moduli_behind(opposite.nodes)
-        return moduli.against(others), min(size, opposite.smallest_edge())
 
     def _bring_up(self) -> None:
         """Leave out what no obstacle can press, and bring one that a force drives up to it."""
@@ -197,13 +161,10 @@ class ContactSurface:
     def scale_friction(self, pressure: Array) -> None:
         """Set ε: the scene's, or one whose bias is below .1 % at a pressure; collective."""
         assert self.friction is not None
-        epsilon = self.contact.regularisation_parameter
-        if epsilon == "auto":
-            strongest = largest(self.spaces.comm, self.friction.bound_of(pressure))
-            share = _REGULARISATION_SHARE * self.facet_size / self.moduli.combined
-            epsilon = share * strongest
+        strongest = largest(self.spaces.comm, self.friction.bound_of(pressure))
+        epsilon = self._scales.regularisation_parameter(self.contact, strongest)
         self.is_scaled = epsilon > 0
-        self.friction.regularisation_parameter = float(epsilon) or 1.0
+        self.friction.regularisation_parameter = epsilon or 1.0
 
     @property
     def terms(self) -> list[NormalTerm | FrictionTerm]:
@@ -213,39 +174,18 @@ class ContactSurface:
     def set_time(self, time: float) -> None:
         """Bring the obstacle to where it stands, or to what drives it, at a pseudo-time."""
         if self.contact.kind == "prescribed":
-            self._press(self.pressure_factor(time))
-        obstacle = self.contact.obstacle
-        if obstacle is None:
+            self._press(self.paths.pressure_factor(time))
+        kinematics = self.kinematics
+        if self.contact.obstacle is None or not isinstance(kinematics, ObstacleKinematics):
             return
-        if obstacle.force is not None:
-            self.force = self._force_at(time, obstacle.force)
-        else:
-            factor = self._paths["obstacle.path"](time)
-            self.kinematics.indentation = (obstacle.indentation or 0.0) * factor
-        if obstacle.displacement is not None and isinstance(self.kinematics, ObstacleKinematics):
-            share = self._paths["obstacle.displacement_path"](time)
-            self.kinematics.displace(share * np.array(obstacle.displacement))
+        self.force = self.paths.force(time)
+        if self.force is None:
+            kinematics.indentation = self.paths.indentation(time)
+        moved = self.paths.displacement(time)
+        if moved is not None:
+            kinematics.displace(moved)
             if self.normal is not None:
-                self.normal.set_gap(self.kinematics.gap)
-
-    def _force_at(self, time: float, force: float) -> float:
-        """Force on the obstacle at a pseudo-time, ≥ 0 unless it is glued on."""
-        path = self._paths["obstacle.path"]
-        factor = path(time)
-        if factor < 0 and self.contact.kind != "bonded":
-            raise InputError(
-                f"{path.key}: {factor:g} at time {time:g}, but a force on an obstacle that the "
-                "body may leave must be ≥ 0"
-            )
-        return force * factor
-
-    def pressure_factor(self, time: float) -> float:
-        """Share of a given pressure that acts at a pseudo-time, ≥ 0."""
-        path = self._paths["pressure_path"]
-        factor = path(time)
-        if factor < 0:
-            raise InputError(f"{path.key}: {factor:g} at time {time:g}, but it must be ≥ 0")
-        return factor
+                self.normal.set_gap(kinematics.gap)
 
     def _press(self, factor: float) -> None:
         """Scale the given pressure, and the friction that it bounds."""
@@ -356,14 +296,6 @@ class ContactSurface:
             return "stick"
         return self.contact.law if self.friction is not None else "none"
 
-    def _penalty(self) -> float:
-        """The scene's ε₁, or one whose bias in force and peak pressure is below .1 %."""
-        if self.contact.kind not in ("unilateral", "bonded"):
-            return 0.0
-        if self.contact.penalty_parameter != "auto":
-            return float(self.contact.penalty_parameter)
-        return _PENALTY_SHARE * self.facet_size / self.moduli.confined
-
     def _normal_term(self, key: str) -> NormalTerm | None:
         kind = self.contact.kind
         if kind == "prescribed" or (self.force is not None and not self.floats):
@@ -456,13 +388,3 @@ class ContactSurface:
         small = np.linalg.norm(slip, axis=1) <= self.regularisation_parameter
         sticks = (self.friction_bound > 0) & small
         return np.where(pressure > 0, np.where(sticks, STICK, SLIP), OPEN)
-
-
-def _paths(contact: Contact, key: str) -> dict[str, KeyedPath]:
-    """All load paths of a contact, by their keys in it."""
-    found = {"pressure_path": KeyedPath(contact.pressure_path, f"{key}.pressure_path")}
-    if contact.obstacle is not None:
-        for name in ("path", "displacement_path"):
-            where = f"obstacle.{name}"
-            found[where] = KeyedPath(getattr(contact.obstacle, name), f"{key}.{where}")
-    return found

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.contact import OPEN, STICK, ContactState, ContactSurface
+from fenics_contact.contact import ContactSurface
+from fenics_contact.contact_state import OPEN, STICK, ContactState
 from fenics_contact.parallel import total
 
 Array = NDArray[np.float64]

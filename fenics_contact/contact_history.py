@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from fenics_contact.contact import ContactState
+from fenics_contact.contact_state import OPEN, SLIP, STICK, ContactState
 
 Array = NDArray[np.float64]
 
-_KINDS = ("OPEN", "STICK", "SLIP")
+_KINDS = (OPEN, STICK, SLIP)
 
 
 class ContactHistory:
@@ -36,7 +34,7 @@ class ContactHistory:
     def changed(self, state: ContactState) -> NDArray[np.bool_]:
         """At which points the status changed in the step, if only in between, as in slip back."""
         turned = np.einsum("ij,ij->i", self.last.friction_traction, state.friction_traction) < 0
-        return np.asarray((state.status != self.last.status) | (turned & (state.status == "SLIP")))
+        return np.asarray((state.status != self.last.status) | (turned & (state.status == SLIP)))
 
     def dissipation(self, state: ContactState, slip: Array) -> Array:
         """Work of friction in a step (energy/area).

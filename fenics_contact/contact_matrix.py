@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fenics_contact.linear_system import AddedTangents, add_entries
+from fenics_contact.added_tangents import AddedTangents, add_entries
 from fenics_contact.problem import Problem
 from fenics_contact.surface_matrix import SurfaceMatrix
 

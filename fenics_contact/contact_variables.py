@@ -54,6 +54,7 @@ class ContactVariables:
         self._unknown_of = np.cumsum(dofs.is_free) - 1
         self._blocks: list[_Block] = []
         self._as_jumps: list[SurfaceMatrix] = []
+        self._relatives = {surface: self._relative(surface) for surface in surfaces}
         slaves, masters = np.zeros((2, len(dofs.numbers)), dtype=bool)
         for surface in surfaces:
             pairing = surface.contact.kinematics.pairing
@@ -113,8 +114,8 @@ class ContactVariables:
 
     def jump(self, surface: SurfaceMatrix) -> csr_matrix:
         """Displacements of a surface relative to what is opposite, over the unknowns."""
-        relative, free = self._relative(surface), np.flatnonzero(self._dofs.is_free)
-        over_free = csr_matrix(relative[:, free])
+        free = np.flatnonzero(self._dofs.is_free)
+        over_free = csr_matrix(self._relatives[surface][:, free])
         if surface in self._as_jumps:
             return self._with_unit_rows(surface, over_free)
         return over_free @ self._transform() if self._blocks else over_free
@@ -134,7 +135,7 @@ class ContactVariables:
 
     def held_part(self, surface: SurfaceMatrix, held: Array) -> Array:
         """What held displacements, given at all contact dofs, add to ``jump``."""
-        return np.asarray(self._relative(surface) @ held)
+        return np.asarray(self._relatives[surface] @ held)
 
     def _relative(self, surface: SurfaceMatrix) -> csr_matrix:
         """U − P u' of a surface over all contact dofs."""

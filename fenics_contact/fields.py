@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fenics_contact import compat
 from fenics_contact.bulk_forces import BulkForces
-from fenics_contact.contact import OPEN, STICK
+from fenics_contact.contact_state import OPEN, STICK
 from fenics_contact.parallel import on_root
 from fenics_contact.problem import Problem
 from fenics_contact.solution import Solution

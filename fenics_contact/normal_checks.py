@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.check_tools import TRACE, nearer_to_failing
-from fenics_contact.contact import ContactState, ContactSurface
+from fenics_contact.contact import ContactSurface
+from fenics_contact.contact_state import ContactState
 from fenics_contact.parallel import gather_rows, largest, smallest, total
 from fenics_contact.result import Check
 

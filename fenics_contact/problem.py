@@ -292,7 +292,7 @@ class Problem:
         pressures: list[tuple[NDArray[np.float64], Callable[[float], float]]] = [
             (
                 contact.trace.surface.on_body(contact.trace.surface.assemble(form)),
-                contact.pressure_factor,
+                contact.paths.pressure_factor,
             )
             for contact in self.contacts
             if (form := contact.pressure_load) is not None

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.bulk_forces import BulkForces
-from fenics_contact.contact import OPEN, SLIP, STICK, ContactState, ContactSurface
+from fenics_contact.contact import ContactSurface
 from fenics_contact.contact_area import contact_area, stick_area
+from fenics_contact.contact_state import OPEN, SLIP, STICK, ContactState
 from fenics_contact.parallel import gather_rows, largest, total
 from fenics_contact.problem import Problem
 from fenics_contact.result import ContactPoints

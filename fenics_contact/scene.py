@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Mapping
-from functools import cached_property
 from typing import Annotated, Any, Literal
 
-import numpy as np
-from pydantic import BeforeValidator, Field, Strict
+from pydantic import BeforeValidator, Field
 from pydantic.dataclasses import dataclass
 
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_material import Material
+from fenics_contact.scene_steps import SolverSettings, Steps
 from fenics_contact.scene_values import (
     AXES,
     CLOSED,
@@ -124,129 +123,6 @@ class Load:
     def __post_init__(self) -> None:
         if sum(kind is not None for kind in (self.traction, self.pressure, self.body_force)) != 1:
             raise ValueError("give exactly one of traction, pressure and body_force")
-
-
-@dataclass(frozen=True, config=CLOSED)
-class Steps:
-    """Load steps: friction remembers how a load was reached."""
-
-    number: Annotated[
-        Integer, Field(ge=1, le=100_000, description="of equal steps in pseudo-time")
-    ] = 1
-    end: Annotated[Positive, Field(description="pseudo-time of the last step")] = 1.0
-    times: Annotated[
-        tuple[Positive, ...],
-        Field(description="instead of the two: pseudo-time of each step, increasing"),
-    ] = ()
-    automatic: Annotated[
-        bool,
-        Strict(),
-        Field(
-            description="whether steps are cut where they do not converge or the contact changes "
-            "too much, and grow again: number is then that of the first step's size, end/number; "
-            "none passes over an entry of a path's table"
-        ),
-    ] = False
-    smallest: Annotated[
-        Positive | None,
-        Field(description="automatic step (pseudo-time); by default a thousandth of the first"),
-    ] = None
-    largest: Annotated[
-        Positive | None,
-        Field(description="automatic step (pseudo-time); by default the first"),
-    ] = None
-    area_change: Annotated[
-        Number,
-        Field(
-            gt=0,
-            description="largest change of what touches, or of what sticks, in an automatic step, "
-            "over the area in contact; one that does not shrink with the step is a jump, and taken",
-        ),
-    ] = 0.2
-
-    def __post_init__(self) -> None:
-        if any(b <= a for a, b in zip(self.times, self.times[1:], strict=False)):
-            raise ValueError("the times must increase")
-        if self.automatic and self.times:
-            raise ValueError("automatic: leave out times, automatic steps choose their own")
-        limits = [name for name in ("smallest", "largest") if getattr(self, name) is not None]
-        if limits and not self.automatic:
-            raise ValueError(f"{limits[0]}: only automatic steps have one; set automatic = true")
-        if self.smallest_size > self.largest_size:
-            raise ValueError(
-                f"smallest = {self.smallest_size:g} exceeds largest = {self.largest_size:g}, "
-                "which is the first step where it is not given"
-            )
-
-    @property
-    def first_size(self) -> float:
-        """The first automatic step (pseudo-time)."""
-        return min(self.end / self.number, self.largest or np.inf)
-
-    @property
-    def smallest_size(self) -> float:
-        """No automatic step is cut below this (pseudo-time)."""
-        return self.smallest or 1e-3 * self.first_size
-
-    @property
-    def largest_size(self) -> float:
-        """No automatic step grows beyond this (pseudo-time)."""
-        return self.largest or self.first_size
-
-    @property
-    def last(self) -> float:
-        """Pseudo-time at which they end."""
-        return self.all_times[-1]
-
-    @property
-    def several(self) -> bool:
-        """Whether there may be more than one."""
-        return self.automatic or len(self.all_times) > 1
-
-    @cached_property
-    def all_times(self) -> tuple[float, ...]:
-        """Pseudo-time at the end of each step; of automatic ones, if none is cut."""
-        if self.times:
-            return self.times
-        return tuple(self.end * (step + 1) / self.number for step in range(self.number))
-
-
-@dataclass(frozen=True, config=CLOSED)
-class SolverSettings:
-    """How friction and pressure are brought together, and when the solver stops."""
-
-    strategy: Annotated[
-        Literal["auto", "campos", "lagged", "monolithic"],
-        Field(
-            description="of Coulomb friction: `campos` alternates friction and contact (the "
-            "paper's), `lagged` solves both with the bound of the last pass, `monolithic` at "
-            "once; `auto` moves on from one to the next where it does not converge"
-        ),
-    ] = "auto"
-    solver: Annotated[
-        Literal["auto", "condensed", "full", "iterative"],
-        Field(
-            description="`condensed` factorises the bulk once and iterates on the contact surfaces "
-            "alone, `full` on all displacements, with a factorisation in every Newton step, "
-            "`iterative` by multigrid, for large 3D bodies that are not nearly incompressible; "
-            "`auto` chooses by sizes and memory"
-        ),
-    ] = "auto"
-    outer_tolerance: Annotated[
-        Number,
-        Field(gt=0, lt=1e-2, description="change of the pressure in a pass, over its peak"),
-    ] = 1e-8
-    max_outer_iterations: Annotated[
-        Integer, Field(ge=1, le=10_000, description="passes of the loop on the pressure at most")
-    ] = 60
-
-    tolerance: Annotated[
-        Number,
-        Field(gt=0, lt=1e-3, description="force imbalance over all applied and support forces"),
-    ] = 1e-10
-    max_iterations: Annotated[
-        Integer, Field(ge=1, le=1_000_000, description="Newton steps at the most")
-    ] = 50
 
 
 def _as_list(value: Any) -> Any:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.contact import ContactState
+from fenics_contact.contact_state import ContactState
 
 
 @dataclass(frozen=True, eq=False)

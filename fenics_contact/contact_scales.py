@@ -1,0 +1,49 @@
+"""Penalty and regularisation of a contact where the scene leaves them to the program."""
+
+from __future__ import annotations
+
+from fenics_contact.bulk import ElasticBody
+from fenics_contact.contact_sides import ContactSides
+from fenics_contact.scene_contact import Contact
+
+# ε = this × g h / E, h the shortest edge at the contact: a stuck point creeps by less
+# than ε, which changes the stress near it by about E ε / h, so the bias is of this order.
+_REGULARISATION_SHARE = 1e-5
+# ε₁ = this × h / E: a pressure p then sinks in by this share of the elastic displacement
+# p h / E of one cell, so its bias stays below .1 % down to contacts of a single cell.
+_PENALTY_SHARE = 3e-4
+
+
+class ContactScales:
+    """Stiffness and size of cells at a contact, also of those opposite.
+
+    Attributes:
+        moduli: Stiffnesses of the body, or of the two that touch.
+        facet_size: Shortest edge of the cells at the contact (length).
+    """
+
+    def __init__(self, sides: ContactSides, elastic: ElasticBody) -> None:
+        self.moduli = elastic.moduli_behind(sides.trace.nodes)
+        self.facet_size = sides.trace.smallest_edge()
+        if sides.opposite is not None:
+            self.moduli = self.moduli.against(elastic.moduli_behind(sides.opposite.nodes))
+            self.facet_size = min(self.facet_size, sides.opposite.smallest_edge())
+
+    def penalty_parameter(self, contact: Contact) -> float:
+        """The scene's ε₁, or one whose bias in force and peak pressure is below .1 %; else 0."""
+        if contact.kind not in ("unilateral", "bonded"):
+            return 0.0
+        if contact.penalty_parameter != "auto":
+            return float(contact.penalty_parameter)
+        return _PENALTY_SHARE * self.facet_size / self.moduli.confined
+
+    def regularisation_parameter(self, contact: Contact, bound: float) -> float:
+        """The scene's ε, or one whose bias is below .1 % at a friction bound (length).
+
+        Args:
+            contact: Of the scene.
+            bound: The largest (stress).
+        """
+        if contact.regularisation_parameter != "auto":
+            return float(contact.regularisation_parameter)
+        return _REGULARISATION_SHARE * self.facet_size / self.moduli.combined * bound

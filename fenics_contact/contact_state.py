@@ -1,0 +1,33 @@
+"""What happens at the points of a contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+OPEN, STICK, SLIP = "OPEN", "STICK", "SLIP"
+
+
+@dataclass(frozen=True, eq=False)
+class ContactState:
+    """What happens at the contact points of this rank, one row a point.
+
+    Attributes:
+        gap: Along the normal, > 0 open, infinite where no obstacle stands (length).
+        contact_pressure: On the body, ≥ 0; < 0 in tension where bonded (stress).
+        friction_traction: Tangential traction on the body, (points, components) (stress).
+        slip: Tangential displacement relative to the obstacle, (points, components) (length).
+        status: OPEN, STICK or SLIP.
+        penalty_energy: Of penalty or foundation (energy/area).
+    """
+
+    gap: Array
+    contact_pressure: Array
+    friction_traction: Array
+    slip: Array
+    status: NDArray[np.str_]
+    penalty_energy: Array
