@@ -175,6 +175,8 @@ class Run:
                 "load_factor": time,
                 "newton_iterations": solution.newton_iterations,
                 "outer_iterations": solution.outer_iterations,
+                "outer_contraction": solution.contraction,
+                "attempts": list(solution.attempts),
                 "residual_history": list(solution.residual_history),
                 "quantities": quantities,
                 "contacts": [
@@ -267,6 +269,7 @@ class Run:
             "load_factor": self._history.tried,
             "newton_iterations": max(len(error.residual_history) - 1, 0),
             "outer_iterations": 0,
+            "attempts": list(error.attempts),
             "residual_history": list(error.residual_history),
             "quantities": {},
         }
