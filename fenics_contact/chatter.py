@@ -58,19 +58,19 @@ class Chatter:
 
     def period(self) -> int | None:
         """Iterates after which the same status comes again, 2 … 6; None if it does not."""
-        count = len(self._iterates)
-        for period in range(1, min(_LONGEST_CYCLE, count // 2) + 1):
-            if self._repeats(period):
-                return period if period > 1 else None  # nothing changes any more
+        for period in range(2, min(_LONGEST_CYCLE, len(self._iterates) // 2) + 1):
+            last, before = self._iterates[-period:], self._iterates[-2 * period : -period]
+            if not self._differ(last, before):
+                return period if self._differ(last[1:], last[:-1]) else None
         return None
 
-    def _repeats(self, period: int) -> bool:
-        last, before = self._iterates[-period:], self._iterates[-2 * period : -period]
+    def _differ(self, some: list[list[_Iterate]], others: list[list[_Iterate]]) -> bool:
+        """Whether one of some iterates differs from its counterpart."""
         pairs = [
-            pair for both in zip(last, before, strict=True) for pair in zip(*both, strict=True)
+            pair for both in zip(some, others, strict=True) for pair in zip(*both, strict=True)
         ]
         changed = sum(int(new.differs(old).sum()) for new, old in pairs)
-        return int(self._comm.allreduce(changed)) == 0
+        return int(self._comm.allreduce(changed)) > 0
 
     def words(self, iterates: str) -> str:
         """Which points chatter, how many, where, and their share of the force; or nothing.
