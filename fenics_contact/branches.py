@@ -26,6 +26,8 @@ _SAME = 1e-6
 # Penetration and slip that a start begins with, over the facet size: Newton's first step goes as
 # far as its linearisation reaches, whatever they are.
 _DEPTH = 1e-3
+# Part of a direction in the surface from which it counts as along it.
+_ALONG = 0.1
 
 
 @dataclass(frozen=True)
@@ -54,21 +56,24 @@ def starts(components: int) -> list[Start]:
     return found
 
 
-def other_solutions(history: History) -> Iterator[tuple[str, Solution]]:
+def other_solutions(history: History) -> Iterator[tuple[str, Solution | None]]:
     """Solve the last load step from other starts; collective.
 
     Args:
         history: At its end; it is there again when all starts have been tried.
 
     Yields:
-        The start's name and the solution, of each answer that is none of those before; the
-        problem's state is that answer's until the next is asked for.
+        The start's name and the solution, of each answer that is none of those before, None of
+        a start from which there was none; the problem's state is that answer's until the next
+        is asked for.
     """
     assert history.last is not None
     newton, problem = history.newton, history.problem
     known = [history.last.solution]
     try:
         for start in starts(problem.spaces.components):
+            if not _is_along(problem, start):
+                continue
             history.go_back()
             newton.forget()
             _begin(history, start)
@@ -76,6 +81,7 @@ def other_solutions(history: History) -> Iterator[tuple[str, Solution]]:
                 newton.run(search_energy=False)
             except NotConvergedError as error:
                 logger.debug("  from '%s': %s", start.name, error)
+                yield start.name, None
                 continue
             found = newton.solution(0, f"Newton's method, from the start '{start.name}'")
             if not any(_is_same(problem, found, other) for other in known):
@@ -83,6 +89,21 @@ def other_solutions(history: History) -> Iterator[tuple[str, Solution]]:
                 yield start.name, found
     finally:
         history.go_back()
+
+
+def _is_along(problem: Problem, start: Start) -> bool:
+    """Whether a start's slip is along some contact, not across all; collective."""
+    if start.way is None:
+        return True
+    along = [
+        contact.kinematics.tangential(_everywhere(contact, start.way))
+        for contact in problem.coulomb
+    ]
+    return max(largest(problem.comm, np.abs(slip).ravel()) for slip in along) > _ALONG
+
+
+def _everywhere(contact: ContactSurface, way: tuple[float, ...]) -> Array:
+    return np.tile(way, (len(contact.trace.weights), 1))
 
 
 def _is_same(problem: Problem, one: Solution, other: Solution) -> bool:
@@ -110,11 +131,10 @@ def _begin(history: History, start: Start) -> None:
 
 def _slip(contact: ContactSurface, way: tuple[float, ...]) -> Array:
     """Slip in a direction at the points; where that is across the surface, some other way."""
-    count = len(contact.trace.weights)
-    along = contact.kinematics.tangential(np.tile(way, (count, 1)))
-    other = contact.kinematics.tangential(np.tile(np.roll(way, 1), (count, 1)))
-    lengths = np.linalg.norm(along, axis=1)
-    along = np.where((lengths > 0.1)[:, None], along, other)
+    turned = (way[-1], *way[:-1])
+    along, other = (contact.kinematics.tangential(_everywhere(contact, w)) for w in (way, turned))
+    is_along = np.linalg.norm(along, axis=1) > _ALONG
+    along = np.where(is_along[:, None], along, other)
     return np.asarray(_DEPTH * contact.facet_size * along)
 
 

@@ -27,10 +27,12 @@ class OtherAnswers:
         limits: Of each contact with Coulomb's friction, by its name: the coefficient up to which
             the answer is the only one by an estimate, and the coefficient that it has.
         branches: Answers, that of the run first, as in ``result.json``; empty if not asked for.
+        without_answer: Number of starts from which none was found.
     """
 
     limits: dict[str, tuple[float, float]] = field(default_factory=dict)
     branches: list[dict[str, Any]] = field(default_factory=list)
+    without_answer: int = 0
 
     def limit(self, contact: str) -> dict[str, float]:
         """``uniqueness_limit`` of a contact for ``result.json``, where there is one."""
@@ -53,6 +55,8 @@ class OtherAnswers:
         if not beyond:
             return ""
         looked = "none was found from other starts" if count else "solver.branches looks for them"
+        if self.without_answer:
+            looked += f", {self.without_answer} of which did not converge"
         return (
             " The friction coefficient is larger than what leaves a single answer, by an estimate, "
             f"{' and '.join(beyond)}: there may be others; {looked}."
@@ -74,11 +78,15 @@ def look_around(history: History) -> OtherAnswers:
             coefficient = contact.friction.bound_of(np.ones(len(contact.trace.weights)))
             if limit is not None:
                 limits[contact.label] = limit, largest(problem.comm, coefficient)
-    branches = []
+    branches, without_answer = [], 0
     if problem.scene.solver.branches and problem.coulomb and history.last is not None:
         branches.append(_branch(problem, "as solved", history.last.solution))
-        branches += [_branch(problem, start, found) for start, found in other_solutions(history)]
-    return OtherAnswers(limits, branches)
+        for start, found in other_solutions(history):
+            if found is None:
+                without_answer += 1
+            else:
+                branches.append(_branch(problem, start, found))
+    return OtherAnswers(limits, branches, without_answer)
 
 
 def _branch(problem: Problem, start: str, solution: Solution) -> dict[str, Any]:

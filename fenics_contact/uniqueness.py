@@ -19,7 +19,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fenics_contact.condensed_system import CondensedSystem
 from fenics_contact.contact import ContactSurface
-from fenics_contact.parallel import gather_rows
+from fenics_contact.parallel import gather_rows, largest
 
 Array = NDArray[np.float64]
 
@@ -38,6 +38,8 @@ def uniqueness_limit(system: CondensedSystem, number: int) -> float | None:
 
     The others are taken to be open. Where the coefficient varies, its largest value counts, the
     others being in proportion.
+
+    Points count whose gap is no wider than the largest displacement across the contact.
 
     Args:
         system: Its state says what touches.
@@ -69,7 +71,10 @@ def _points(contact: ContactSurface) -> Array:
     count = len(contact.nodes)
     coefficient = contact.friction.bound_of(np.ones(len(trace.weights)))[:count]
     counted = contact.owned_nodes & contact.supports.free_across & (coefficient > 0)
-    counted &= contact.kinematics.reached[:count]
+    # Points that displacements as large as those found may close.
+    kinematics = contact.kinematics
+    depth = largest(comm, np.abs(kinematics.normal(kinematics.jump_at_points())))
+    counted &= kinematics.gap[:count] <= depth
     places = trace.surface.numbers[trace.numbers]
     rows = np.column_stack([places, coefficient, trace.normals[:count]])
     found = gather_rows(comm, rows[counted])
