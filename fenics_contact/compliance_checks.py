@@ -66,9 +66,9 @@ def stick_creep(contacts: list[ComparedFriction], steps: int) -> Check | None:
 
     - Friction from the bulk against g |u_T|/ε at each node (paper, (2.8)), over the largest g.
       Left out where points lie between nodes: a node's force is not that of one slip.
-    - ∫ |σ_T| |u_T| over ∫ |σ_T|² L/E, what the body gives way along the surface under the
-      same friction, L the size of the area that sticks. By the incremental law points creep
-      anew in every load step.
+    - ∫ |σ_T| |u_T| over points that stick, against ∫ |σ_T|² L/E over all: what the body gives
+      way along the surface under the same friction, L the size of the area where it acts. By
+      the incremental law points creep anew in every load step.
 
     Args:
         contacts: What is compared.
@@ -97,14 +97,14 @@ def _creep_law(compared: ComparedFriction) -> Check | None:
 
 def _creep_share(compared: ComparedFriction, steps: int) -> Check | None:
     contact, sticks = compared.contact, _sticks(compared)
-    carried = np.linalg.norm(compared.bulk, axis=1)[sticks]
-    if largest(compared.comm, carried) <= compared.limit:
+    carried = np.linalg.norm(compared.bulk, axis=1)
+    if largest(compared.comm, carried[sticks]) <= compared.limit:
         return None  # nothing but round-off
-    area = compared.area[sticks]
-    creep = np.linalg.norm(compared.slip, axis=1)[sticks]
-    sums = [area * carried * creep, area * carried**2, area]
-    crept, squares, stuck = total(compared.comm, np.array([part.sum() for part in sums]))
-    gives = compared.strongest * size_of(contact, stuck) / contact.moduli.combined
+    creep = np.where(sticks, np.linalg.norm(compared.slip, axis=1), 0.0)
+    rough = np.where(compared.bound > 0, 1.0, 0.0)
+    sums = [compared.area * part for part in (carried * creep, carried**2, rough)]
+    crept, squares, area = total(compared.comm, np.array([part.sum() for part in sums]))
+    gives = compared.strongest * size_of(contact, area) / contact.moduli.combined
     anew = steps if contact.law == "incremental" else 1
     return Check(anew * crept / (squares * gives), _LARGEST_SHARE, contact.label, kind="share")
 
