@@ -43,7 +43,7 @@ def worst_of(comm: Any, values: Array, places: Array) -> tuple[float, Place]:
         0 and nowhere if no rank has a value.
     """
     peak = largest(comm, values)
-    tied = ~(values < peak - 1e-9 * abs(peak))  # also what is not a number
+    tied = np.isnan(values) if np.isnan(peak) else values >= peak - 1e-9 * abs(peak)
     rows = gather_rows(comm, places[tied])
     size = float(np.abs(rows).max(initial=0.0)) or 1.0
     order = np.lexsort(np.round(rows / size, 9).T[::-1])
