@@ -94,11 +94,14 @@ WORDS: Mapping[str, CheckWords] = {
     ),
     "penetration_depth": CheckWords(
         "The deepest penetration against what the pressure closes, p L/E*, which is about the "
-        "indentation, and against the shortest edge of the cells at the contact.",
+        "indentation, and against the shortest edge of the cells at the contact; of glue, how far "
+        "it is pulled apart against what the bodies give way under the same tractions.",
         kinds={
             "closing": "penetration is {share} of what the pressure closes; the "
             "penalty_parameter is too large for this scene",
             "cell": "penetration is {share} of the shortest edge of a cell",
+            "glue": "glue gives way by {share} of what the bodies do; the penalty_parameter is too "
+            "large for this scene",
         },
     ),
     "pressure_recovery": CheckWords(
@@ -123,12 +126,13 @@ def failure(name: str, check: Check) -> str:
     """What is wrong, how much, and where: ``friction cone: traction exceeds …``."""
     words = WORDS[name]
     said = words.kinds[check.kind] if check.kind else words.failure
-    return f"{name.replace('_', ' ')}: {said.format(share=_share(check.value))}{_where(check)}"
+    said = said.format(share=_share(check.value))
+    if check.value != check.value:
+        said = "its value is not a number"
+    return f"{name.replace('_', ' ')}: {said}{_where(check)}"
 
 
 def _share(value: float) -> str:
-    if value != value:
-        return "a value that is not a number (nan)"
     return f"{value:.3g} times" if value > 10 else f"{100 * value:.2g} %"
 
 

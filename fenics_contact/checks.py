@@ -79,7 +79,7 @@ def all_checks(forces: BulkForces, reactions: Array, steps: int) -> dict[str, Ch
         "complementarity": complementarity(pressures),
         "tension": tension(pressures),
         "penetration": penetration(forces, pressures),
-        "penetration_depth": penetration_depth(pressures),
+        "penetration_depth": penetration_depth(forces, pressures),
         "pressure_recovery": pressure_recovery(forces, pressures),
     }
 

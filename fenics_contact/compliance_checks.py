@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.check_tools import nearer_to_failing, size_of, worst_of
 from fenics_contact.contact_state import STICK
 from fenics_contact.friction_checks import ComparedFriction
@@ -27,17 +28,19 @@ _LARGEST_IN_CELL = 0.1
 _SLIP_ROUND_OFF = 20.0
 
 
-def penetration_depth(contacts: list[ComparedPressures]) -> Check | None:
+def penetration_depth(forces: BulkForces, contacts: list[ComparedPressures]) -> Check | None:
     """Deepest penetration of one-sided contacts, against two lengths; collective.
 
     - p L/E*, what the peak pressure p that the bulk needs closes over the size L of the area
       in contact (of Hertz's contacts, the indentation but for a factor near 1).
     - The shortest edge of the cells at the contact.
 
+    Of glue, ∫ |σ n| |w| against ∫ |σ n|² L/E*, with the forces that the bulk needs.
+
     Left out are foundations, whose depth is what is asked for, and nodes that supports hold
-    across the surface.
+    across the surface (of glue, in any direction).
     """
-    worst: Check | None = None
+    worst = _glue(forces)
     for compared in contacts:
         contact, state = compared.contact, compared.state
         if contact.contact.kind != "unilateral":
@@ -57,6 +60,28 @@ def penetration_depth(contacts: list[ComparedPressures]) -> Check | None:
             Check(share, _LARGEST_SHARE, contact.label, place, kind="closing"),
             Check(deepest / contact.facet_size, _LARGEST_IN_CELL, contact.label, place, "cell"),
         ):
+            worst = nearer_to_failing(worst, check)
+    return worst
+
+
+def _glue(forces: BulkForces) -> Check | None:
+    """How far glue gives way, over what the bodies do; collective."""
+    worst: Check | None = None
+    comm = forces.problem.comm
+    free = forces.problem.free.all(axis=1)
+    for number, contact in enumerate(forces.problem.contacts):
+        if contact.contact.kind != "bonded" or contact.normal is None:
+            continue
+        state, nodes = forces.solution.states[number], slice(0, len(contact.nodes))
+        counted = contact.owned_nodes & free[contact.nodes] & np.isfinite(state.gap[nodes])
+        needed = np.linalg.norm(forces.at_contact(number), axis=1)[counted]
+        apart = np.hypot(state.gap[nodes], np.linalg.norm(state.slip[nodes], axis=1))[counted]
+        area = contact.trace.to_nodes(contact.trace.weights)[counted]
+        sums = np.array([(needed * apart).sum(), (needed**2 / area).sum(), area.sum()])
+        opened, squares, glued = total(comm, sums)
+        gives = squares * size_of(contact, glued) / contact.moduli.plane_strain
+        if gives > 0 or gives != gives:
+            check = Check(opened / gives, _LARGEST_SHARE, contact.label, kind="glue")
             worst = nearer_to_failing(worst, check)
     return worst
 

@@ -138,6 +138,13 @@ class Problem:
         return [contact for contact in self.contacts if contact.is_coulomb]
 
     @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which components of which nodes no support holds, (nodes, components)."""
+        free = np.ones(self.load.size, dtype=bool)
+        free[self.constrained] = False
+        return free.reshape(self.load.shape)
+
+    @property
     def between_bodies(self) -> bool:
         """Whether some contact is between two deformable surfaces."""
         return any(contact.contact.against is not None for contact in self.contacts)

@@ -7,14 +7,11 @@ assembled: supports take it up. And where no support acts, it says nothing of th
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.check_tools import ROUND_OFF, nearer_to_failing
 from fenics_contact.parallel import total
 from fenics_contact.result import Check
-
-Array = NDArray[np.float64]
 
 
 def resultant(forces: BulkForces) -> Check | None:
@@ -36,7 +33,7 @@ def resultant(forces: BulkForces) -> Check | None:
 def _obstacles(forces: BulkForces) -> list[Check]:
     """The force of each obstacle that a force drives, against that force; collective."""
     found = []
-    free, comm = _free(forces), forces.problem.comm
+    free, comm = forces.problem.free, forces.problem.comm
     for number, contact in enumerate(forces.problem.contacts):
         if not contact.floats:
             continue
@@ -65,7 +62,7 @@ def _pressures(forces: BulkForces) -> list[Check]:
         pressure = state.contact_pressure
         expected -= contact.trace.integral(pressure[:, None] * contact.trace.normals)
         carried += float(contact.trace.integral(np.abs(pressure)))
-    needed = problem.pressure_load + np.where(_free(forces), forces.unbalanced, 0.0)
+    needed = problem.pressure_load + np.where(problem.free, forces.unbalanced, 0.0)
     owned = slice(0, problem.spaces.owned_nodes)
     found = total(problem.comm, (needed[owned] * pressed[owned, None]).sum(axis=0))
     label = given[0][0].label if len(given) == 1 else ""
@@ -85,7 +82,7 @@ def _parts(forces: BulkForces) -> list[Check]:
     owned = slice(0, spaces.owned_nodes)
     needed = np.where(touched[:, None], forces.solution.internal_force - problem.load, 0.0)[owned]
     load = problem.load[owned]
-    held = parts.sums(np.where(_free(forces), 0.0, 1.0)[owned]) > 0
+    held = parts.sums(np.where(problem.free, 0.0, 1.0)[owned]) > 0
     if spaces.kinematics == "axisymmetric":
         held[:, 0] = True  # radial forces have no resultant
     left = np.where(held, 0.0, parts.sums(needed + load))
@@ -96,14 +93,6 @@ def _parts(forces: BulkForces) -> list[Check]:
         for n, name in enumerate(parts.names)
         if by_contacts[n] and not held[n].all()
     ]
-
-
-def _free(forces: BulkForces) -> NDArray[np.bool_]:
-    """Which components of which nodes no support holds, (nodes, components)."""
-    problem = forces.problem
-    free = np.ones(problem.load.size, dtype=bool)
-    free[problem.constrained] = False
-    return free.reshape(problem.load.shape)
 
 
 def _check(
