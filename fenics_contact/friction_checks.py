@@ -37,6 +37,7 @@ class ComparedFriction:
         law: The friction law's, likewise.
         bound: The most that the points around a node can give it, likewise.
         slip: That the friction law counts (length).
+        share: Of each node in the area of all of these, on all ranks.
         limit: What round-off and the accepted imbalance may leave, likewise.
         nodal: Whether each node is a point of its own, whose law can be asked.
         comm: Communicator.
@@ -46,6 +47,7 @@ class ComparedFriction:
     law: Array
     bound: Array
     slip: Array
+    share: Array
     limit: float
     nodal: bool
     comm: Any
@@ -79,6 +81,7 @@ def compared_friction(forces: BulkForces) -> list[ComparedFriction]:
                 law=law[counted],
                 bound=bound[counted],
                 slip=slip[counted],
+                share=area[counted] / total(problem.comm, area[counted].sum()),
                 limit=TRACE + 2 * solution.imbalance_limit / lightest,
                 nodal=trace.nodal,
                 comm=problem.comm,
@@ -126,7 +129,7 @@ def dissipation(contacts: list[ComparedFriction]) -> Check | None:
     """σ_T · u_T ≤ 0 at every point: friction takes energy, nowhere gives it (paper, (1.6)).
 
     Where points lie between nodes, a node's force is not that of one slip, and only the
-    sum must be so.
+    sum must be so: that of the forces, as Σ_i F_i·u_i = Σ_q w_q τ_q·u_q over points q.
     """
 
     def given(compared: ComparedFriction) -> float:
@@ -134,6 +137,6 @@ def dissipation(contacts: list[ComparedFriction]) -> Check | None:
         longest = largest(compared.comm, np.linalg.norm(compared.slip, axis=1)) or 1.0
         if compared.nodal:
             return largest(compared.comm, power) / longest
-        return total(compared.comm, power.sum()) / longest
+        return total(compared.comm, compared.share @ power) / longest
 
     return _worst(contacts, given)
