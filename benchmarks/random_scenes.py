@@ -20,11 +20,11 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from mpi4py import MPI
-
-import fenics_contact  # noqa: F401  (loads FEniCSx in the right order)
+from fenics_contact import Result
 from tests.random_outcomes import ANSWERED, UNTRUSTED, Outcome, outcome_of
 from tests.random_scenes import RandomScene, draw
+
+from mpi4py import MPI  # isort: skip  (FEniCSx comes first)
 
 COMM = MPI.COMM_WORLD
 CRASHED = "crashed"
@@ -69,10 +69,20 @@ def row_of(number: int, random: RandomScene, outcome: Outcome) -> dict[str, Any]
         "outcome": CRASHED if outcome.code < 0 else NAMES[outcome.code],
         "finite": outcome.finite,
         "slips_and_sticks": outcome.mixed,
+        "areas": {} if result is None else areas_of(result),
         "seconds": outcome.seconds,
         "checks": {name: check.value / check.limit for name, check in checks.items()},
         "words": outcome.words,
     }
+
+
+def areas_of(result: Result) -> dict[str, float]:
+    """Of all contacts, by status."""
+    points = result.points
+    if points is None:
+        return {}
+    of_status = ((name, points.status == name) for name in ("OPEN", "STICK", "SLIP"))
+    return {name: float(points.weights[chosen].sum()) for name, chosen in of_status}
 
 
 def tell(row: dict[str, Any], random: RandomScene) -> None:

@@ -114,8 +114,10 @@ def shape_of(dice, parts, order, kinematics, kind, flat) -> Shape:
     if dice.chance(40):
         shape = dataclasses.replace(shape, unrest=dice.between(0, 0.25 if order == 1 else 0.05))
     if len(parts) == 1 and dice.chance(50):
+        # The middle nodes of cells of order 2 must stay away from their quarters.
+        towards, upwards = (0.8, 2.5) if order == 1 else (0.4, 1.4)
         shape = dataclasses.replace(
-            shape, towards=dice.between(0, 0.8), upwards=dice.between(1, 2.5)
+            shape, towards=dice.between(0, towards), upwards=dice.between(1, upwards)
         )
     if flat:
         return shape

@@ -52,6 +52,11 @@ class Frame:
         """Of the contact surface (length)."""
         return self.shape.length * (self.shape.high[0] - self.shape.low[0])
 
+    @property
+    def tips_at(self) -> float:
+        """Shear over pressure on top of a body that stands on a floor, somewhat less."""
+        return 0.4 / (self.shape.high[-1] - self.shape.low[-1])
+
     def clamp(self, side: str) -> Support:
         return Support(side, dict.fromkeys(AXES[: self.dimension], 0.0))
 
@@ -197,7 +202,7 @@ def _held(dice: Dice, frame: Frame) -> tuple[Support, ...]:
 def prescribed(dice: Dice, frame: Frame, coefficient: float) -> Scene:
     """Friction under a given pressure; pulled along, held at the far end or below."""
     pressure = _pressure(dice, frame)
-    pull = dice.between(0.4, 2) * min(coefficient, 1.0) * pressure
+    pull = dice.between(0.6, 3) * min(coefficient, 1.0) * pressure
     vector = frame.vector(short(pull), 0.0)
     held = f"body.{frame.normal}0" if frame.axial or dice.chance(50) else "body.x0"
     contact = Contact(
@@ -250,11 +255,12 @@ def floor(dice: Dice, frame: Frame, coefficient: float) -> Scene:
     """Stands on a floor, held by friction alone or by one side; pressed down and pushed."""
     pressure = _pressure(dice, frame)
     free = frame.axial or (coefficient > 0 and dice.chance(50))
+    most = pressure * min(coefficient, frame.tips_at)
     contact = Contact(f"body.{frame.normal}0", **_friction(dice, coefficient))
     return _base(
         frame,
         support=() if free else (_aside(frame),),
-        load=(_weight(frame, pressure), *_shear(dice, frame, pressure * min(coefficient, 0.5))),
+        load=(_weight(frame, pressure), *_shear(dice, frame, most)),
         contact=(contact,),
     )
 
@@ -269,7 +275,7 @@ def pair(dice: Dice, frame: Frame, coefficient: float) -> Scene:
         **_friction(dice, coefficient),
     )
     depth = frame.width * dice.logarithmic(1e-4, 0.02)
-    slide = 0.0 if frame.axial else dice.between(0.5, 2.5) * min(coefficient, 1.0) * depth
+    slide = 0.0 if frame.axial else dice.between(1, 6) * min(coefficient, 0.6) * depth
     support, load = [frame.clamp(f"body.{frame.normal}0")], []
     if frame.axial or frame.shape.turn or dice.chance(70):
         down = frame.vector(short(slide), -short(depth))
