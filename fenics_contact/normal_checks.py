@@ -33,7 +33,8 @@ class ComparedPressures:
         number: Of the contact, in scene order.
         contact: It pushes.
         state: What happens at its points.
-        bulk: Normal force on the body over area: a pressure (stress).
+        bulk: Normal force on the body over area: a pressure (stress). Less that of friction,
+            which on curved facets with points between nodes is not all along the nodes' surface.
         law: The same from penalty or foundation (stress).
         gap: At the nodes (length).
         places: Undeformed coordinates of these, (nodes, 3) (length).
@@ -77,7 +78,8 @@ def compared_pressures(forces: BulkForces) -> list[ComparedPressures]:
         trace = contact.trace
         area = trace.to_nodes(trace.weights)
         normals = trace.normals[: len(contact.nodes)]
-        bulk = -np.einsum("ij,ij->i", forces.at_contact(number), normals) / area
+        needed = forces.at_contact(number) - solution.friction_force[number]
+        bulk = -np.einsum("ij,ij->i", needed, normals) / area
         law = -np.einsum("ij,ij->i", solution.normal_force[number], normals) / area
         lightest = smallest(comm, area[free])
         found.append(
