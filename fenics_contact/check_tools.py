@@ -18,6 +18,8 @@ Place = tuple[float, ...]
 TRACE = 1e-6
 # Round-off of sums over a body, beside the imbalance that the solver accepted.
 ROUND_OFF = 1e-9
+# Newton's method accepts no larger share of the forces since the start, whatever its round-off.
+_LARGEST_IMBALANCE = 1e-6
 
 
 def nearer_to_failing(first: Check | None, second: Check) -> Check:
@@ -48,6 +50,27 @@ def worst_of(comm: Any, values: Array, places: Array) -> tuple[float, Place]:
     size = float(np.abs(rows).max(initial=0.0)) or 1.0
     order = np.lexsort(np.round(rows / size, 9).T[::-1])
     return peak, tuple(rows[order[0]].tolist()) if len(rows) else ()
+
+
+def balance(
+    left: float, carried: float, imbalance: float, contact: str = "", kind: str = "", part: str = ""
+) -> Check:
+    """What is left of forces that are to add up to zero, over their sum.
+
+    Of a body that has been unloaded to nearly nothing, the accepted imbalance is most of what it
+    carries: then over the forces that this has been accepted for.
+
+    Args:
+        left: The resultant (force).
+        carried: Sum of the forces' sizes (force).
+        imbalance: That the solver accepted (force).
+        contact: As of ``Check``, like the rest.
+        kind: Which comparison.
+        part: Which part of the body.
+    """
+    size = max(float(carried), imbalance / _LARGEST_IMBALANCE) or 1.0
+    limit = ROUND_OFF + 2 * imbalance / size
+    return Check(abs(float(left)) / size, limit, contact, kind=kind, part=part)
 
 
 def size_of(contact: ContactSurface, area: float) -> float:

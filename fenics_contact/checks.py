@@ -16,7 +16,7 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from fenics_contact.bulk_forces import BulkForces
-from fenics_contact.check_tools import ROUND_OFF, nearer_to_failing
+from fenics_contact.check_tools import balance, nearer_to_failing
 from fenics_contact.compliance_checks import penetration_depth, stick_creep
 from fenics_contact.friction_checks import (
     compared_friction,
@@ -102,12 +102,12 @@ def equilibrium(forces: BulkForces, reactions: Array) -> Check:
     else:
         moments = np.cross(parts.arms[:owned], vectors) / parts.sizes[parts.of_node[:owned], None]
         left = np.linalg.norm(parts.sums(np.hstack([vectors, moments])), axis=1)
-    found: list[Check] = []
     carried = parts.sums(np.abs(applied).sum(axis=1))
-    for name, value, sum_of_forces in zip(parts.names, left, carried, strict=True):
-        size = float(sum_of_forces) or 1.0
-        limit = ROUND_OFF + 2 * forces.solution.imbalance_limit / size
-        found.append(Check(float(value) / size, limit, part=name))
+    imbalance = forces.solution.imbalance_limit
+    found = [
+        balance(value, sum_of_forces, imbalance, part=name)
+        for name, value, sum_of_forces in zip(parts.names, left, carried, strict=True)
+    ]
     worst = reduce(nearer_to_failing, found)  # a body has at least one part
     return replace(worst, parts=tuple(found)) if len(found) > 1 else worst
 

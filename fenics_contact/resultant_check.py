@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from fenics_contact.bulk_forces import BulkForces
-from fenics_contact.check_tools import ROUND_OFF, nearer_to_failing
+from fenics_contact.check_tools import balance, nearer_to_failing
 from fenics_contact.parallel import total
 from fenics_contact.result import Check
 
@@ -34,6 +34,7 @@ def _obstacles(forces: BulkForces) -> list[Check]:
     """The force of each obstacle that a force drives, against that force; collective."""
     found = []
     free, comm = forces.problem.free, forces.problem.comm
+    imbalance = forces.solution.imbalance_limit
     for number, contact in enumerate(forces.problem.contacts):
         if not contact.floats:
             continue
@@ -44,7 +45,7 @@ def _obstacles(forces: BulkForces) -> list[Check]:
         pushed, carried = total(comm, np.array([along.sum(), np.abs(along).sum()]))
         force = contact.force or 0.0
         size = max(force, carried)
-        found.append(_check(forces, pushed - force, size, "obstacle", contact.label))
+        found.append(balance(pushed - force, size, imbalance, contact.label, "obstacle"))
     return found
 
 
@@ -67,7 +68,7 @@ def _pressures(forces: BulkForces) -> list[Check]:
     found = total(problem.comm, (needed[owned] * pressed[owned, None]).sum(axis=0))
     label = given[0][0].label if len(given) == 1 else ""
     off = float(np.linalg.norm(found - expected))
-    return [_check(forces, off, carried, "pressure", label)]
+    return [balance(off, carried, solution.imbalance_limit, label, "pressure")]
 
 
 def _parts(forces: BulkForces) -> list[Check]:
@@ -88,16 +89,9 @@ def _parts(forces: BulkForces) -> list[Check]:
     left = np.where(held, 0.0, parts.sums(needed + load))
     carried = parts.sums(np.abs(needed).sum(axis=1) + np.abs(load).sum(axis=1))
     by_contacts = parts.sums(np.where(touched[owned], 1.0, 0.0)) > 0
+    imbalance = forces.solution.imbalance_limit
     return [
-        _check(forces, float(np.linalg.norm(left[n])), carried[n], "part", part=name)
+        balance(float(np.linalg.norm(left[n])), carried[n], imbalance, kind="part", part=name)
         for n, name in enumerate(parts.names)
         if by_contacts[n] and not held[n].all()
     ]
-
-
-def _check(
-    forces: BulkForces, left: float, size: float, kind: str, contact: str = "", part: str = ""
-) -> Check:
-    size = float(size) or 1.0
-    limit = ROUND_OFF + 2 * forces.solution.imbalance_limit / size
-    return Check(abs(float(left)) / size, limit, contact, kind=kind, part=part)

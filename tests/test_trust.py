@@ -25,7 +25,7 @@ from fenics_contact import (
     verdict,
 )
 from fenics_contact.bulk_forces import BulkForces
-from fenics_contact.check_tools import worst_of
+from fenics_contact.check_tools import balance, worst_of
 from fenics_contact.check_words import WORDS, compares
 from fenics_contact.checks import all_checks
 from fenics_contact.quantities import support_reactions
@@ -437,3 +437,12 @@ def test_page_and_terminal_say_what_is_compared(capsys, tmp_path):
     said = " ".join(capsys.readouterr().out.split())
     assert all(compares(name) in said for name in broken)
     assert "of lid 1.00e+00 1.00e-09 FAILED" in said
+
+
+def test_of_a_body_unloaded_to_nothing_limits_stay_small():
+    """What is left is the accepted imbalance alone: over the forces that it was accepted for."""
+    for left, passed in ((1e-6, True), (3e-6, False)):
+        check = balance(left, 2e-6, 1e-6)
+        assert check.passed == passed
+        assert check.limit < 1e-5
+    assert balance(0.0, 0.0, 0.0).passed
