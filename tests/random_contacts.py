@@ -202,9 +202,10 @@ def _held(dice: Dice, frame: Frame) -> tuple[Support, ...]:
 def prescribed(dice: Dice, frame: Frame, coefficient: float) -> Scene:
     """Friction under a given pressure; pulled along, held at the far end or below."""
     pressure = _pressure(dice, frame)
-    pull = dice.between(0.6, 3) * min(coefficient, 1.0) * pressure
+    height = frame.shape.high[-1] - frame.shape.low[-1]
+    pull = dice.between(0.2, 1.2) * min(coefficient, 1.0) * pressure / min(height, 1.0)
     vector = frame.vector(short(pull), 0.0)
-    held = f"body.{frame.normal}0" if frame.axial or dice.chance(50) else "body.x0"
+    held = f"body.{frame.normal}0" if frame.axial or dice.chance(25) else "body.x0"
     contact = Contact(
         f"body.{frame.normal}1", pressure=pressure, **_friction(dice, coefficient or 0.3)
     )
@@ -245,7 +246,7 @@ def _shear(dice: Dice, frame: Frame, most: float) -> tuple[Load, ...]:
     """Along the top, up to and somewhat beyond what friction can hold."""
     if frame.axial or most == 0:
         return ()
-    shear = short(dice.between(0.4, 1.1) * most / 1.2)
+    shear = short(dice.between(0.6, 1.1) * most / 1.2)
     return (
         Load(f"body.{frame.normal}1", traction=frame.vector(shear, 0.0), path=path_along(dice)),
     )
@@ -275,7 +276,7 @@ def pair(dice: Dice, frame: Frame, coefficient: float) -> Scene:
         **_friction(dice, coefficient),
     )
     depth = frame.width * dice.logarithmic(1e-4, 0.02)
-    slide = 0.0 if frame.axial else dice.between(1, 6) * min(coefficient, 0.6) * depth
+    slide = 0.0 if frame.axial else dice.between(2, 10) * min(coefficient, 0.6) * depth
     support, load = [frame.clamp(f"body.{frame.normal}0")], []
     if frame.axial or frame.shape.turn or dice.chance(70):
         down = frame.vector(short(slide), -short(depth))
