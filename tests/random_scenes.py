@@ -33,7 +33,7 @@ _FEW = {
 _POISSON = (0.0, 0.2, 0.3, 0.3, 0.45, 0.499, 0.49, 0.4999)
 _SHARES = (
     *["pressed"] * 11,
-    *["prescribed"] * 5,
+    *["prescribed"] * 7,
     *["foundation"] * 2,
     *["floor"] * 3,
     *["pair"] * 4,
