@@ -239,7 +239,9 @@ def _aside(frame: Frame) -> Support:
 
 
 def _weight(frame: Frame, pressure: float) -> Load:
-    return Load(f"body.{frame.normal}1", traction=frame.vector(0.0, -pressure))
+    """From the start, so that friction can hold what pushes then."""
+    traction = frame.vector(0.0, -pressure)
+    return Load(f"body.{frame.normal}1", traction=traction, path=_ONE_WAY[1])
 
 
 def _shear(dice: Dice, frame: Frame, most: float) -> tuple[Load, ...]:
