@@ -111,7 +111,7 @@ def shape_of(dice, parts, order, kinematics, kind, flat) -> Shape:
     high = tuple(np.max([part.high for part in parts], axis=0).tolist())
     length = dice.logarithmic(1e-6, 1e3) if dice.chance(40) else 1.0
     shape = Shape(low, high, parts[0].cells, length=length, axial=kinematics == "axisymmetric")
-    if dice.chance(40):
+    if not flat and dice.chance(40):
         shape = dataclasses.replace(shape, unrest=dice.between(0, 0.25 if order == 1 else 0.05))
     if len(parts) == 1 and dice.chance(50):
         # The middle nodes of cells of order 2 must stay away from their quarters.

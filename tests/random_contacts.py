@@ -55,14 +55,14 @@ class Frame:
     @property
     def tips_at(self) -> float:
         """Shear over pressure on top of a body that stands on a floor, somewhat less."""
-        return 0.4 / (self.shape.high[-1] - self.shape.low[-1])
+        return 0.35 / (self.shape.high[-1] - self.shape.low[-1])
 
     def clamp(self, side: str) -> Support:
         return Support(side, dict.fromkeys(AXES[: self.dimension], 0.0))
 
     def vector(self, along: float, across: float) -> tuple[float, ...]:
-        """In the mesh's axes; along the surface with a part in every direction."""
-        parts = [along, 0.6 * along][: self.dimension - 1]
+        """In the mesh's axes; along the surface, in space with a part in both directions."""
+        parts = [along] if self.dimension == 2 else [0.8 * along, 0.6 * along]
         return self.shape.turned(*parts, across)
 
 
@@ -89,7 +89,7 @@ def _base(frame: Frame, **keys) -> Scene:
 def pressed(dice: Dice, frame: Frame, coefficient: float) -> Scene:
     """An obstacle is pressed onto the top of a body that is held below, and moved along it."""
     obstacle, depth = _obstacle(dice, frame)
-    slide = 0.0 if dice.chance(15) else dice.between(0.3, 1.5) * min(coefficient, 3.0) * depth
+    slide = 0.0 if dice.chance(10) else dice.between(0.1, 0.9) * min(coefficient, 3.0) * depth
     if frame.axial:
         slide = 0.0
     keys: dict = {}
@@ -202,9 +202,10 @@ def _held(dice: Dice, frame: Frame) -> tuple[Support, ...]:
 def prescribed(dice: Dice, frame: Frame, coefficient: float) -> Scene:
     """Friction under a given pressure; pulled along, held at the far end or below."""
     pressure = _pressure(dice, frame)
-    pull = dice.between(0.6, 3) * min(coefficient, 1.0) * pressure
+    height = frame.shape.high[-1] - frame.shape.low[-1]
+    pull = dice.between(0.2, 1.2) * min(coefficient, 1.0) * pressure / min(height, 1.0)
     vector = frame.vector(short(pull), 0.0)
-    held = f"body.{frame.normal}0" if frame.axial or dice.chance(50) else "body.x0"
+    held = f"body.{frame.normal}0" if frame.axial or dice.chance(25) else "body.x0"
     contact = Contact(
         f"body.{frame.normal}1", pressure=pressure, **_friction(dice, coefficient or 0.3)
     )
@@ -238,14 +239,16 @@ def _aside(frame: Frame) -> Support:
 
 
 def _weight(frame: Frame, pressure: float) -> Load:
-    return Load(f"body.{frame.normal}1", traction=frame.vector(0.0, -pressure))
+    """From the start, so that friction can hold what pushes then."""
+    traction = frame.vector(0.0, -pressure)
+    return Load(f"body.{frame.normal}1", traction=traction, path=_ONE_WAY[1])
 
 
 def _shear(dice: Dice, frame: Frame, most: float) -> tuple[Load, ...]:
     """Along the top, up to and somewhat beyond what friction can hold."""
     if frame.axial or most == 0:
         return ()
-    shear = short(dice.between(0.4, 1.1) * most / 1.2)
+    shear = short(dice.between(0.6, 1.05) * most)
     return (
         Load(f"body.{frame.normal}1", traction=frame.vector(shear, 0.0), path=path_along(dice)),
     )
@@ -275,7 +278,7 @@ def pair(dice: Dice, frame: Frame, coefficient: float) -> Scene:
         **_friction(dice, coefficient),
     )
     depth = frame.width * dice.logarithmic(1e-4, 0.02)
-    slide = 0.0 if frame.axial else dice.between(1, 6) * min(coefficient, 0.6) * depth
+    slide = 0.0 if frame.axial else dice.between(0.5, 5) * min(coefficient, 0.6) * depth
     support, load = [frame.clamp(f"body.{frame.normal}0")], []
     if frame.axial or frame.shape.turn or dice.chance(70):
         down = frame.vector(short(slide), -short(depth))
