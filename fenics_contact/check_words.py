@@ -133,7 +133,7 @@ def failure(name: str, check: Check) -> str:
 
 
 def _share(value: float) -> str:
-    return f"{value:.3g} times" if value > 10 else f"{100 * value:.2g} %"
+    return f"{value:.3g} times" if value > 10 else f"{100 * value:.3g} %"
 
 
 def _where(check: Check) -> str:
