@@ -42,5 +42,5 @@ lint: ## check style and types
 	[ -z "$$failed" ] || { echo "make lint: FAILED:$$failed"; exit 1; }
 
 clean: ## remove results and caches, not the environment
-	rm -rf results .pytest_cache .mypy_cache .ruff_cache build *.egg-info
+	rm -rf results .hypothesis .pytest_cache .mypy_cache .ruff_cache build *.egg-info
 	find . -path './.venv*' -prune -o -name __pycache__ -prune -exec rm -rf {} +

@@ -104,7 +104,10 @@ class ContactSurface:
         given = contact.kind == "prescribed" or contact.regularisation_parameter != "auto"
         if self.friction is not None and given:
             self.scale_friction(self._given_pressure)
-        self.history = ContactHistory(self._at_rest(coefficient), self.kinematics.gap)
+        before = self.kinematics.gap
+        if self.is_one_sided:  # where they overlap at first, pressure pushes the overlap out
+            before = np.maximum(before, 0.0)
+        self.history = ContactHistory(self._at_rest(coefficient), before)
 
     def _kinematics(self, key: str, constrained: NDArray[np.int64]) -> ContactKinematics:
         if self.sides.opposite is not None:

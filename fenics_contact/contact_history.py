@@ -20,7 +20,8 @@ class ContactHistory:
 
     Attributes:
         last: What happened there at its end; the body at rest before the first step.
-        gap: Then, of what stands opposite, before the body deforms (length).
+        gap: Then, of what stands opposite, before the body deforms; before the first step an
+            overlap is none yet (length).
         dissipated: Work of friction in the load steps that are done (force × length).
         left_open: Work of pressures, where a gap was measured anew between steps (likewise).
     """

@@ -87,13 +87,17 @@ class ContactZone:
         factor.setFromOptions()
         return factor
 
-    def factorise(self) -> None:
-        """Factorise K + K_c in the zone; collective."""
+    def factorise(self) -> bool:
+        """Factorise K + K_c in the zone, and say whether that went; collective.
+
+        It does not where the zone is loose, as an obstacle under a force that nothing touches.
+        """
         self._contacts.matrix.createSubMatrix(self._unknowns, self._unknowns, self._added)
         self._stiffness.copy(self._tangent, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
         self._tangent.axpy(1.0, self._added, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
         self._factor.setOperators(self._tangent)
         self._factor.setUp()
+        return self._factor.getFactorMatrix().getMumpsInfog(1) >= 0  # the same on every rank
 
     def solve(self, right: Array) -> Array:
         """What balances forces in the zone, all else held; collective."""

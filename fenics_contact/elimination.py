@@ -98,7 +98,8 @@ class EliminatingNewton:
     def _find_step(self, solver: Any, residual: Any, rest: float, step: Any, left: Any) -> bool:
         """−(K + K_c)⁻¹ r: exactly in the zone first, then everywhere; collective."""
         zone, tangent = self._system.zone, self._system.tangent
-        zone.factorise()
+        if not zone.factorise():
+            return False
         inside = zone.solve(-residual.array_r[zone.places])
         step.set(0.0)
         with step as array:
@@ -151,7 +152,8 @@ class EliminatingNewton:
             system.linearise(state)
             if size <= _NEAR_ROUND_OFF * system.forces and size <= system.contact_round_off():
                 break
-            zone.factorise()
+            if not zone.factorise():
+                break
             step = -zone.solve(left)
             left = inside.go_along(step, searched)
             size = self._norm(left)

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.bulk_forces import BulkForces
+from fenics_contact.contact import ContactSurface
+from fenics_contact.contact_state import ContactState
 from fenics_contact.parallel import largest, total
 from fenics_contact.problem import Problem
 from fenics_contact.result import Check
@@ -63,17 +65,22 @@ class EnergyBook:
         problem, solution = self._problem, forces.solution
         owned = slice(0, problem.spaces.owned_nodes)
         last = self._last
-        moved = (solution.displacement - last["displacement"])[owned]
+        moved_here = solution.displacement - last["displacement"]
+        moved = moved_here[owned]
         done = [
             0.5 * total(problem.comm, np.sum((before + after)[owned] * moved))
             for before, after in ((last["load"], problem.load), (last["reactions"], reactions))
         ]
+        motions = last["motions"].copy()
         done += [self._work_of_obstacle(i, solution) for i in range(len(problem.contacts))]
+        motions = last["motions"] - motions
         self.work += float(sum(done))
         self.done += float(np.abs(done).sum())
         self.round_off += solution.imbalance_limit * largest(problem.comm, np.abs(moved))
-        for contact, state in zip(problem.contacts, solution.states, strict=True):
+        pairs = zip(problem.contacts, solution.states, strict=True)
+        for (contact, state), motion in zip(pairs, motions, strict=True):
             self.left_open += contact.open_work(state)
+            self.left_open += _work_at_edges(contact, state, moved_here, motion)
             changed = contact.history.changed(state) & contact.trace.owned
             self.changed |= total(problem.comm, changed.sum()) > 0
             self.changed |= contact.history.left_open > 0
@@ -153,3 +160,24 @@ class EnergyBook:
         if self.changed:
             limit += _SHARE + self.open_share
         return Check(abs(quantities["energy_defect"]) / self.done, limit)
+
+
+def _work_at_edges(
+    contact: ContactSurface, state: ContactState, moved: Array, motion: Array
+) -> float:
+    """Work of pressures at points that an obstacle's edge passed in a step; collective.
+
+    There they vanish, or are there, at once: ½ p Δw_n is the trapezoidal rule's, and nobody's.
+
+    Args:
+        contact: Its history is that of the last step.
+        state: At the end of this one.
+        moved: At the body's nodes of this rank in the step, (nodes, components) (length).
+        motion: Of the obstacle, (components,) (length).
+    """
+    kinematics, last = contact.kinematics, contact.history.last
+    passed = np.isfinite(contact.history.gap) != np.isfinite(kinematics.gap)
+    jump = contact.trace.at_points(kinematics.relative(moved)) - motion
+    pressure = 0.5 * (last.contact_pressure + state.contact_pressure)
+    across = pressure * np.abs(kinematics.normal(jump))
+    return float(contact.trace.integral(np.where(passed, across, 0.0)))

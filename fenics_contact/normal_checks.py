@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.bulk_forces import BulkForces
-from fenics_contact.check_tools import TRACE, nearer_to_failing
+from fenics_contact.check_tools import TRACE, nearer_to_failing, worst_of
 from fenics_contact.contact import ContactSurface
 from fenics_contact.contact_state import ContactState
 from fenics_contact.parallel import gather_rows, largest, smallest, total
@@ -33,9 +33,11 @@ class ComparedPressures:
         number: Of the contact, in scene order.
         contact: It pushes.
         state: What happens at its points.
-        bulk: Normal force on the body over area: a pressure (stress).
+        bulk: Normal force on the body over area: a pressure (stress). Less that of friction,
+            which on curved facets with points between nodes is not all along the nodes' surface.
         law: The same from penalty or foundation (stress).
         gap: At the nodes (length).
+        places: Undeformed coordinates of these, (nodes, 3) (length).
         limit: What round-off and the accepted imbalance may leave (stress).
         peak: Largest pressure of the contact, all ranks (stress).
     """
@@ -46,6 +48,7 @@ class ComparedPressures:
     bulk: Array
     law: Array
     gap: Array
+    places: Array
     limit: float
     peak: float
 
@@ -53,6 +56,11 @@ class ComparedPressures:
     def comm(self) -> Any:
         """Communicator."""
         return self.contact.spaces.comm
+
+    def share(self, pressures: Array) -> Check:
+        """The largest of pressures at the nodes, over the peak, as a check; collective."""
+        found, place = worst_of(self.comm, pressures, self.places)
+        return Check(found / self.peak, self.limit, self.contact.label, place)
 
 
 def compared_pressures(forces: BulkForces) -> list[ComparedPressures]:
@@ -70,7 +78,8 @@ def compared_pressures(forces: BulkForces) -> list[ComparedPressures]:
         trace = contact.trace
         area = trace.to_nodes(trace.weights)
         normals = trace.normals[: len(contact.nodes)]
-        bulk = -np.einsum("ij,ij->i", forces.at_contact(number), normals) / area
+        needed = forces.at_contact(number) - solution.friction_force[number]
+        bulk = -np.einsum("ij,ij->i", needed, normals) / area
         law = -np.einsum("ij,ij->i", solution.normal_force[number], normals) / area
         lightest = smallest(comm, area[free])
         found.append(
@@ -81,6 +90,7 @@ def compared_pressures(forces: BulkForces) -> list[ComparedPressures]:
                 bulk=bulk[free],
                 law=law[free],
                 gap=state.gap[: len(contact.nodes)][free],
+                places=trace.coordinates[: len(contact.nodes)][free],
                 limit=TRACE + 2 * solution.imbalance_limit / (lightest * peak),
                 peak=peak,
             )
@@ -92,8 +102,7 @@ def contact_law(contacts: list[ComparedPressures]) -> Check | None:
     """Nodal pressure of the bulk against that of the penalty (paper, (4.4)), over the peak."""
     worst: Check | None = None
     for compared in contacts:
-        difference = largest(compared.comm, np.abs(compared.bulk - compared.law))
-        worst = nearer_to_failing(worst, Check(difference / compared.peak, compared.limit))
+        worst = nearer_to_failing(worst, compared.share(np.abs(compared.bulk - compared.law)))
     return worst
 
 
@@ -103,8 +112,8 @@ def complementarity(contacts: list[ComparedPressures]) -> Check | None:
     for compared in contacts:
         if not compared.contact.trace.nodal:
             continue  # a node's force is also that of the points around it
-        held = largest(compared.comm, np.where(compared.gap > 0, np.abs(compared.bulk), 0.0))
-        worst = nearer_to_failing(worst, Check(held / compared.peak, compared.limit))
+        held = np.where(compared.gap > 0, np.abs(compared.bulk), 0.0)
+        worst = nearer_to_failing(worst, compared.share(held))
     return worst
 
 
@@ -114,8 +123,7 @@ def tension(contacts: list[ComparedPressures]) -> Check | None:
     for compared in contacts:
         if not compared.contact.trace.nodal:
             continue
-        pull = max(-smallest(compared.comm, compared.bulk), 0.0)
-        worst = nearer_to_failing(worst, Check(pull / compared.peak, compared.limit))
+        worst = nearer_to_failing(worst, compared.share(np.maximum(-compared.bulk, 0.0)))
     return worst
 
 
@@ -158,7 +166,7 @@ def pressure_recovery(forces: BulkForces, contacts: list[ComparedPressures]) -> 
         )
         rows = np.stack([difference, trace.weights], axis=1)[trace.owned & loaded]
         found = _median(gather_rows(problem.comm, rows)) / mean
-        worst = nearer_to_failing(worst, Check(found, limit))
+        worst = nearer_to_failing(worst, Check(found, limit, compared.contact.label))
     return worst
 
 

@@ -55,4 +55,4 @@ def _balance(forces: BulkForces, contact: ContactSurface, nodal: Array) -> Check
     closed = contact.kinematics.reached & (contact.pressure() != 0)
     apart = largest(spaces.comm, np.abs(contact.kinematics.gap[closed]))
     limit = _SAFETY * (apart + contact.kinematics.sagitta) / extent + 2 * contact.slid_share()
-    return Check(float(off) / carried, min(_ROUND_OFF + limit, 0.5))
+    return Check(float(off) / carried, min(_ROUND_OFF + limit, 0.5), contact.label)

@@ -85,6 +85,7 @@ class Problem:
         terms: The energy terms modelled.
         elastic: ½ a(·, ·): law, compiled forms, stress.
         load: Present nodal loads with the prescribed contact pressures, (nodes, components).
+        pressure_load: The part of it that is prescribed contact pressures.
     """
 
     def __init__(self, scene: Scene, body: Body, timings: Timings | None = None) -> None:
@@ -123,7 +124,7 @@ class Problem:
             self._refuse_held_contacts()
             self.terms = self._terms()
         with timings.phase("assemble"):
-            self._loads = self._assemble_loads()
+            self._loads, self._pressures = self._assemble_loads(), self._assemble_pressures()
             self.set_time(scene.steps.all_times[-1])
 
     @property
@@ -135,6 +136,13 @@ class Problem:
     def coulomb(self) -> list[ContactSurface]:
         """The contacts whose friction depends on a pressure that is not known."""
         return [contact for contact in self.contacts if contact.is_coulomb]
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which components of which nodes no support holds, (nodes, components)."""
+        free = np.ones(self.load.size, dtype=bool)
+        free[self.constrained] = False
+        return free.reshape(self.load.shape)
 
     @property
     def between_bodies(self) -> bool:
@@ -178,7 +186,10 @@ class Problem:
 
     def set_time(self, time: float) -> None:
         """Bring loads, supports and obstacles to a pseudo-time; collective."""
-        self.load = np.zeros((len(self.spaces.coordinates), self.spaces.components))
+        self.pressure_load = np.zeros((len(self.spaces.coordinates), self.spaces.components))
+        for array, path in self._pressures:
+            self.pressure_load += array * path(time)
+        self.load = self.pressure_load.copy()
         for array, path in self._loads:
             self.load += array * path(time)
         for contact in self.contacts:
@@ -287,9 +298,9 @@ class Problem:
         path = KeyedPath(load.path, f"{key}.path")
         return [Term(name, (fem.form(spaces.weight * work * measure),), path)]
 
-    def _assemble_loads(self) -> list[tuple[NDArray[np.float64], Callable[[float], float]]]:
-        """Nodal forces of every load and of every pressure that is given, with their paths."""
-        pressures: list[tuple[NDArray[np.float64], Callable[[float], float]]] = [
+    def _assemble_pressures(self) -> list[tuple[NDArray[np.float64], Callable[[float], float]]]:
+        """Nodal forces of every contact pressure that is given, with their paths."""
+        return [
             (
                 contact.trace.surface.on_body(contact.trace.surface.assemble(form)),
                 contact.paths.pressure_factor,
@@ -297,7 +308,10 @@ class Problem:
             for contact in self.contacts
             if (form := contact.pressure_load) is not None
         ]
-        return pressures + [
+
+    def _assemble_loads(self) -> list[tuple[NDArray[np.float64], Callable[[float], float]]]:
+        """Nodal forces of every load, with their paths."""
+        return [
             (self.spaces.assemble(term.forms[0]), term.path)
             for term in self.terms
             if term.path is not None

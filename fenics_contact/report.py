@@ -7,6 +7,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from fenics_contact.check_words import compares
 from fenics_contact.errors import InputError
 from fenics_contact.pictures import draw_pictures
 from fenics_contact.result import reactions_by_group
@@ -82,10 +83,11 @@ def read_result(folder: Path) -> dict[str, Any]:
 
 
 def _page(result: dict[str, Any], pictures: list[Path]) -> str:
-    checks = [["check", "value", "limit", ""]]
+    checks = [["check", "value", "limit", "", "what is compared"]]
     for name, check in result["checks"].items():
-        verdict = "passed" if check["passed"] else "FAILED"
-        checks.append([_words(name), _written(check["value"]), _written(check["limit"]), verdict])
+        verdict = "ok" if check["passed"] else "FAILED"
+        row = [_words(name), _written(check["value"]), _written(check["limit"]), verdict]
+        checks.append([*row, compares(name)])
     passed = all(check["passed"] for check in result["checks"].values())
     return _PAGE.format(
         title=escape(result["title"] or "Result"),

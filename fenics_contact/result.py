@@ -14,10 +14,25 @@ from fenics_contact.errors import StoppedError
 
 @dataclass(frozen=True)
 class Check:
-    """A physics check: passed while the value stays at or below its limit."""
+    """A physics check: passed while the value stays at or below its limit.
+
+    Attributes:
+        value: Dimensionless.
+        limit: What a right solution keeps.
+        contact: The contact that comes nearest to failing; empty where it is of the whole.
+        place: The point there, undeformed, (3,) (length); empty where it is of no point.
+        kind: Which of several comparisons it is, by its name in ``check_words``.
+        part: The connected part of the body that it is of.
+        parts: The check of every part, where there are several.
+    """
 
     value: float
     limit: float
+    contact: str = ""
+    place: tuple[float, ...] = ()
+    kind: str = ""
+    part: str = ""
+    parts: tuple[Check, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -25,8 +40,17 @@ class Check:
         return bool(self.value <= self.limit)
 
     def as_dict(self) -> dict[str, Any]:
-        """For ``result.json``."""
-        return {"value": self.value, "limit": self.limit, "passed": self.passed}
+        """For ``result.json``; where it comes nearest is told once it fails.
+
+        While it passes, that is often round-off, here or there.
+        """
+        found: dict[str, Any] = {"value": self.value, "limit": self.limit, "passed": self.passed}
+        if self.parts:
+            found["parts"] = {part.part: part.as_dict() for part in self.parts}
+        if not self.passed:
+            where = {"contact": self.contact, "part": self.part, "place": list(self.place)}
+            found |= {key: value for key, value in where.items() if value}
+        return found
 
 
 @dataclass(frozen=True, eq=False)

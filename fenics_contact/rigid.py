@@ -136,6 +136,19 @@ class RigidMotions:
         table = gather_rows(self._problem.comm, np.concatenate(rows))
         return table[:, 0], table[:, 1:-1], table[:, -1]
 
+    def touching_closings(self) -> tuple[Array, Array]:
+        """Weights w and normal jumps (points, 1, count), where Coulomb contacts touch, this rank.
+
+        At the points whose slips are ``slips(coulomb=True, touching=True)``.
+        """
+        weights, closing = [np.zeros(0)], [np.zeros((0, 1, self.count))]
+        for contact in self._problem.coulomb:
+            normal = np.einsum("ijk,ij->ik", self._jumps(contact), contact.trace.normals)
+            counted = contact.trace.owned & (self._gap(contact) <= 0)
+            weights.append(contact.trace.weights[counted])
+            closing.append(normal[counted][:, None])
+        return np.concatenate(weights), np.concatenate(closing)
+
     @staticmethod
     def _gap(contact: ContactSurface) -> Array:
         """Gaps at the points, the obstacle where it stands (length)."""

@@ -218,7 +218,7 @@ class Run:
         assert solution is not None
         with self.timings.phase("output"):
             quantities = self.steps[-1]["quantities"]
-            checks = run_checks(self.forces, self._reactions)
+            checks = run_checks(self.forces, self._reactions, len(self.steps))
             balance = self.book.check(quantities)
             checks |= {} if balance is None else {"energy_balance": balance}
             points = contact_points(problem, solution)

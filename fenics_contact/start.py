@@ -55,16 +55,36 @@ def _unresisted(problem: Problem, rigid: RigidMotions, closing: Array) -> Array:
     """Combinations of the motions that friction does not resist, as columns.
 
     What does not touch yet does not rub; of the motions that would be free then, only those that
-    close a gap are taken.
+    close a gap are taken. On a curved surface every motion rubs a little: those of Coulomb's
+    friction are free that close, where things touch, more than they rub.
     """
-    gram = np.zeros((rigid.count, rigid.count))
-    for weights, slips in (rigid.slips(), rigid.slips(coulomb=True, touching=True)):
-        gram += np.einsum("q,qci,qcj->ij", weights, slips, slips)
-    loose = null_space(np.sum(problem.comm.allgather(gram), axis=0))
+    held = _gram(problem, *rigid.slips())
+    free = null_space(held)
+    rubbing = free.T @ _gram(problem, *rigid.slips(coulomb=True, touching=True)) @ free
+    pressing = free.T @ _gram(problem, *rigid.touching_closings()) @ free
+    rows = closing @ free
+    anywhere = rows.T @ rows
+    scale = np.trace(rubbing + pressing) / (np.trace(anywhere) or 1.0)
+    loose = free @ _mostly_pressing(rubbing, pressing + 1e-6 * (scale or 1.0) * anywhere)
     rows = closing @ loose
     values, vectors = np.linalg.eigh(rows.T @ rows)
     closes = values > 1e-13 * max(values.max(initial=0.0), np.finfo(float).tiny)
     return np.asarray(loose @ vectors[:, closes])
+
+
+def _gram(problem: Problem, weights: Array, vectors: Array) -> Array:
+    """Σ w v v over the points of all ranks, by motions; collective."""
+    own = np.einsum("q,qci,qcj->ij", weights, vectors, vectors)
+    return np.asarray(np.sum(problem.comm.allgather(own), axis=0))
+
+
+def _mostly_pressing(rubbing: Array, pressing: Array) -> Array:
+    """Orthonormal columns that span the combinations a with a·R a < a·P a of their own."""
+    values, vectors = np.linalg.eigh(rubbing + pressing)
+    kept = values > 1e-13 * max(values.max(initial=0.0), np.finfo(float).tiny)
+    unit = vectors[:, kept] / np.sqrt(values[kept])
+    shares, combinations = np.linalg.eigh(unit.T @ rubbing @ unit)
+    return np.asarray(np.linalg.qr(unit @ combinations[:, shares < 0.5])[0])
 
 
 def _on_springs(

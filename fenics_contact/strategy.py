@@ -108,6 +108,7 @@ class _CoulombLoop:
             try:
                 self._start_anew()
                 ways[way]()
+                self._scale_late()
                 return dataclasses.replace(
                     self.newton.solution(self.outer, _WORDS[way]),
                     contraction=self.contraction,
@@ -198,6 +199,13 @@ class _CoulombLoop:
         for contact in self.contacts:
             if not contact.is_scaled:
                 contact.scale_friction(contact.pressure())
+
+    def _scale_late(self) -> None:
+        """Set ε of contacts that only came to touch on the way, and solve with it; collective."""
+        late = [contact for contact in self.contacts if not contact.is_scaled]
+        self._scale()
+        if any(contact.is_scaled for contact in late):
+            self._solve_coupled()
 
     def _lagged_pass(self, pressures: list[Array]) -> list[Array]:
         for contact, pressure in zip(self.contacts, pressures, strict=True):

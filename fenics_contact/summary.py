@@ -11,7 +11,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from fenics_contact.result import Result, reactions_by_group
+from fenics_contact.check_words import compares
+from fenics_contact.result import Check, Result, reactions_by_group
 from fenics_contact.scene import Scene
 
 # Quantities in the order shown; some say something only with friction, or where contact is found.
@@ -72,13 +73,7 @@ def print_result(result: Result, folder: Path) -> None:
                 _add_reactions(quantities, result)
         console.print(quantities)
         _print_contacts(console, result.contacts)
-        checks = _table("check", "value", "limit", "")
-        for name, check in result.checks.items():
-            verdict = "passed" if check.passed else "[bold red]FAILED[/bold red]"
-            checks.add_row(
-                name.replace("_", " "), f"{check.value:.2e}", f"{check.limit:.2e}", verdict
-            )
-        console.print(checks)
+        _print_checks(console, result.checks)
         _print_branches(console, result)
     console.print(result.verdict, markup=False, highlight=False)
     console.print(
@@ -87,6 +82,22 @@ def print_result(result: Result, folder: Path) -> None:
         markup=False,
         highlight=False,
     )
+
+
+def _print_checks(console: Console, checks: Mapping[str, Check]) -> None:
+    """The trust report: every check, and what the failed ones compare."""
+    table = _table("check", "value", "limit", "")
+    failed = [name for name, check in checks.items() if not check.passed]
+    for name, check in checks.items():
+        parts = check.parts if name in failed else ()
+        rows = [(name.replace("_", " "), check), *((f"  of {part.part}", part) for part in parts)]
+        for words, shown in rows:
+            verdict = "ok" if shown.passed else "[bold red]FAILED[/bold red]"
+            table.add_row(escape(words), f"{shown.value:.2e}", f"{shown.limit:.2e}", verdict)
+    console.print(table)
+    for name in failed:
+        words = f"{name.replace('_', ' ')}: {compares(name)}"
+        console.print(words, markup=False, highlight=False, soft_wrap=True)
 
 
 def _print_branches(console: Console, result: Result) -> None:

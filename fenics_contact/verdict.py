@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.body_kinematics import BodyKinematics
+from fenics_contact.check_words import failure
 from fenics_contact.parallel import largest
 from fenics_contact.problem import Problem
 from fenics_contact.result import Check
@@ -58,10 +59,10 @@ def facets_too_straight(problem: Problem, solution: Solution) -> str:
 
 
 def of_checks(checks: dict[str, Check]) -> str:
-    """Whether to trust it."""
-    failed = [name.replace("_", " ") for name, check in checks.items() if not check.passed]
+    """Whether to trust it; if not, what is wrong, how much, and where."""
+    failed = [failure(name, check) for name, check in checks.items() if not check.passed]
     if failed:
-        return f"Converged, but do not trust it: failed {', '.join(failed)}."
+        return f"Converged, but do not trust it: failed {'; '.join(failed)}."
     return f"Converged; all {len(checks)} checks of the physics passed."
 
 

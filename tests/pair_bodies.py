@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from dolfinx import mesh
+from dolfinx import fem, mesh
 from mpi4py import MPI
 
 from fenics_contact import Body, Group, compat
@@ -24,7 +24,9 @@ class Box:
     cells: tuple[int, ...]
 
 
-def boxes(parts: Sequence[Box], cell: str = "quadrilateral", comm: MPI.Comm = COMM) -> Body:
+def boxes(
+    parts: Sequence[Box], cell: str = "quadrilateral", comm: MPI.Comm = COMM, order: int = 1
+) -> Body:
     """Boxes as one mesh of unconnected parts; groups such as ``upper`` and ``upper.y0``."""
     dimension = len(parts[0].cells)
     points, cells, owner = [], [], []
@@ -32,13 +34,17 @@ def boxes(parts: Sequence[Box], cell: str = "quadrilateral", comm: MPI.Comm = CO
         make = mesh.create_rectangle if dimension == 2 else mesh.create_box
         ends = [np.array(box.low), np.array(box.high)]
         made = make(MPI.COMM_SELF, ends, list(box.cells), getattr(mesh.CellType, cell))
-        cells.append(compat.geometry_nodes(made) + sum(len(p) for p in points))
-        points.append(made.geometry.x[:, :dimension])
+        nodes, places = compat.geometry_nodes(made), made.geometry.x
+        if order == 2:  # the nodes of such cells are numbered as those of elements are
+            space = fem.functionspace(made, ("Lagrange", 2))
+            nodes, places = space.dofmap.list, space.tabulate_dof_coordinates()
+        cells.append(nodes + sum(len(p) for p in points))
+        points.append(places[:, :dimension])
         owner.append(np.full(len(cells[-1]), number + 1, dtype=np.int32))
     joined = [np.concatenate(arrays) for arrays in (points, cells, owner)]
     if comm.rank:
         joined = [array[:0] for array in joined]
-    whole = compat.create_mesh(comm, cell, 1, joined[0], joined[1].astype(np.int64))
+    whole = compat.create_mesh(comm, cell, order, joined[0], joined[1].astype(np.int64))
     cell_tags = compat.distributed_tags(whole, dimension, joined[1].astype(np.int64), joined[2])
     facet_tags, groups = _sides(whole, cell_tags, parts)
     for number, box in enumerate(parts):

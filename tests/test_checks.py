@@ -56,10 +56,12 @@ def test_the_right_solution_passes_them_all(solved):
     checks = checks_of(*solved)
     assert set(checks) == {
         "equilibrium",
+        "resultant",
         "boundary_stress",
         "friction_cone",
         "friction_law",
         "dissipation",
+        "stick_creep",
     }
     assert not failed(*solved)
 

@@ -1,0 +1,142 @@
+"""Scenes at random: each is answered, all checks passed, or ends with a typed error.
+
+``benchmarks/random_scenes.py`` solves as many as one likes, on more kinds of cells.
+"""
+
+import dataclasses
+import faulthandler
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import SolverSettings, run
+from tests.random_outcomes import ANSWERED, outcome_of
+from tests.random_scenes import RandomScene, draw
+from tests.variational_inequality import normal_force
+
+COMM = MPI.COMM_WORLD
+SEED, NUMBER = 9, 50
+TYPED = (2, 3, 5)  # input, not converged, machine
+SECONDS = 120  # after which one hangs, and the run ends with where it does
+# Of a share, what the penalty may change: the program says .1 %.
+BIAS = 1e-3
+
+
+def draw_here(number: int, seed: int = SEED, **choices: bool) -> RandomScene:
+    """The same on every rank."""
+    return COMM.bcast(draw(seed, number, few_forms=True, **choices))
+
+
+@pytest.fixture(scope="module")
+def outcomes():
+    return {}
+
+
+@pytest.fixture(autouse=True)
+def no_hang():
+    faulthandler.dump_traceback_later(SECONDS, exit=True)
+    yield
+    faulthandler.cancel_dump_traceback_later()
+
+
+@pytest.mark.parametrize("number", range(NUMBER))
+def test_it_is_answered_or_refused(number, outcomes):
+    random = draw_here(number)
+    outcome = outcomes[number] = outcome_of(random)
+    assert outcome.code in (ANSWERED, *TYPED), f"{outcome.words}\n{random!r}"
+    assert outcome.finite, f"{outcome.words}\n{random!r}"
+    assert outcome.words
+
+
+def test_they_are_many_kinds(outcomes, capsys):
+    if len(outcomes) < NUMBER:
+        pytest.skip("counts are of all of them")
+    scenes = [draw_here(number).scene for number in range(NUMBER)]
+    mixed = sum(outcome.mixed for outcome in outcomes.values())
+    in_space = sum(scene.kinematics == "3D" for scene in scenes)
+    codes = [outcome.code for outcome in outcomes.values()]
+    counts = {code: codes.count(code) for code in sorted(set(codes))}
+    with capsys.disabled():
+        if COMM.rank == 0:
+            print(
+                f"\n{NUMBER} scenes at random: {mixed} slip and stick at once, {in_space} in "
+                f"space; exit codes {counts}"
+            )
+    assert 3 * in_space >= NUMBER
+    assert 2 * mixed >= NUMBER
+    assert codes.count(3) <= 0.1 * NUMBER
+
+
+def test_the_same_number_is_the_same_scene():
+    first, again = draw(SEED, 7), draw(SEED, 7)
+    assert first == again
+    assert first != draw(SEED, 8)
+
+
+def test_a_scene_that_is_printed_can_be_read_again():
+    names = {}
+    for module in ("fenics_contact", "tests.pair_bodies", "tests.random_bodies"):
+        names |= vars(__import__(module, fromlist=["x"]))
+    for number in range(12):
+        random = draw_here(number)
+        assert eval(repr(random), {**names, "RandomScene": RandomScene}) == random
+
+
+@pytest.mark.parametrize("number", [3, 8, 11, 12, 17, 22])
+def test_the_full_solver_finds_the_same(number, outcomes):
+    """All displacements as unknowns: another system, another factorisation, another path."""
+    random = draw_here(number)
+    ours = outcomes.get(number) or outcome_of(random)
+    assert ours.code == ANSWERED, ours.words
+    settings = SolverSettings(
+        solver="full" if ours.result.model["solver"] != "full" else "condensed"
+    )
+    scene = dataclasses.replace(random.scene, solver=settings)
+    theirs = run(scene, COMM, random.body())
+    assert theirs.passed
+    for key in ("normal_force", "friction_force", "max_contact_pressure", "strain_energy"):
+        found, expected = (np.array(r.quantities[key]) for r in (ours.result, theirs))
+        size = max(np.abs(expected).max(), np.abs(theirs.quantities["normal_force"]), 1e-300)
+        size = np.abs(expected).max() if key == "strain_energy" else size
+        assert np.abs(found - expected).max() <= 1e-6 * size, key
+
+
+@pytest.mark.parametrize("number", range(5))
+def test_without_friction_it_is_the_variational_inequality(number):
+    """Forces are those without penalty, but for a bias of first order in ε₁."""
+    random = draw_here(number, seed=11, frictionless=True)
+    body = random.body()
+    expected = normal_force(random, body)
+    outcome = outcome_of(random)
+    assert outcome.code == ANSWERED, outcome.words
+    error = relative(outcome.result, expected)
+    assert error <= BIAS
+    softer = penalty_of(outcome.result)
+    stiff = with_penalty(random, 0.1 * softer)
+    less = relative(run(stiff.scene, COMM, stiff.body()), expected)
+    assert less == pytest.approx(0.1 * error, rel=0.05, abs=1e-8)
+
+
+def test_the_variational_inequality_tells_an_answer_that_is_off():
+    random = draw_here(1, seed=11, frictionless=True)
+    expected = normal_force(random, random.body())
+    obstacle = random.scene.contact[0].obstacle
+    deeper = dataclasses.replace(obstacle, indentation=1.01 * obstacle.indentation)
+    contact = dataclasses.replace(random.scene.contact[0], obstacle=deeper)
+    scene = dataclasses.replace(random.scene, contact=(contact,))
+    assert relative(run(scene, COMM, random.body()), expected) > 5 * BIAS
+
+
+def relative(result, expected):
+    return abs(result.quantities["normal_force"] / expected - 1)
+
+
+def penalty_of(result):
+    return result.contacts[0]["parameters"]["penalty_parameter"]
+
+
+def with_penalty(random, penalty):
+    contact = dataclasses.replace(random.scene.contact[0], penalty_parameter=penalty)
+    scene = dataclasses.replace(random.scene, contact=(contact,))
+    return dataclasses.replace(random, scene=scene)
