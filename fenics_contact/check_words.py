@@ -59,6 +59,12 @@ WORDS: Mapping[str, CheckWords] = {
         "over the largest bound.",
         "traction is off the friction law by {share} of the largest bound",
     ),
+    "outer_loop": CheckWords(
+        "The bound that friction was solved with against the coefficient times the pressure that "
+        "came out; over the largest such bound.",
+        "friction was solved with a bound that is off the pressure's by {share} of the largest; "
+        "the loop on the pressure ended too early",
+    ),
     "dissipation": CheckWords(
         "Friction acts against the slip at every point; over the largest bound and slip.",
         "friction pushes along the slip, by {share} of the largest bound and slip",

@@ -32,6 +32,7 @@ from fenics_contact.normal_checks import (
     pressure_recovery,
     tension,
 )
+from fenics_contact.outer_loop_check import outer_loop
 from fenics_contact.pair_checks import action_and_reaction
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
@@ -73,6 +74,7 @@ def all_checks(forces: BulkForces, reactions: Array, steps: int) -> dict[str, Ch
         "boundary_stress": boundary_stress(forces),
         "friction_cone": friction_cone(friction),
         "friction_law": friction_law(friction),
+        "outer_loop": outer_loop(forces),
         "dissipation": dissipation(friction),
         "stick_creep": stick_creep(friction, steps),
         "contact_law": contact_law(pressures),

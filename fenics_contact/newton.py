@@ -355,6 +355,12 @@ class Newton:
             internal_force=internal,
             normal_force=[force[n] for force, n in zip(normal, nodes, strict=True)],
             friction_force=[force[n] for force, n in zip(friction, nodes, strict=True)],
+            friction_bound=[
+                np.zeros_like(contact.trace.weights)
+                if contact.friction is None
+                else contact.friction.bound.copy()
+                for contact in self.problem.contacts
+            ],
             states=[contact.state() for contact in self.problem.contacts],
             residual_history=tuple(self.history),
             newton_iterations=self.steps,

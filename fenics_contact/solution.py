@@ -21,6 +21,7 @@ class Solution:
             its nodes; one array a contact, without prescribed pressures, which are loads
             (force). Where bonded it is the whole force.
         friction_force: Force of the friction law on the body, likewise (force).
+        friction_bound: That friction was solved with, at the points of each contact (stress).
         states: What happens at the points of each contact.
         residual_history: Force imbalance before every Newton step and at the end (force).
         newton_iterations: Newton steps taken.
@@ -37,6 +38,7 @@ class Solution:
     internal_force: NDArray[np.float64]
     normal_force: list[NDArray[np.float64]]
     friction_force: list[NDArray[np.float64]]
+    friction_bound: list[NDArray[np.float64]]
     states: list[ContactState]
     residual_history: tuple[float, ...]
     newton_iterations: int

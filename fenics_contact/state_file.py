@@ -149,6 +149,7 @@ class StateFile:
                 internal_force=np.zeros(0),
                 normal_force=[],
                 friction_force=[],
+                friction_bound=[],
                 states=[],
                 residual_history=tuple(steps[-1]["residual_history"]),
                 newton_iterations=steps[-1]["newton_iterations"],

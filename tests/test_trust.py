@@ -78,6 +78,12 @@ def indented(**contact):
     return Run(scene, COMM, box_body((24, 16), (1, 1)))
 
 
+def rubbed():
+    """The same, moved sideways under Coulomb's friction."""
+    obstacle = dataclasses.replace(PARABOLA, displacement=(0.004, 0))
+    return indented(obstacle=obstacle, friction_coefficient=0.3)
+
+
 def driven():
     return indented(obstacle=dataclasses.replace(PARABOLA, indentation=None, force=10.0))
 
@@ -123,7 +129,7 @@ def stacked():
     return held_by_contacts(friction_coefficient=0.5)
 
 
-RIGHT = (strip, indented, driven, glued, stacked, dragged)
+RIGHT = (strip, indented, rubbed, driven, glued, stacked, dragged)
 
 
 @cache
@@ -235,6 +241,12 @@ def handed_over_elsewhere(prepared, monkeypatch):
     return prepared.solution
 
 
+def stale_bound(prepared, monkeypatch):
+    """Friction as the pressure of a pass before would have it."""
+    wrong = [0.999 * bound for bound in prepared.solution.friction_bound]
+    return dataclasses.replace(prepared.solution, friction_bound=wrong)
+
+
 def work_lost(prepared, monkeypatch):
     quantities = prepared.steps[-1]["quantities"]
     monkeypatch.setitem(quantities, "energy_defect", 0.2 * prepared.book.done)
@@ -255,6 +267,7 @@ BROKEN = {
     ("boundary_stress", ""): (strip, stress(0.5)),
     ("friction_cone", ""): (strip, friction(1.01)),
     ("friction_law", ""): (strip, friction(0.99)),
+    ("outer_loop", ""): (rubbed, stale_bound),
     ("dissipation", ""): (strip, at_points(slip=-1.0)),
     ("stick_creep", "law"): (strip, at_points(slip=0.99)),
     ("stick_creep", "share"): (cache(too_soft(0.2)), lambda prepared, _: prepared.solution),
