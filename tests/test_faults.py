@@ -1,0 +1,405 @@
+"""A rank that fails, a disk that is full, no memory: words, an exit code, and nothing half done.
+
+Disks are full for real: what is written goes to /dev/full by a link of the name under which files
+are begun. A failing rank is tried in processes of their own, as it ends them all.
+"""
+
+import json
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fenics_contact import (
+    InputError,
+    Run,
+    animation,
+    figures,
+    files,
+    main,
+    mumps,
+    report,
+    run,
+    simulation,
+)
+from fenics_contact.cli import guarded
+from fenics_contact.errors import MachineError, NotConvergedError
+from fenics_contact.faults import explain, original
+from fenics_contact.memory import free_memory_for, memory_limit
+from fenics_contact.newton import Newton
+from fenics_contact.solver_choice import choose_solver
+from fenics_contact.writing import append, replace_file
+from tests.scenes import PULLED_BLOCK, ROOT, box_body, slab, with_solver
+
+COMM = MPI.COMM_WORLD
+SCENE = (ROOT / "demos" / "slab.toml").read_text(encoding="utf-8")
+FULL = "No space left on device"
+
+# ------------------------------------------------------------------ one rank alone
+
+# Faults that a rank meets alone, by where; each is to be told of within ten seconds.
+FAULTY = """
+import os, signal, sys
+import numpy as np
+from mpi4py import MPI
+from fenics_contact import main, newton, run, simulation
+from tests.scenes import slab
+
+def fail(*arguments):
+    raise ValueError("two and two are five")
+
+where = sys.argv[1]
+if MPI.COMM_WORLD.rank == 1:
+    if where == "callback":
+        newton.Newton._set_residual = fail
+    if where == "memory":
+        simulation.choose_solver = lambda problem: np.ones((10**8, 10**6))
+    if where == "killed":
+        simulation.contact_points = lambda *rest: os.kill(os.getpid(), signal.SIGKILL)
+    if where == "verify":
+        from fenics_contact.verification import command
+        command.run_case = fail
+if where == "verify":
+    sys.exit(main(["verify", "slab", "--quick"]))
+if where == "memory":
+    sys.exit(main(["check", sys.argv[2]]))
+try:
+    run(slab())
+except Exception:  # a script that tries its luck with another scene
+    run(slab())
+"""
+
+
+def on_two_ranks(script, *arguments):
+    """Exit code, what was said, and seconds."""
+    beside = os.path.join(os.path.dirname(sys.executable), "mpirun")
+    launcher = beside if os.path.exists(beside) else shutil.which("mpirun")
+    environment = {
+        **os.environ,
+        "OMP_NUM_THREADS": "1",
+        "PYTHONPATH": str(ROOT),
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+    }
+    begun = time.monotonic()
+    with subprocess.Popen(
+        [launcher, "-n", "2", sys.executable, str(script), *map(str, arguments)],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+        start_new_session=True,
+    ) as process:
+        try:
+            said = process.communicate(timeout=60)[1]
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
+    return process.returncode, said, time.monotonic() - begun
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("where", "code", "words"),
+    [
+        ("callback", 1, "ValueError: two and two are five"),  # in a script, through PETSc
+        ("memory", 5, "the machine failed: out of memory: Unable to allocate 728"),
+        ("verify", 1, "ValueError: two and two are five"),
+    ],
+)
+def test_a_rank_that_fails_alone_ends_the_run_with_its_message(tmp_path, where, code, words):
+    script, scene = tmp_path / "faulty.py", tmp_path / "scene.toml"
+    script.write_text(FAULTY)
+    scene.write_text(SCENE.replace("../meshes", str(ROOT / "meshes")))
+    found, said, seconds = on_two_ranks(script, where, scene)
+    assert found == code, said
+    assert "fenics-contact: rank 1 of 2 failed, and with it the run: " in said
+    assert words in said
+    assert ("Traceback" in said) == (code == 1)
+    assert seconds < 20  # ten, and the time that two processes take to start on a busy machine
+
+
+@pytest.mark.serial
+def test_a_rank_that_is_killed_takes_the_others_along(tmp_path):
+    script = tmp_path / "faulty.py"
+    script.write_text(FAULTY)
+    code, _, seconds = on_two_ranks(script, "killed")
+    assert code != 0
+    assert seconds < 15
+
+
+# ------------------------------------------------------------------ all ranks alike
+
+
+def test_errors_that_all_ranks_share_are_ordinary(capsys):
+    """Scripts can go on after them; the terminal has them once."""
+
+    def refuse():
+        raise InputError("no such thing")
+
+    assert guarded(refuse) == 2
+    said = capsys.readouterr().err
+    assert said == ("fenics-contact: no such thing\n" if COMM.rank == 0 else "")
+    with pytest.raises(InputError, match="its function fails: ZeroDivisionError"):
+        run(slab(coefficient=lambda x: 1 / (COMM.rank + 1 - COMM.size)))  # on the last rank only
+    assert run(slab()).passed
+
+
+def test_a_fault_of_the_program_shows_where_it_is(capsys):
+    assert guarded(lambda: {}["key"]) == 1
+    said = COMM.bcast(capsys.readouterr().err)
+    assert "a fault of the program" in said and "Traceback" in said and "KeyError: 'key'" in said
+
+
+def test_an_error_in_a_callback_is_not_petscs(monkeypatch):
+    """And the solve after it has the options of its own."""
+
+    def fail(*arguments):
+        raise NotConvergedError("the matter is soft")
+
+    with monkeypatch.context() as patch, pytest.raises(ValueError, match="of a tangent"):
+        patch.setattr(Newton, "_set_tangent", _raising(ValueError("of a tangent")))
+        run(slab())
+    assert not PETSc.Options().hasName("fenics_contact_snes_linesearch_type")
+    monkeypatch.setattr(Newton, "_converged", fail)
+    assert "the matter is soft" in run(slab()).verdict  # its type is kept as well
+
+
+def _raising(error):
+    def fail(*arguments):
+        raise error
+
+    return fail
+
+
+def test_what_is_said_of_an_error():
+    nested = PETSc.Error(101)
+    nested.__cause__ = PETSc.Error(101)
+    nested.__cause__.__cause__ = error = MachineError("no room")
+    assert original(nested) is error
+    assert explain(nested) == (5, "no room")
+    assert explain(KeyboardInterrupt()) == (130, "interrupted")
+    assert explain(PETSc.Error(55))[0] == 5
+    code, said = explain(OSError(5, "Input/output error", "mesh.msh"))
+    assert code == 5 and "the machine failed" in said and "mesh.msh" in said
+    # as dolfinx words what PETSc tells it
+    code, said = explain(
+        RuntimeError(
+            "Failed to successfully call PETSc function 'MatXIJSetPreallocation'. PETSc error code "
+            "is: 55, Out of memory"
+        )
+    )
+    assert (code, said.split(";")[0]) == (5, "the machine failed: out of memory")
+    assert explain(RuntimeError("PETSc error code is: 56, No support"))[0] == 1
+
+
+# ------------------------------------------------------------------ disks
+
+
+def toml(folder, steps=1):
+    path = folder / "scene.toml"
+    if COMM.rank == 0:
+        text = SCENE.replace("../meshes", str(ROOT / "meshes"))
+        path.write_text(f"{text}\n[steps]\nnumber = {steps}\nend = {steps}\n")
+    COMM.barrier()
+    return str(path)
+
+
+def without_room_for(monkeypatch, name):
+    """Link the name under which a file is begun to a device that is always full."""
+    clear = files._clear
+
+    def clear_and_link(folder, names):
+        clear(folder, names)
+        (folder / f".{name}").symlink_to("/dev/full")
+
+    monkeypatch.setattr(files, "_clear", clear_and_link)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("steps.csv", "fields_p0_000001.vtu", "fields000001.pvtu", "fields.pvd"),
+        *("state.npz", "contact.csv", "result.json"),
+    ],
+)
+def test_full_disk_names_the_file_and_leaves_no_half_of_it(folder, monkeypatch, capsys, name):
+    out = folder / "out"
+    without_room_for(monkeypatch, name)
+    assert main(["run", toml(folder), "--out", str(out), "--quiet"]) == 5
+    said = COMM.bcast(capsys.readouterr().err)
+    assert said == f"fenics-contact: '{out / name}' cannot be written: {FULL}\n"
+    left = {path.name for path in out.iterdir()}
+    assert name not in left and "result.json" not in left
+    assert not [hidden for hidden in left if hidden.startswith(".")]
+
+
+def test_full_disk_keeps_the_last_state(folder, monkeypatch, capsys):
+    """And the run goes on from it when there is room."""
+    out = folder / "out"
+    assert main(["run", toml(folder, 2), "--out", str(out), "--quiet"]) == 0
+    before = (out / "state.npz").read_bytes()
+    scene = toml(folder, 3)
+    with monkeypatch.context() as patch:
+        without_room_for(patch, "state.npz")
+        assert main(["run", scene, "--out", str(out), "--resume", "--quiet"]) == 5
+    assert FULL in COMM.bcast(capsys.readouterr().err)
+    assert (out / "state.npz").read_bytes() == before
+    COMM.barrier()
+    assert main(["run", scene, "--out", str(out), "--resume", "--quiet"]) == 0
+    result = json.loads((out / "result.json").read_text())
+    assert [step["load_factor"] for step in result["steps"]] == [1, 2, 3]
+
+
+@contextmanager
+def files_up_to(size):
+    """No file of this process may grow beyond some bytes."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@pytest.mark.serial
+def test_a_row_is_written_whole_or_not_at_all(tmp_path):
+    path = tmp_path / "steps.csv"
+    replace_file(path, b"step\n1\n")
+    append(path, b"2\n")
+    with files_up_to(12), pytest.raises(MachineError, match=r"steps\.csv' cannot be written: File"):
+        append(path, b"3333333333\n")  # four bytes of it fit
+    assert path.read_bytes() == b"step\n1\n2\n"
+    with files_up_to(12), pytest.raises(MachineError, match="File too large"):
+        replace_file(path, b"step\n1\n22222222\n")
+    assert path.read_bytes() == b"step\n1\n2\n"
+    assert [found.name for found in tmp_path.iterdir()] == ["steps.csv"]
+    path.unlink()
+    with pytest.raises(MachineError, match="No such file"):
+        append(path, b"3\n")  # not a table without its head
+    assert not path.exists()
+
+
+def test_folder_that_goes_away_is_not_made_anew(folder, monkeypatch, capsys):
+    out, add = folder / "out", files.StepFiles.add
+
+    def add_and_remove(steps):
+        add(steps)
+        if COMM.rank == 0:
+            shutil.rmtree(out)
+        COMM.barrier()
+
+    monkeypatch.setattr(files.StepFiles, "add", add_and_remove)
+    assert main(["run", toml(folder, 2), "--out", str(out), "--quiet"]) == 5
+    said = COMM.bcast(capsys.readouterr().err)
+    assert "state.npz' cannot be written: No such file or directory; its folder is gone" in said
+    assert not out.exists()
+
+
+def test_folder_that_cannot_be_written_is_bad_input(folder, capsys):
+    for out in ("/proc/nothing/out", "/dev/full/out"):  # to root, too
+        assert main(["run", toml(folder), "--out", out]) == 2
+        assert "cannot be written to" in COMM.bcast(capsys.readouterr().err)
+
+
+@pytest.mark.serial
+def test_pictures_and_pages_on_a_full_disk(tmp_path, monkeypatch, capsys):
+    out = tmp_path / "out"
+    assert main(["run", toml(tmp_path), "--out", str(out), "--quiet"]) == 0
+    monkeypatch.setattr(report, "draw_pictures", lambda folder, result: [])
+    (out / ".report.html").symlink_to("/dev/full")
+    assert main(["report", str(out)]) == 5
+    said = capsys.readouterr().err
+    assert said == f"fenics-contact: '{out / 'report.html'}' cannot be written: {FULL}\n"
+    assert not (out / "report.html").exists() and (out / "result.json").exists()
+    for name in ("contact_0.png", "animation_0.gif"):
+        (out / f".{name}").symlink_to("/dev/full")
+    figure, _ = figures.new_figure("", (1, 1))
+    with pytest.raises(MachineError, match=rf"contact_0\.png' cannot be written: {FULL}"):
+        figures.save(figure, out / "contact_0.png")
+    frames = [np.zeros((9, 9, 3), dtype=np.uint8)] * 2
+    with pytest.raises(MachineError, match=rf"animation_0\.gif' cannot be written: {FULL}"):
+        animation._write_gif(frames, out / "animation_0.gif")
+    assert not list(out.glob("*.png")) and not list(out.glob("*.gif"))
+
+
+# ------------------------------------------------------------------ memory
+
+
+@pytest.mark.parametrize(
+    ("solver", "option", "words"),
+    [
+        ("condensed", "mat_mumps_icntl_23", "out of memory"),
+        ("full", "fenics_contact_mat_mumps_icntl_23", "out of memory"),
+        ("iterative", "fenics_contact_zone_mat_mumps_icntl_23", "out of memory"),
+        ("condensed", "mat_mumps_icntl_14", "workspace is too small"),
+        ("full", "fenics_contact_mat_mumps_icntl_14", "workspace is too small"),
+    ],
+)
+def test_factorisation_without_memory_is_the_machines_failure(capsys, solver, option, words):
+    """MUMPS may take a megabyte, or no more than it foresees less 99 %."""
+    is_solid = solver == "iterative"
+    scene = with_solver(PULLED_BLOCK if is_solid else slab(cells=(96, 24)), solver=solver)
+    body = box_body((10, 10, 8)) if is_solid else None
+    PETSc.Options().setValue(option, 1 if option.endswith("23") else -99)
+    try:
+        assert guarded(lambda: run(scene, body=body).exit_code) == 5
+    finally:
+        PETSc.Options().delValue(option)
+    said = COMM.bcast(capsys.readouterr().err)
+    assert words in said and "INFOG(1) = -" in said and said.count("\n") == 1
+
+
+def test_mumps_error_codes():
+    """As the users' guide of MUMPS lists them."""
+
+    class Factor:
+        def __init__(self, code):
+            self.getMumpsInfog = lambda number: code if number == 1 else 0
+
+    assert mumps.failure(Factor(0)) is None
+    assert isinstance(mumps.failure(Factor(-10)), NotConvergedError)
+    assert "out of memory" in str(mumps.failure(Factor(-13)))
+    assert "workspace" in str(mumps.failure(Factor(-9)))
+    assert "it failed" in str(mumps.failure(Factor(-53)))
+
+
+def test_numpy_without_memory(capsys, monkeypatch):
+    monkeypatch.setattr(simulation, "contact_points", lambda *rest: np.ones((10**8, 10**6)))
+    assert guarded(lambda: run(slab()).exit_code) == 5
+    said = COMM.bcast(capsys.readouterr().err)
+    assert "out of memory: Unable to allocate" in said and "use a coarser mesh" in said
+    assert "Traceback" not in said
+
+
+@pytest.mark.parametrize(
+    ("limit", "column", "name"),
+    [(resource.RLIMIT_AS, 0, "ulimit -v"), (resource.RLIMIT_DATA, 5, "ulimit -d")],
+)
+def test_limits_of_a_process_count(limit, column, name):
+    """Every rank has its own; what it uses already is gone."""
+    prepared = Run(slab())
+    soft, hard = resource.getrlimit(limit)
+    with open("/proc/self/statm") as file:
+        used = int(file.read().split()[column]) * resource.getpagesize()
+    room = 20_000_000
+    resource.setrlimit(limit, (used + room, hard))
+    try:
+        free, words = free_memory_for(COMM), memory_limit(COMM)
+        if prepared.choice.memory < free:
+            assert choose_solver(prepared.problem).name == "condensed"
+    finally:
+        resource.setrlimit(limit, (soft, hard))
+    assert 0.5 * room * COMM.size < free <= room * COMM.size
+    assert name in words
