@@ -105,7 +105,7 @@ def guarded(action: Callable[[], int], comm: MPI.Comm = MPI.COMM_WORLD) -> int:
     except (Exception, KeyboardInterrupt) as error:
         found = comm.allgather(explain(error))
     if comm.rank == 0:
-        for said in dict.fromkeys(said for _, said in found):
+        for said in dict(reversed(found)).values():  # the first rank's of every code
             print(f"fenics-contact: {said}", file=sys.stderr, flush=True)
     comm.Barrier()
     return found[0][0]

@@ -7,6 +7,7 @@ the others in a collective call for ever, so it ends them all, with its message.
 from __future__ import annotations
 
 import os
+import re
 import sys
 import time
 import traceback
@@ -25,6 +26,8 @@ _PAUSE = 0.01
 BUG = 1
 _NO_MEMORY = 55  # PETSC_ERR_MEM
 _NO_MEMORY_SAID = "PETSc error code is: 55,"  # by dolfinx, in a plain RuntimeError
+_COMPILER_SAID = re.compile("(JIT|just-in-time) (compilation|cache load)")  # likewise
+_LONGEST = 200  # of what a compiler said
 
 LESS_MEMORY = "use a coarser mesh, a lower degree, or more machines"
 
@@ -43,6 +46,12 @@ def explain(error: BaseException) -> tuple[int, str]:
     if _is_want_of_memory(error):
         said = f": {error}" if isinstance(error, MemoryError) and str(error) else ""
         return MachineError.exit_code, f"the machine failed: out of memory{said}; {LESS_MEMORY}"
+    if _is_of_compiler(error):
+        said = " ".join(str(error).split())[:_LONGEST]
+        return MachineError.exit_code, (
+            f"the machine failed: a form could not be compiled: {said}; is there a C compiler, and "
+            "room in the cache of FEniCSx (XDG_CACHE_HOME, else ~/.cache)?"
+        )
     if isinstance(error, OSError):
         return MachineError.exit_code, f"the machine failed: {error}"
     lines = "".join(traceback.format_exception(error)).rstrip()
@@ -61,6 +70,11 @@ def _is_want_of_memory(error: BaseException) -> bool:
         return bool(getattr(error, "ierr", 0) == _NO_MEMORY)
     is_said = isinstance(error, RuntimeError) and _NO_MEMORY_SAID in str(error)
     return is_said or isinstance(error, MemoryError)
+
+
+def _is_of_compiler(error: BaseException) -> bool:
+    by_name = type(error).__name__ == "VerificationError"  # cffi's, on one rank
+    return by_name or (isinstance(error, RuntimeError) and bool(_COMPILER_SAID.search(str(error))))
 
 
 @contextmanager
