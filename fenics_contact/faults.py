@@ -121,5 +121,5 @@ def _end_all(comm: MPI.Comm, error: BaseException) -> None:
         file=sys.stderr,
         flush=True,
     )
-    MPI.COMM_WORLD.Abort(code)
+    comm.Abort(code)
     os._exit(code)  # some MPIs come back from it

@@ -25,7 +25,7 @@ from fenics_contact.scene import Steps
 from fenics_contact.simulation import Run
 from fenics_contact.state_file import SavedRun, StateFile
 from fenics_contact.step_table import StepTable
-from fenics_contact.writing import naming, replace_file
+from fenics_contact.writing import make_folder, naming, replace_file
 
 CSV_HEADER = [
     *("contact", "x", "y", "z", "nx", "ny", "nz", "gap", "contact_pressure"),
@@ -178,8 +178,8 @@ _OF_STEPS = r"steps\.csv|fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
 
 
 def _clear(folder: Path, names: str) -> None:
+    make_folder(folder)
     with naming(folder):
-        folder.mkdir(parents=True, exist_ok=True)
         for path in folder.iterdir():
             if re.fullmatch(rf"\.?({names})", path.name):  # with a dot: begun, and then killed
                 path.unlink()

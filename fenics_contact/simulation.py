@@ -142,6 +142,8 @@ class Run:
         accepted: Callable[[], None] | None,
     ) -> Result:
         """As ``solve``."""
+        if state is not None:
+            state.make_folder()
         self.solution = None
         self.steps = [] if saved is None else list(saved.steps)
         self.book = EnergyBook(self.problem)
@@ -289,16 +291,21 @@ class Run:
             "quantities": {},
         }
         if self.solution is None:
-            return self._stopped_short(f"No answer: {error}.", [step])
+            return self._stopped_short(f"No answer: {_ended(error)}", [step])
         advice = "more load steps, or steps.automatic = true"
         if self.scene.steps.automatic:
             advice = "a smaller steps.smallest"
-        words = f"No answer at time {self._history.tried:g}: {error}. Or try {advice}."
+        words = f"No answer at time {self._history.tried:g}: {_ended(error)} Or try {advice}."
         return self._stopped_short(words, [*self.steps, step])
 
     def _interrupted(self) -> Result:
         words = "Interrupted" + ("." if self.solution else " before any load step was done.")
         return dataclasses.replace(self._stopped_short(words, self.steps), interrupted=True)
+
+
+def _ended(error: NotConvergedError) -> str:
+    """What it says, as a sentence."""
+    return str(error) + ("" if str(error).endswith(("?", ".")) else ".")
 
 
 def _strategy(problem: Problem, solution: Solution | None) -> str:

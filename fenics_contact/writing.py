@@ -69,6 +69,16 @@ def append(path: Path, content: bytes) -> None:
             raise
 
 
+def make_folder(path: Path) -> None:
+    """Make a folder and those above it, where there is none.
+
+    Raises:
+        MachineError: It could not be made.
+    """
+    with naming(path):
+        path.mkdir(parents=True, exist_ok=True)
+
+
 @contextmanager
 def naming(path: Path) -> Iterator[None]:
     """Say of which file an error of the system is.
