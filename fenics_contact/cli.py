@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import signal
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
@@ -13,7 +14,7 @@ from mpi4py import MPI
 
 from fenics_contact import files
 from fenics_contact.errors import InputError
-from fenics_contact.faults import explain, failing_together
+from fenics_contact.faults import READER_LEFT, drop_output, explain, failing_together, say
 from fenics_contact.interrupts import Interrupts
 from fenics_contact.parallel import on_root
 from fenics_contact.progress import step_bar
@@ -97,16 +98,24 @@ def guarded(action: Callable[[], int], comm: MPI.Comm = MPI.COMM_WORLD) -> int:
 
     What goes wrong on one rank alone ends them all (``failing_together``).
     """
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # PETSc would call it a crash
     try:
         with failing_together(comm):
             code = action()
+            sys.stdout.flush()
             comm.Barrier()  # a launcher ends the other ranks at the first that fails
             return code
+    except SystemExit as error:
+        if isinstance(error.__context__, BrokenPipeError):  # rich's answer to it
+            return READER_LEFT
+        raise
     except (Exception, KeyboardInterrupt) as error:
         found = comm.allgather(explain(error))
     if comm.rank == 0:
         for said in dict(reversed(found)).values():  # the first rank's of every code
-            print(f"fenics-contact: {said}", file=sys.stderr, flush=True)
+            say(said)
+        if found[0][0] == READER_LEFT:
+            drop_output()
     comm.Barrier()
     return found[0][0]
 

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import os
 import re
+import signal
 import sys
 import time
 import traceback
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -24,6 +25,7 @@ _PATIENCE = 4.0
 _PAUSE = 0.01
 
 BUG = 1
+READER_LEFT = 128 + signal.SIGPIPE  # as the shell has it
 _NO_MEMORY = 55  # PETSC_ERR_MEM
 _NO_MEMORY_SAID = "PETSc error code is: 55,"  # by dolfinx, in a plain RuntimeError
 _COMPILER_SAID = re.compile("(JIT|just-in-time) (compilation|cache load)")  # likewise
@@ -52,6 +54,8 @@ def explain(error: BaseException) -> tuple[int, str]:
             f"the machine failed: a form could not be compiled: {said}; is there a C compiler, and "
             "room in the cache of FEniCSx (XDG_CACHE_HOME, else ~/.cache)?"
         )
+    if isinstance(error, BrokenPipeError):
+        return READER_LEFT, "nobody reads the output any more"
     if isinstance(error, OSError):
         return MachineError.exit_code, f"the machine failed: {error}"
     lines = "".join(traceback.format_exception(error)).rstrip()
@@ -75,6 +79,21 @@ def _is_want_of_memory(error: BaseException) -> bool:
 def _is_of_compiler(error: BaseException) -> bool:
     by_name = type(error).__name__ == "VerificationError"  # cffi's, on one rank
     return by_name or (isinstance(error, RuntimeError) and bool(_COMPILER_SAID.search(str(error))))
+
+
+def say(text: str) -> None:
+    """Tell the user, after all that was said before."""
+    for stream, what in ((sys.stdout, ""), (sys.stderr, f"fenics-contact: {text}\n")):
+        with suppress(OSError):  # who does not read it, or has no room for it, has the exit code
+            stream.write(what)
+            stream.flush()
+
+
+def drop_output() -> None:
+    """Let what is still to be printed go nowhere, as its reader has left."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)
 
 
 @contextmanager
@@ -115,11 +134,6 @@ def _all_come(watch: MPI.Comm) -> bool:
 
 def _end_all(comm: MPI.Comm, error: BaseException) -> None:
     code, said = explain(error)
-    sys.stdout.flush()
-    print(
-        f"fenics-contact: rank {comm.rank} of {comm.size} failed, and with it the run: {said}",
-        file=sys.stderr,
-        flush=True,
-    )
+    say(f"rank {comm.rank} of {comm.size} failed, and with it the run: {said}")
     comm.Abort(code)
     os._exit(code)  # some MPIs come back from it

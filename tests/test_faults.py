@@ -39,7 +39,7 @@ from fenics_contact import (
 )
 from fenics_contact.cli import guarded
 from fenics_contact.errors import MachineError, NotConvergedError
-from fenics_contact.faults import explain, original
+from fenics_contact.faults import READER_LEFT, explain, original
 from fenics_contact.memory import free_memory_for, memory_limit
 from fenics_contact.newton import Newton
 from fenics_contact.solver_choice import choose_solver
@@ -184,6 +184,29 @@ def test_an_error_in_a_callback_is_not_petscs(monkeypatch):
     assert not PETSc.Options().hasName("fenics_contact_snes_linesearch_type")
     monkeypatch.setattr(Newton, "_converged", fail)
     assert "the matter is soft" in run(slab()).verdict  # its type is kept as well
+
+
+@pytest.mark.serial
+def test_a_reader_that_leaves_is_no_crash(tmp_path):
+    """As with `| head`; PETSc would have called it one."""
+    script = tmp_path / "talking.py"
+    script.write_text(
+        "import sys\nfrom rich.console import Console\nfrom fenics_contact.cli import guarded\n"
+        "talk = print if sys.argv[1:] else Console().print\n"
+        "sys.exit(guarded(lambda: [talk('much to say') for _ in range(9999)] and 0))\n"
+    )
+    for how in ([], ["plain"]):
+        with subprocess.Popen(
+            [sys.executable, str(script), *how],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
+        ) as process:
+            process.stdout.close()
+            said = process.stderr.read()
+        assert process.returncode == READER_LEFT == 141
+        assert "PETSC" not in said and "Traceback" not in said and "Exception" not in said
 
 
 def _raising(error):

@@ -12,7 +12,7 @@ from fenics_contact.errors import (
     NotConvergedError,
     StoppedError,
 )
-from fenics_contact.faults import BUG
+from fenics_contact.faults import BUG, READER_LEFT
 from tests.scenes import ROOT
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of texts; one rank will do")
@@ -125,7 +125,7 @@ def test_every_check_and_exit_code_has_its_line():
     for check in checks:
         assert f"| `{check}` | " in PAGE, check
     errors = (InputError, NotConvergedError, MachineError, StoppedError)
-    for code in (0, 4, BUG, *(error.exit_code for error in errors)):
+    for code in (0, 4, BUG, READER_LEFT, *(error.exit_code for error in errors)):
         assert re.search(rf"^\| {code} \| ", PAGE, re.MULTILINE), code
 
 
