@@ -23,6 +23,7 @@ from petsc4py import PETSc
 from fenics_contact import (
     Contact,
     InputError,
+    Load,
     Material,
     Run,
     Scene,
@@ -45,10 +46,23 @@ from fenics_contact.newton import Newton
 from fenics_contact.solver_choice import choose_solver
 from fenics_contact.state_file import StateFile
 from fenics_contact.writing import append, replace_file
-from tests.scenes import PULLED_BLOCK, ROOT, box_body, slab, with_solver
+from tests.scenes import PULLED_BLOCK, ROOT, box_body, with_solver
 
 COMM = MPI.COMM_WORLD
 FULL = "No space left on device"
+
+
+def pressed(cells=(4, 3), coefficient=0.3, **settings):
+    """A block under a given pressure on its rough top, pulled aside; and its mesh."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        load=(Load("x0", traction=(5, 0)),),
+        contact=(Contact("y1", pressure=20, friction_coefficient=coefficient),),
+    )
+    return with_solver(scene, **settings), COMM, box_body(cells, (1, 1))
+
 
 # ------------------------------------------------------------------ one rank alone
 
@@ -59,7 +73,7 @@ import numpy as np
 from mpi4py import MPI
 from fenics_contact import faults, main, newton, run, simulation
 from fenics_contact.verification import command
-from tests.scenes import slab
+from tests.scenes import PULLED_BLOCK, box_body
 
 def now():
     pathlib.Path(sys.argv[2]).write_text(str(time.monotonic()))
@@ -87,10 +101,11 @@ if MPI.COMM_WORLD.rank == 1:
         simulation.contact_points = be_killed
 if where == "verify":
     sys.exit(main(["verify", "slab", "--quick"]))
+body = box_body((2, 2, 2))
 try:
-    run(slab())
+    run(PULLED_BLOCK, body=body)
 except Exception:  # a script that tries its luck with another scene
-    run(slab())
+    run(PULLED_BLOCK, body=body)
 """
 
 
@@ -162,8 +177,8 @@ def test_errors_that_all_ranks_share_are_ordinary(capsys):
     said = capsys.readouterr().err
     assert said == ("fenics-contact: no such thing\n" if COMM.rank == 0 else "")
     with pytest.raises(InputError, match="its function fails: ZeroDivisionError"):
-        run(slab(coefficient=lambda x: 1 / (COMM.rank + 1 - COMM.size)))  # on the last rank only
-    assert run(slab()).passed
+        run(*pressed(coefficient=lambda x: 1 / (COMM.rank + 1 - COMM.size)))  # on one rank
+    assert run(*pressed()).passed
 
 
 def test_a_fault_of_the_program_shows_where_it_is(capsys):
@@ -180,10 +195,10 @@ def test_an_error_in_a_callback_is_not_petscs(monkeypatch):
 
     with monkeypatch.context() as patch, pytest.raises(ValueError, match="of a tangent"):
         patch.setattr(Newton, "_set_tangent", _raising(ValueError("of a tangent")))
-        run(slab())
+        run(*pressed())
     assert not PETSc.Options().hasName("fenics_contact_snes_linesearch_type")
     monkeypatch.setattr(Newton, "_converged", fail)
-    assert "the matter is soft" in run(slab()).verdict  # its type is kept as well
+    assert "the matter is soft" in run(*pressed()).verdict  # its type is kept as well
 
 
 @pytest.mark.serial
@@ -411,12 +426,12 @@ def test_pictures_and_pages_on_a_full_disk(tmp_path, prepared, monkeypatch, caps
 )
 def test_factorisation_without_memory_is_the_machines_failure(capsys, solver, option, words):
     """MUMPS may take a megabyte, or no more than it foresees less 99 %."""
-    is_solid = solver == "iterative"
-    scene = with_solver(PULLED_BLOCK if is_solid else slab(cells=(96, 24)), solver=solver)
-    body = box_body((5, 4, 3)) if is_solid else None
+    made = pressed((40, 40) if option.endswith("23") else (12, 12), solver=solver)
+    if solver == "iterative":
+        made = with_solver(PULLED_BLOCK, solver=solver), COMM, box_body((3, 3, 3))
     PETSc.Options().setValue(option, 1 if option.endswith("23") else -99)
     try:
-        assert guarded(lambda: run(scene, body=body).exit_code) == 5
+        assert guarded(lambda: run(*made).exit_code) == 5
     finally:
         PETSc.Options().delValue(option)
     said = COMM.bcast(capsys.readouterr().err)
@@ -439,7 +454,7 @@ def test_mumps_error_codes():
 
 def test_numpy_without_memory(capsys, monkeypatch):
     monkeypatch.setattr(simulation, "contact_points", lambda *rest: np.ones((10**8, 10**6)))
-    assert guarded(lambda: run(slab()).exit_code) == 5
+    assert guarded(lambda: run(*pressed()).exit_code) == 5
     said = COMM.bcast(capsys.readouterr().err)
     assert "out of memory: Unable to allocate" in said and "use a coarser mesh" in said
     assert "Traceback" not in said
@@ -451,7 +466,7 @@ def test_numpy_without_memory(capsys, monkeypatch):
 )
 def test_limits_of_a_process_count(limit, column, name):
     """Every rank has its own; what it uses already is gone."""
-    prepared = Run(slab())
+    prepared = Run(*pressed())
     soft, hard = resource.getrlimit(limit)
     with open("/proc/self/statm") as file:
         used = int(file.read().split()[column]) * resource.getpagesize()
