@@ -17,6 +17,7 @@ from fenics_contact.history import Drive, History
 from fenics_contact.picture_style import COLOUR_MAP, COLOURS, marks
 from fenics_contact.surface_line import SurfaceLine
 from fenics_contact.surface_maps import Surface
+from fenics_contact.writing import replaced_file
 
 Array = NDArray[np.float64]
 
@@ -151,7 +152,10 @@ def _write_gif(pictures: list[NDArray[np.uint8]], path: Path) -> None:
         Image.fromarray(picture).quantize(palette=palette, dither=no_dither) for picture in pictures
     )
     pace = min(_PER_SECOND, max(len(pictures) / _SECONDS, 2))  # frames a second
-    first.save(path, save_all=True, append_images=others, duration=round(1000 / pace), loop=0)
+    with replaced_file(path) as temporary:
+        first.save(
+            temporary, save_all=True, append_images=others, duration=round(1000 / pace), loop=0
+        )
 
 
 class _Map:

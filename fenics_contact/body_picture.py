@@ -13,6 +13,7 @@ from fenics_contact.body_view import MARGINS, View, choose_view
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.display import display
 from fenics_contact.picture_style import COLOUR_MAP
+from fenics_contact.writing import replaced_file
 
 Array = NDArray[np.float64]
 
@@ -59,6 +60,7 @@ def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path
     """
     with display():
         import pyvista
+        from PIL import Image
 
         body["von Mises stress"] = _von_mises(body["stress"])
         view = choose_view(body, result, table)
@@ -72,7 +74,9 @@ def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path
         through = ", contact points seen through the bodies" if view.hides else ""
         plotter.add_text(f"Deformed mesh{where}{times}{through}", font_size=11, color="black")
         _look(plotter, view)
-        plotter.screenshot(str(path))
+        picture = Image.fromarray(plotter.screenshot(return_img=True))
+        with replaced_file(path) as temporary:
+            picture.save(temporary)
         plotter.close()
     return path
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 import logging
+import signal
 import sys
-import traceback
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from pathlib import Path
@@ -13,7 +13,8 @@ from pathlib import Path
 from mpi4py import MPI
 
 from fenics_contact import files
-from fenics_contact.errors import FenicsContactError, InputError
+from fenics_contact.errors import InputError
+from fenics_contact.faults import READER_LEFT, drop_output, explain, failing_together, say
 from fenics_contact.interrupts import Interrupts
 from fenics_contact.parallel import on_root
 from fenics_contact.progress import step_bar
@@ -24,9 +25,6 @@ from fenics_contact.state_file import StateFile
 from fenics_contact.summary import print_model, print_result
 
 logger = logging.getLogger(__name__)
-
-MACHINE_FAILED = 5
-INTERRUPTED = 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -96,35 +94,30 @@ def run_script(
 
 
 def guarded(action: Callable[[], int], comm: MPI.Comm = MPI.COMM_WORLD) -> int:
-    """Run an action; turn what goes wrong into one sentence and an exit code.
+    """Run an action; turn what goes wrong into words and an exit code; collective.
 
-    Errors of this package are raised on all ranks alike. Anything else may have
-    hit one rank alone, with the others waiting for it: that ends them all.
+    What goes wrong on one rank alone ends them all (``failing_together``).
     """
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # PETSc would call it a crash
     try:
-        code = action()
-        comm.Barrier()  # a launcher ends the other ranks at the first that fails
-        return code
-    except FenicsContactError as error:
-        if comm.rank == 0:
-            print(f"fenics-contact: {error}", file=sys.stderr, flush=True)
-        comm.Barrier()
-        return error.exit_code
-    except KeyboardInterrupt:
-        print("fenics-contact: interrupted", file=sys.stderr)
-        code = INTERRUPTED
-    except (OSError, MemoryError) as error:
-        print(
-            f"fenics-contact: the machine failed: {str(error) or 'out of memory'}", file=sys.stderr
-        )
-        code = MACHINE_FAILED
-    except Exception:
-        traceback.print_exc()
-        code = 1
-    if comm.size > 1:
-        sys.stderr.flush()
-        comm.Abort(code)
-    return code
+        with failing_together(comm):
+            code = action()
+            sys.stdout.flush()
+            comm.Barrier()  # a launcher ends the other ranks at the first that fails
+            return code
+    except SystemExit as error:
+        if isinstance(error.__context__, BrokenPipeError):  # rich's answer to it
+            return READER_LEFT
+        raise
+    except (Exception, KeyboardInterrupt) as error:
+        found = comm.allgather(explain(error))
+    if comm.rank == 0:
+        for said in dict(reversed(found)).values():  # the first rank's of every code
+            say(said)
+        if found[0][0] == READER_LEFT:
+            drop_output()
+    comm.Barrier()
+    return found[0][0]
 
 
 def _scene_command(options: argparse.Namespace) -> int:

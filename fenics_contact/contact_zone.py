@@ -9,7 +9,9 @@ from dolfinx import la
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact import mumps
 from fenics_contact.contact_matrix import ContactMatrix
+from fenics_contact.errors import MachineError
 from fenics_contact.problem import Problem
 
 Array = NDArray[np.float64]
@@ -91,13 +93,19 @@ class ContactZone:
         """Factorise K + K_c in the zone, and say whether that went; collective.
 
         It does not where the zone is loose, as an obstacle under a force that nothing touches.
+
+        Raises:
+            MachineError: There is not enough memory; on every rank.
         """
         self._contacts.matrix.createSubMatrix(self._unknowns, self._unknowns, self._added)
         self._stiffness.copy(self._tangent, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
         self._tangent.axpy(1.0, self._added, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
         self._factor.setOperators(self._tangent)
         self._factor.setUp()
-        return self._factor.getFactorMatrix().getMumpsInfog(1) >= 0  # the same on every rank
+        error = mumps.failure_of(self._factor)
+        if isinstance(error, MachineError):
+            raise error
+        return error is None
 
     def solve(self, right: Array) -> Array:
         """What balances forces in the zone, all else held; collective."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from fenics_contact.writing import replaced_file
+
 
 def new_figure(title: str, size: tuple[float, float], **panels: Any) -> tuple[Any, list[Any]]:
     """A figure and its panels.
@@ -30,8 +32,11 @@ def save(figure: Any, path: Path) -> None:
     """Write a figure and let it go."""
     import matplotlib.pyplot as plt
 
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
+    try:
+        with replaced_file(path) as temporary:
+            figure.savefig(temporary, dpi=150)
+    finally:
+        plt.close(figure)
 
 
 def surface_of(contact: dict[str, Any]) -> str:

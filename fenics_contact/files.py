@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 import re
@@ -16,6 +17,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fenics_contact.errors import InputError
+from fenics_contact.faults import failing_together
 from fenics_contact.fields import FieldSeries
 from fenics_contact.parallel import on_root
 from fenics_contact.result import ContactPoints, Result
@@ -23,6 +25,7 @@ from fenics_contact.scene import Steps
 from fenics_contact.simulation import Run
 from fenics_contact.state_file import SavedRun, StateFile
 from fenics_contact.step_table import StepTable
+from fenics_contact.writing import make_folder, naming, replace_file
 
 CSV_HEADER = [
     *("contact", "x", "y", "z", "nx", "ny", "nz", "gap", "contact_pressure"),
@@ -74,12 +77,16 @@ def solve_and_write(
         saved: Likewise; then its files are kept.
         stopped: Likewise.
         announce: Likewise.
+
+    Raises:
+        MachineError: A file could not be written; those of before are whole.
     """
-    steps = StepFiles(run, folder, None if saved is None else saved.last.unknowns.time)
-    result = run.solve(state, saved, stopped, announce, steps.add)
-    with run.timings.phase("output"):
-        steps.complete()
-    _finish(run, result, folder)
+    with failing_together(run.problem.comm):
+        steps = StepFiles(run, folder, None if saved is None else saved.last.unknowns.time)
+        result = run.solve(state, saved, stopped, announce, steps.add)
+        with run.timings.phase("output"):
+            steps.complete()
+        _finish(run, result, folder)
     return result
 
 
@@ -87,12 +94,16 @@ def write(run: Run, result: Result, folder: Path) -> None:
     """Write the files of a run that was solved, fields of its last step only; collective.
 
     Without convergence only ``result.json`` and ``steps.csv`` are written, with the history.
+
+    Raises:
+        MachineError: A file could not be written.
     """
-    steps = StepFiles(run, folder)
-    steps.catch_up()
-    if run.solution is not None:
-        steps.add_fields()
-    _finish(run, result, folder)
+    with failing_together(run.problem.comm):
+        steps = StepFiles(run, folder)
+        steps.catch_up()
+        if run.solution is not None:
+            steps.add_fields()
+        _finish(run, result, folder)
 
 
 def _finish(run: Run, result: Result, folder: Path) -> None:
@@ -167,10 +178,11 @@ _OF_STEPS = r"steps\.csv|fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
 
 
 def _clear(folder: Path, names: str) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    for path in folder.iterdir():
-        if re.fullmatch(names, path.name):
-            path.unlink()
+    make_folder(folder)
+    with naming(folder):
+        for path in folder.iterdir():
+            if re.fullmatch(rf"\.?({names})", path.name):  # with a dot: begun, and then killed
+                path.unlink()
 
 
 def _write_tables(result: Result, folder: Path) -> None:
@@ -179,9 +191,7 @@ def _write_tables(result: Result, folder: Path) -> None:
         _replace(folder / "contact.csv", _csv_rows(result.points, names))
     # Last, and in one move: where it exists, the run is complete.
     text = json.dumps(_finite(result.as_dict()), indent=2, ensure_ascii=False, allow_nan=False)
-    temporary = folder / ".result.json"
-    temporary.write_text(text + "\n", encoding="utf-8")
-    temporary.replace(folder / "result.json")
+    replace_file(folder / "result.json", f"{text}\n".encode())
 
 
 def _csv_rows(points: ContactPoints, names: list[str]) -> list[list[str]]:
@@ -211,10 +221,11 @@ def _without_round_off(values: NDArray[np.float64], size: float = 0.0) -> NDArra
 
 
 def _replace(path: Path, rows: list[list[str]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(CSV_HEADER)
-        writer.writerows(rows)
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow(CSV_HEADER)
+    writer.writerows(rows)
+    replace_file(path, text.getvalue().encode())
 
 
 def _finite(value: Any) -> Any:

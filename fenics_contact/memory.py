@@ -1,8 +1,9 @@
-"""How much memory this machine, or its container, has left."""
+"""How much memory this machine, its container or the process's own limits leave."""
 
 from __future__ import annotations
 
 import os
+import resource
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -18,20 +19,64 @@ _FILES = (
 )
 
 
+# Of a process: limits, as `ulimit` sets them, and the column of /proc/self/statm (in pages) that
+# counts against each.
+_STATM = Path("/proc/self/statm")
+_OWN_LIMITS = ((resource.RLIMIT_AS, 0, "ulimit -v"), (resource.RLIMIT_DATA, 5, "ulimit -d"))
+
+_Free = tuple[float, str]  # bytes, and what leaves no more
+
+
 def free_memory() -> float:
     """Bytes free on this machine, within its container's limit; infinite where not known."""
-    return min(_of_machine(), *(_of_group(group) for group in _groups()))
+    return min(_shared())[0]
 
 
 def free_memory_for(comm: MPI.Comm) -> float:
     """Bytes free for all ranks together, the least that every machine offers; collective.
 
-    A machine that holds a share of the ranks needs to hold about that share of the problem.
+    A machine that holds a share of the ranks needs to hold about that share of the problem, and
+    so does a rank that has a limit of its own.
     """
+    return _free_for(comm)[0]
+
+
+def memory_limit(comm: MPI.Comm) -> str:
+    """What leaves no more memory than ``free_memory_for``, in words; collective."""
+    return _free_for(comm)[1]
+
+
+def _free_for(comm: MPI.Comm) -> _Free:
     machine = comm.Split_type(MPI.COMM_TYPE_SHARED)
-    together = free_memory() * comm.size / machine.size
+    share = machine.size
     machine.Free()
-    return float(min(comm.allgather(together)))
+    together = [(free * comm.size / share, what) for free, what in _shared()]
+    together += [(free * comm.size, what) for free, what in _own()]
+    return min(comm.allgather(min(together)))
+
+
+def _shared() -> Iterator[_Free]:
+    """What the processes of a machine have together."""
+    yield _of_machine(), "of this machine's memory"
+    for group in _groups():
+        yield _of_group(group), "within the limit of its container or batch job"
+
+
+def _own() -> Iterator[_Free]:
+    """What this process has for itself."""
+    for limit, column, command in _OWN_LIMITS:
+        most = resource.getrlimit(limit)[0]
+        if most != resource.RLIM_INFINITY:
+            words = f"within the limit on a process ({command})"
+            yield max(most - _used(column), 0.0), words
+
+
+def _used(column: int) -> float:
+    try:
+        pages = int(_STATM.read_text().split()[column])
+    except OSError:  # no /proc
+        return 0.0
+    return float(pages * os.sysconf("SC_PAGE_SIZE"))
 
 
 def _of_machine() -> float:

@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact import mumps
 from fenics_contact.chatter import Chatter
-from fenics_contact.errors import NotConvergedError, StoppedError
+from fenics_contact.errors import MachineError, NotConvergedError, StoppedError
+from fenics_contact.faults import original
 from fenics_contact.parallel import largest, smallest
 from fenics_contact.problem import Problem
 from fenics_contact.rigid import RigidMotions
@@ -54,8 +56,9 @@ _LONG = 12
 
 _NOT_A_NUMBER = -4  # the reason's name differs between PETSc's versions
 _NO_STEP_FOUND = -6
+_NO_SOLVE = -3
 _REASONS = {
-    -3: "the linear system could not be solved (a singular matrix: is the body held?)",
+    _NO_SOLVE: "the linear system could not be solved (a singular matrix: is the body held?)",
     _NOT_A_NUMBER: "the forces became infinite or not a number",
     -5: "the Newton steps allowed were used up",
     _NO_STEP_FOUND: "the line search found no step",
@@ -130,16 +133,23 @@ class Newton:
         with self.timings.phase("solve"):
             log = _FactorisationLog()
             snes = self._create_snes()
-            snes.solve(None, self.system.state)
-            reason = snes.getConvergedReason()
-            self.system.take(self.system.state)
-            snes.destroy()
-            for name in self._own_options:  # the database is global: the next may want others
-                PETSc.Options().delValue(name)
-            self._own_options.clear()
+            try:
+                snes.solve(None, self.system.state)
+                reason = snes.getConvergedReason()
+                failure = mumps.failure_of(snes.getKSP().getPC()) if reason == _NO_SOLVE else None
+                self.system.take(self.system.state)
+            except PETSc.Error as error:
+                raise original(error) from None
+            finally:
+                snes.destroy()
+                for name in self._own_options:  # the database is global: the next may want others
+                    PETSc.Options().delValue(name)
+                self._own_options.clear()
             self.timings.move("solve", "factorise", log.seconds())
         if self._is_stopped:
             raise StoppedError("interrupted")
+        if isinstance(failure, MachineError):  # no smaller load step would help
+            raise failure
         self.steps += self._steps_of_this_run
         accepted = len(self.history) > self._before and self.history[-1] <= self.limit
         if reason < 0 or not accepted:

@@ -11,6 +11,7 @@ from fenics_contact.check_words import compares
 from fenics_contact.errors import InputError
 from fenics_contact.pictures import draw_pictures
 from fenics_contact.result import reactions_by_group
+from fenics_contact.writing import replace_file
 
 _PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -60,7 +61,7 @@ def write_report(folder: Path) -> list[Path]:
         raise InputError(f"{folder}: this run did not converge, so there is nothing to draw")
     pictures = draw_pictures(folder, result)
     page = folder / "report.html"
-    page.write_text(_page(result, pictures), encoding="utf-8")
+    replace_file(page, _page(result, pictures).encode())
     return [*pictures, page]
 
 

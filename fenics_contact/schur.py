@@ -16,7 +16,8 @@ from petsc4py import PETSc
 from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse import csr_matrix
 
-from fenics_contact.errors import FenicsContactError, MachineError, NotConvergedError
+from fenics_contact import mumps
+from fenics_contact.errors import FenicsContactError
 from fenics_contact.local_stiffness import LocalStiffness
 from fenics_contact.parallel import raise_together
 
@@ -25,7 +26,6 @@ Array = NDArray[np.float64]
 _WITHOUT_SCHUR_DOFS = 0  # MUMPS' ICNTL(26): solve with K_II alone
 _MINIMUM_DEGREE, _AUTOMATIC = 0, 7  # ICNTL(7): orderings
 _SPARE_WORKSPACE = 50  # ICNTL(14), in per cent: a mean stress may need other pivots than foreseen
-_SINGULAR = (-6, -10)  # MUMPS' INFOG(1)
 # Finding the better ordering of nested dissection costs more than it saves on plane meshes up to
 # about this size.
 _PLANE = 400_000
@@ -174,11 +174,13 @@ class LocalFactor:
         factor.setMumpsIcntl(7, ordering)
         factor.setMumpsIcntl(14, _SPARE_WORKSPACE)
         operator.destroy()  # the preconditioner keeps it
-        if len(kept):
-            self._factor_with_schur()
-        else:
-            self._preconditioner.setUp()
-        self.error = _failure(factor)
+        rows = self._ask_for_schur() if len(kept) else None
+        self._preconditioner.setUp()
+        self.error = mumps.failure(factor)
+        if rows is not None:
+            if self.error is None:
+                self._schur = self._read_schur()
+            rows.destroy()
 
     def take_schur(self) -> Array:
         """The Schur complement, dense (kept, kept), which is large: it is not kept here."""
@@ -202,13 +204,17 @@ class LocalFactor:
             for thing in (self._preconditioner, self._right, self._solved):
                 thing.destroy()
 
-    def _factor_with_schur(self) -> None:
-        preconditioner, size = self._preconditioner, len(self._kept)
-        factor = preconditioner.getFactorMatrix()
+    def _ask_for_schur(self) -> Any:
+        """Tell MUMPS which unknowns to condense onto; they are to live until it has."""
         rows = PETSc.IS().createGeneral(self._kept.tolist(), comm=PETSc.COMM_SELF)
         library = ctypes.CDLL(PETSc.__file__)
-        _call(library.MatFactorSetSchurIS, factor, rows)
-        preconditioner.setUp()
+        _call(library.MatFactorSetSchurIS, self._preconditioner.getFactorMatrix(), rows)
+        return rows
+
+    def _read_schur(self) -> Array:
+        """S, of a factorisation that has succeeded; from then on MUMPS solves without it."""
+        factor, size = self._preconditioner.getFactorMatrix(), len(self._kept)
+        library = ctypes.CDLL(PETSc.__file__)
         pointer = ctypes.c_void_p()
         _call(library.MatFactorGetSchurComplement, factor, ctypes.byref(pointer), None)
         schur = PETSc.Mat().createDense((size, size), comm=PETSc.COMM_SELF)
@@ -219,10 +225,10 @@ class LocalFactor:
         _call(
             library.MatFactorRestoreSchurComplement, factor, ctypes.byref(pointer), ctypes.c_int(0)
         )
-        self._schur = _symmetric(np.array(schur.getDenseArray()))
+        found = _symmetric(np.array(schur.getDenseArray()))
         factor.setMumpsIcntl(26, _WITHOUT_SCHUR_DOFS)
         schur.destroy()
-        rows.destroy()
+        return found
 
 
 def _symmetric(schur: Array) -> Array:
@@ -250,16 +256,6 @@ def _lu(operator: Any) -> Any:
     preconditioner.setFactorSolverType("mumps")
     preconditioner.setFactorSetUpSolverType()
     return preconditioner
-
-
-def _failure(factor: Any) -> FenicsContactError | None:
-    """What MUMPS says of a factorisation: PETSc keeps it to itself, and S would be anything."""
-    code = factor.getMumpsInfog(1)
-    if code >= 0:
-        return None
-    if code in _SINGULAR:
-        return NotConvergedError("the stiffness is singular: is the body held?", ())
-    return MachineError(f"MUMPS could not factorise the body: its error {code}; out of memory?")
 
 
 def _call(function: Any, *arguments: Any) -> None:

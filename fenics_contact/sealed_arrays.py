@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import os
 import zipfile
 import zlib
 from pathlib import Path
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.errors import InputError
+from fenics_contact.writing import replace_file
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -22,19 +22,18 @@ _UNREADABLE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib
 
 
 def write(path: Path, header: dict[str, Any], arrays: Arrays) -> None:
-    """Replace a file in one move, so that it is whole at any moment."""
+    """Replace a file in one move, so that it is whole at any moment.
+
+    Raises:
+        MachineError: It could not be written.
+    """
     text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
     contents = arrays | {"header": text}
     digest = np.frombuffer(_checksum(contents), dtype=np.uint8)
     buffer = io.BytesIO()
     np.savez(buffer, checksum=digest, **contents)  # type: ignore[arg-type]
-    temporary = path.with_name(f".{path.name}")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with temporary.open("wb") as file:
-        file.write(buffer.getbuffer())
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(temporary, path)
+    with buffer.getbuffer() as content:
+        replace_file(path, content, durable=True)
 
 
 def read(path: Path) -> tuple[dict[str, Any], Arrays]:

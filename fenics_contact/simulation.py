@@ -16,6 +16,7 @@ from fenics_contact.contact import ContactSurface
 from fenics_contact.energy_book import EnergyBook
 from fenics_contact.equilibrium import FreeMotion, require_equilibrium
 from fenics_contact.errors import InputError, NotConvergedError, StoppedError
+from fenics_contact.faults import failing_together
 from fenics_contact.gmsh_files import load_body
 from fenics_contact.load_steps import History, solve
 from fenics_contact.mesh import Body
@@ -72,6 +73,11 @@ class Run:
         self.steps: list[dict[str, Any]] = []
         self._announce: Callable[[int, dict[str, Any]], None] = _log_step
         self.timings = Timings()
+        with failing_together(comm):
+            self._make_ready(scene, comm, body)
+
+    def _make_ready(self, scene: Scene, comm: MPI.Comm, body: Body | None) -> None:
+        """Mesh, model and solver; collective."""
         if body is None:
             if not scene.mesh:
                 raise InputError("mesh: the scene names no mesh and no body was passed")
@@ -127,6 +133,20 @@ class Run:
                 logged, where there are several.
             accepted: Called when a load step has been added to ``steps``; collective.
         """
+        with failing_together(self.problem.comm):
+            return self._solve(state, saved, stopped, announce, accepted)
+
+    def _solve(
+        self,
+        state: StateFile | None,
+        saved: SavedRun | None,
+        stopped: Callable[[], bool] | None,
+        announce: Callable[[int, dict[str, Any]], None] | None,
+        accepted: Callable[[], None] | None,
+    ) -> Result:
+        """As ``solve``."""
+        if state is not None:
+            state.make_folder()
         self.solution = None
         self.steps = [] if saved is None else list(saved.steps)
         self.book = EnergyBook(self.problem)
@@ -285,16 +305,21 @@ class Run:
             "quantities": {},
         }
         if self.solution is None:
-            return self._stopped_short(f"No answer: {error}.", [step])
+            return self._stopped_short(f"No answer: {_ended(error)}", [step])
         advice = "more load steps, or steps.automatic = true"
         if self.scene.steps.automatic:
             advice = "a smaller steps.smallest"
-        words = f"No answer at time {self._history.tried:g}: {error}. Or try {advice}."
+        words = f"No answer at time {self._history.tried:g}: {_ended(error)} Or try {advice}."
         return self._stopped_short(words, [*self.steps, step])
 
     def _interrupted(self) -> Result:
         words = "Interrupted" + ("." if self.solution else " before any load step was done.")
         return dataclasses.replace(self._stopped_short(words, self.steps), interrupted=True)
+
+
+def _ended(error: NotConvergedError) -> str:
+    """What it says, as a sentence."""
+    return str(error) + ("" if str(error).endswith(("?", ".")) else ".")
 
 
 def _strategy(problem: Problem, solution: Solution | None) -> str:
@@ -355,5 +380,7 @@ def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None)
 
     Raises:
         InputError: The scene or its mesh cannot be used, or has no equilibrium.
+
+    What goes wrong on one rank alone ends all ranks, with a message and ``MPI_Abort``.
     """
     return Run(scene, comm, body).solve()

@@ -10,9 +10,10 @@ import numpy as np
 
 from fenics_contact.condensed_system import CondensedSystem
 from fenics_contact.errors import InputError, MachineError
+from fenics_contact.faults import LESS_MEMORY
 from fenics_contact.full_system import FullSystem
 from fenics_contact.iterative_system import IterativeSystem
-from fenics_contact.memory import free_memory_for
+from fenics_contact.memory import free_memory_for, memory_limit
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
 from fenics_contact.system import System
@@ -77,8 +78,8 @@ def choose_solver(problem: Problem) -> SolverChoice:
     if choice.memory > free:
         raise MachineError(
             f"the solver '{choice.name}' needs about {choice.memory / 1e9:.2g} GB of memory for "
-            f"{unknowns(problem):,} unknowns, and {free / 1e9:.2g} GB are free; use a coarser "
-            "mesh, a lower degree, or more machines"
+            f"{unknowns(problem):,} unknowns, and {free / 1e9:.2g} GB are free "
+            f"{memory_limit(problem.comm)}; {LESS_MEMORY}"
         )
     return choice
 

@@ -26,6 +26,7 @@ from fenics_contact.problem import Problem
 from fenics_contact.scene import Scene
 from fenics_contact.sealed_arrays import Arrays, read, write
 from fenics_contact.solution import Solution
+from fenics_contact.writing import make_folder
 
 Array = NDArray[np.float64]
 
@@ -81,6 +82,10 @@ class StateFile:
             "scene": fingerprint.of_scene(problem.scene, problem.body),
         }
 
+    def make_folder(self) -> None:
+        """Make the folder where there is none; collective. It is not made again later on."""
+        on_root(self._comm, lambda: make_folder(self.path.parent))
+
     def remove(self) -> None:
         """Take away that of an earlier run; collective."""
         on_root(self._comm, lambda: self.path.unlink(missing_ok=True))
@@ -92,6 +97,9 @@ class StateFile:
             history: Of the run.
             steps: Records of all steps.
             energy: Sums of the energy book.
+
+        Raises:
+            MachineError: It could not be written; that of the step before is still there.
         """
         last = history.last
         assert last is not None

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fenics_contact.scene_values import AXES
+from fenics_contact.writing import append, replace_file
 
 
 class StepTable:
@@ -39,9 +40,8 @@ class StepTable:
             self._columns = list(row)
             csv.writer(text).writerow(self._columns)
         csv.DictWriter(text, self._columns).writerow(row)
-        mode = "ab" if self._rows else "wb"
-        with self._path.open(mode, buffering=0) as file:  # a row is one call to the system
-            file.write(text.getvalue().encode())
+        write = append if self._rows else replace_file
+        write(self._path, text.getvalue().encode())
 
 
 def row_of(step: Mapping[str, Any]) -> dict[str, Any]:

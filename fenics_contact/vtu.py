@@ -13,7 +13,9 @@ import numpy as np
 from dolfinx import plot
 from numpy.typing import NDArray
 
+from fenics_contact.errors import MachineError
 from fenics_contact.parallel import on_root, raise_together
+from fenics_contact.writing import replace_file
 
 Array = NDArray[np.float64]
 
@@ -39,7 +41,7 @@ def write_grid(
         The name of the file that holds the pieces together.
 
     Raises:
-        OSError: On every rank.
+        MachineError: A file could not be written; on every rank.
     """
     comm = space.mesh.comm
     pieces = [f"{stem}_p{rank}_{number:06d}.vtu" for rank in range(comm.size)]
@@ -60,10 +62,10 @@ def write_grid(
         + _block("PointData", {name: values[used] for name, values in fields.items()})
         + "</Piece>\n"
     )
-    error: OSError | None = None
+    error: MachineError | None = None
     try:
         _write(folder / pieces[comm.rank], "UnstructuredGrid", body)
-    except OSError as caught:
+    except MachineError as caught:
         error = caught
     raise_together(comm, error)  # they are held together when all are written
     whole = f"{stem}{number:06d}.pvtu"
@@ -89,9 +91,7 @@ def write_collection(path: Path, grids: Mapping[str, float]) -> None:
     entries = (
         f'<DataSet timestep="{time!r}" part="0" file="{name}"/>\n' for name, time in grids.items()
     )
-    temporary = path.with_name(f".{path.name}")
-    _write(temporary, "Collection", "".join(entries))
-    temporary.replace(path)
+    _write(path, "Collection", "".join(entries))
 
 
 def read_collection(path: Path) -> dict[str, float]:
@@ -107,7 +107,7 @@ def _write(path: Path, kind: str, content: str) -> None:
         f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="{_VERSION}" byte_order="{_ORDER}" '
         f'header_type="UInt64">\n<{kind}>\n{content}</{kind}>\n</VTKFile>\n'
     )
-    path.write_text(text, encoding="ascii")
+    replace_file(path, text.encode("ascii"))
 
 
 def _block(name: str, arrays: Mapping[str, NDArray[Any]]) -> str:

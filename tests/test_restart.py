@@ -29,6 +29,7 @@ from fenics_contact import (
     sealed_arrays,
     state_file,
 )
+from fenics_contact.errors import MachineError
 from fenics_contact.interrupts import Interrupts
 from fenics_contact.state_file import StateFile
 from tests.histories import block, dragged, require_same, shoved, two_blocks
@@ -248,10 +249,11 @@ def test_a_write_that_ends_half_way_leaves_the_old_file(tmp_path, monkeypatch, f
     def die(*arguments):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(sealed_arrays.os, failing, die)
-    with pytest.raises(OSError, match="No space"):
+    monkeypatch.setattr(os, failing, die)
+    with pytest.raises(MachineError, match=r"state.npz' cannot be written: No space"):
         sealed_arrays.write(path, {"step": 2}, {"b": np.arange(1000.0)})
     assert sealed_arrays.read(path)[0] == {"step": 1}
+    assert [found.name for found in tmp_path.iterdir()] == ["state.npz"]
 
 
 SCENE = f"""

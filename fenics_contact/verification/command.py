@@ -17,6 +17,7 @@ from fenics_contact.errors import FenicsContactError, InputError
 from fenics_contact.parallel import on_root
 from fenics_contact.verification import CASES
 from fenics_contact.verification.case import Case, Finding, Outcome, no_value
+from fenics_contact.writing import replace_file
 
 FAILED = 4
 
@@ -98,7 +99,8 @@ def _require_folder(json_file: Path | None) -> None:
 def _write(json_file: Path | None, outcomes: Sequence[Outcome]) -> None:
     if json_file is not None:
         rows = [row for outcome in outcomes for row in outcome.rows()]
-        json_file.write_text(json.dumps(rows, indent=2, ensure_ascii=False) + "\n", "utf-8")
+        text = json.dumps(rows, indent=2, ensure_ascii=False) + "\n"
+        replace_file(json_file, text.encode())
 
 
 def _print_outcomes(console: Console, outcomes: Sequence[Outcome]) -> None:

@@ -1,0 +1,482 @@
+"""A rank that fails, a disk that is full, no memory: words, an exit code, and nothing half done.
+
+Disks are full for real: what is written goes to /dev/full by a link of the name under which files
+are begun. A failing rank is tried in processes of their own, as it ends them all.
+"""
+
+import json
+import os
+import pathlib
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fenics_contact import (
+    Contact,
+    InputError,
+    Load,
+    Material,
+    Run,
+    Scene,
+    Steps,
+    Support,
+    animation,
+    figures,
+    files,
+    main,
+    mumps,
+    report,
+    run,
+    simulation,
+)
+from fenics_contact.cli import guarded
+from fenics_contact.errors import MachineError, NotConvergedError
+from fenics_contact.faults import READER_LEFT, explain, original
+from fenics_contact.memory import free_memory_for, memory_limit
+from fenics_contact.newton import Newton
+from fenics_contact.solver_choice import choose_solver
+from fenics_contact.state_file import StateFile
+from fenics_contact.writing import append, replace_file
+from tests.scenes import PULLED_BLOCK, ROOT, box_body, with_solver
+
+COMM = MPI.COMM_WORLD
+FULL = "No space left on device"
+
+
+def pressed(cells=(4, 3), coefficient=0.3, **settings):
+    """A block under a given pressure on its rough top, pulled aside; and its mesh."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        load=(Load("x0", traction=(5, 0)),),
+        contact=(Contact("y1", pressure=20, friction_coefficient=coefficient),),
+    )
+    return with_solver(scene, **settings), COMM, box_body(cells, (1, 1))
+
+
+# ------------------------------------------------------------------ one rank alone
+
+# Faults that a rank meets alone, by where; each is to be told of within ten seconds.
+FAULTY = """
+import os, pathlib, signal, sys, time
+import numpy as np
+from mpi4py import MPI
+from fenics_contact import faults, main, newton, run, simulation
+from fenics_contact.verification import command
+from tests.scenes import PULLED_BLOCK, box_body
+
+def now():
+    pathlib.Path(sys.argv[2]).write_text(str(time.monotonic()))
+
+def fail(*arguments):
+    now()
+    raise ValueError("two and two are five")
+
+def run_out_of_memory(*arguments):
+    now()
+    np.ones((10**8, 10**6))
+
+def be_killed(*arguments):
+    now()
+    os.kill(os.getpid(), signal.SIGKILL)
+
+where = sys.argv[1]
+if MPI.COMM_WORLD.rank == 1:
+    if where == "callback":
+        newton.Newton._set_residual = fail
+    if where == "verify":
+        faults._PATIENCE = 0.5
+        command.run_case = run_out_of_memory
+    if where == "killed":
+        simulation.contact_points = be_killed
+if where == "verify":
+    sys.exit(main(["verify", "slab", "--quick"]))
+body = box_body((2, 2, 2))
+try:
+    run(PULLED_BLOCK, body=body)
+except Exception:  # a script that tries its luck with another scene
+    run(PULLED_BLOCK, body=body)
+"""
+
+
+def on_two_ranks(folder, where):
+    """Exit code, what was said, and seconds from the fault to the end."""
+    script, mark = folder / "faulty.py", folder / "mark"
+    script.write_text(FAULTY)
+    beside = os.path.join(os.path.dirname(sys.executable), "mpirun")
+    launcher = beside if os.path.exists(beside) else shutil.which("mpirun")
+    environment = {
+        **os.environ,
+        "OMP_NUM_THREADS": "1",
+        "PYTHONPATH": str(ROOT),
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+    }
+    with subprocess.Popen(
+        [launcher, "-n", "2", sys.executable, str(script), where, str(mark)],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+        start_new_session=True,
+    ) as process:
+        try:
+            said = process.communicate(timeout=60)[1]
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
+    return process.returncode, said, time.monotonic() - float(mark.read_text())
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("where", "code", "words"),
+    [
+        ("callback", 1, "ValueError: two and two are five"),  # in a script, through PETSc
+        ("verify", 5, "the machine failed: out of memory: Unable to allocate 728"),
+    ],
+)
+def test_a_rank_that_fails_alone_ends_the_run_with_its_message(tmp_path, where, code, words):
+    found, said, seconds = on_two_ranks(tmp_path, where)
+    assert found == code, said
+    assert "fenics-contact: rank 1 of 2 failed, and with it the run: " in said
+    assert words in said
+    assert ("Traceback" in said) == (code == 1)
+    assert seconds < 10
+
+
+@pytest.mark.serial
+def test_a_rank_that_is_killed_takes_the_others_along(tmp_path):
+    code, _, seconds = on_two_ranks(tmp_path, "killed")
+    assert code != 0
+    assert seconds < 10
+
+
+# ------------------------------------------------------------------ all ranks alike
+
+
+def test_errors_that_all_ranks_share_are_ordinary(capsys):
+    """Scripts can go on after them; the terminal has them once."""
+
+    def refuse():
+        raise InputError("no such thing")
+
+    assert guarded(refuse) == 2
+    said = capsys.readouterr().err
+    assert said == ("fenics-contact: no such thing\n" if COMM.rank == 0 else "")
+    with pytest.raises(InputError, match="its function fails: ZeroDivisionError"):
+        run(*pressed(coefficient=lambda x: 1 / (COMM.rank + 1 - COMM.size)))  # on one rank
+    assert run(*pressed()).passed
+
+
+def test_a_fault_of_the_program_shows_where_it_is(capsys):
+    assert guarded(lambda: {}["key"]) == 1
+    said = COMM.bcast(capsys.readouterr().err)
+    assert "a fault of the program" in said and "Traceback" in said and "KeyError: 'key'" in said
+
+
+def test_an_error_in_a_callback_is_not_petscs(monkeypatch):
+    """And the solve after it has the options of its own."""
+
+    def fail(*arguments):
+        raise NotConvergedError("the matter is soft")
+
+    with monkeypatch.context() as patch, pytest.raises(ValueError, match="of a tangent"):
+        patch.setattr(Newton, "_set_tangent", _raising(ValueError("of a tangent")))
+        run(*pressed())
+    assert not PETSc.Options().hasName("fenics_contact_snes_linesearch_type")
+    monkeypatch.setattr(Newton, "_converged", fail)
+    assert "the matter is soft" in run(*pressed()).verdict  # its type is kept as well
+
+
+@pytest.mark.serial
+def test_a_reader_that_leaves_is_no_crash(tmp_path):
+    """As with `| head`; PETSc would have called it one."""
+    script = tmp_path / "talking.py"
+    script.write_text(
+        "import sys\nfrom rich.console import Console\nfrom fenics_contact.cli import guarded\n"
+        "talk = print if sys.argv[1:] else Console().print\n"
+        "sys.exit(guarded(lambda: [talk('much to say') for _ in range(9999)] and 0))\n"
+    )
+    for how in ([], ["plain"]):
+        with subprocess.Popen(
+            [sys.executable, str(script), *how],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
+        ) as process:
+            process.stdout.close()
+            said = process.stderr.read()
+        assert process.returncode == READER_LEFT == 141
+        assert "PETSC" not in said and "Traceback" not in said and "Exception" not in said
+
+
+def _raising(error):
+    def fail(*arguments):
+        raise error
+
+    return fail
+
+
+def test_what_is_said_of_an_error():
+    nested = PETSc.Error(101)
+    nested.__cause__ = PETSc.Error(101)
+    nested.__cause__.__cause__ = error = MachineError("no room")
+    assert original(nested) is error
+    assert explain(nested) == (5, "no room")
+    assert explain(KeyboardInterrupt()) == (130, "interrupted")
+    assert explain(PETSc.Error(55))[0] == 5
+    code, said = explain(OSError(5, "Input/output error", "mesh.msh"))
+    assert code == 5 and "the machine failed" in said and "mesh.msh" in said
+    # as dolfinx words what PETSc tells it
+    code, said = explain(
+        RuntimeError(
+            "Failed to successfully call PETSc function 'MatXIJSetPreallocation'. PETSc error code "
+            "is: 55, Out of memory"
+        )
+    )
+    assert (code, said.split(";")[0]) == (5, "the machine failed: out of memory")
+    assert explain(RuntimeError("PETSc error code is: 56, No support"))[0] == 1
+    for said in ("Failed just-in-time compilation of form: x", "JIT compilation failed on rank 0."):
+        code, words = explain(RuntimeError(said))
+        assert code == 5 and f"could not be compiled: {said}; is there a C compiler" in words
+
+
+# ------------------------------------------------------------------ disks
+
+
+def pushed(steps=1):
+    """A block on a rough floor, in some load steps."""
+    return Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y1", {"x": 0.01, "y": -0.02}),),
+        contact=(Contact("y0", friction_coefficient=0.4),),
+        steps=Steps(number=steps, end=float(steps)),
+    )
+
+
+@pytest.fixture(scope="module")
+def body():
+    return box_body((4, 3), (1, 1))
+
+
+@pytest.fixture(scope="module")
+def prepared(body):
+    return Run(pushed(), body=body)
+
+
+def written(made, out, resume=False):
+    """What ``fenics-contact run`` does once a scene is made ready: its exit code."""
+
+    def work():
+        files.require_writable(out, COMM)
+        state = StateFile(out, made.problem)
+        saved = state.load() if resume else None
+        return files.solve_and_write(made, out, state, saved).exit_code
+
+    return guarded(work)
+
+
+def without_room_for(monkeypatch, name):
+    """Link the name under which a file is begun to a device that is always full."""
+    clear = files._clear
+
+    def clear_and_link(folder, names):
+        clear(folder, names)
+        (folder / f".{name}").symlink_to("/dev/full")
+
+    monkeypatch.setattr(files, "_clear", clear_and_link)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("steps.csv", "fields_p0_000001.vtu", "fields000001.pvtu", "fields.pvd"),
+        *("state.npz", "contact.csv", "result.json"),
+    ],
+)
+def test_full_disk_names_the_file_and_leaves_no_half_of_it(
+    folder, prepared, monkeypatch, capsys, name
+):
+    out = folder / "out"
+    without_room_for(monkeypatch, name)
+    assert written(prepared, out) == 5
+    said = COMM.bcast(capsys.readouterr().err)
+    assert said == f"fenics-contact: '{out / name}' cannot be written: {FULL}\n"
+    left = {path.name for path in out.iterdir()}
+    assert name not in left and "result.json" not in left
+    assert not [hidden for hidden in left if hidden.startswith(".")]
+
+
+def test_full_disk_keeps_the_last_state(folder, body, monkeypatch, capsys):
+    """And the run goes on from it when there is room."""
+    out = folder / "out"
+    assert written(Run(pushed(2), body=body), out) == 0
+    before = (out / "state.npz").read_bytes()
+    longer = Run(pushed(3), body=body)
+    with monkeypatch.context() as patch:
+        without_room_for(patch, "state.npz")
+        assert written(longer, out, resume=True) == 5
+    assert FULL in COMM.bcast(capsys.readouterr().err)
+    assert (out / "state.npz").read_bytes() == before
+    COMM.barrier()
+    assert written(Run(pushed(3), body=body), out, resume=True) == 0
+    result = json.loads((out / "result.json").read_text())
+    assert [step["load_factor"] for step in result["steps"]] == [1, 2, 3]
+
+
+@contextmanager
+def files_up_to(size):
+    """No file of this process may grow beyond some bytes."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@pytest.mark.serial
+def test_a_row_is_written_whole_or_not_at_all(tmp_path):
+    path = tmp_path / "steps.csv"
+    replace_file(path, b"step\n1\n")
+    append(path, b"2\n")
+    with files_up_to(12), pytest.raises(MachineError, match=r"steps\.csv' cannot be written: File"):
+        append(path, b"3333333333\n")  # four bytes of it fit
+    assert path.read_bytes() == b"step\n1\n2\n"
+    with files_up_to(12), pytest.raises(MachineError, match="File too large"):
+        replace_file(path, b"step\n1\n22222222\n")
+    assert path.read_bytes() == b"step\n1\n2\n"
+    assert [found.name for found in tmp_path.iterdir()] == ["steps.csv"]
+    path.unlink()
+    with pytest.raises(MachineError, match="No such file"):
+        append(path, b"3\n")  # not a table without its head
+    assert not path.exists()
+
+
+def test_folder_that_goes_away_is_not_made_anew(folder, prepared, monkeypatch, capsys):
+    out, add = folder / "out", files.StepFiles.add
+
+    def add_and_remove(steps):
+        add(steps)
+        if COMM.rank == 0:
+            shutil.rmtree(out)
+        COMM.barrier()
+
+    monkeypatch.setattr(files.StepFiles, "add", add_and_remove)
+    assert written(prepared, out) == 5
+    said = COMM.bcast(capsys.readouterr().err)
+    assert "state.npz' cannot be written: No such file or directory; its folder is gone" in said
+    assert not out.exists()
+
+
+def test_folder_that_cannot_be_written_is_bad_input(prepared, capsys):
+    for out in ("/proc/nothing/out", "/dev/full/out"):  # to root, too
+        assert written(prepared, pathlib.Path(out)) == 2
+        assert f"--out '{out}': cannot be written to" in COMM.bcast(capsys.readouterr().err)
+
+
+@pytest.mark.serial
+def test_pictures_and_pages_on_a_full_disk(tmp_path, prepared, monkeypatch, capsys):
+    out = tmp_path / "out"
+    assert written(prepared, out) == 0
+    monkeypatch.setattr(report, "draw_pictures", lambda folder, result: [])
+    (out / ".report.html").symlink_to("/dev/full")
+    assert main(["report", str(out)]) == 5
+    said = capsys.readouterr().err
+    assert said == f"fenics-contact: '{out / 'report.html'}' cannot be written: {FULL}\n"
+    assert not (out / "report.html").exists() and (out / "result.json").exists()
+    for name in ("contact_0.png", "animation_0.gif"):
+        (out / f".{name}").symlink_to("/dev/full")
+    figure, _ = figures.new_figure("", (1, 1))
+    with pytest.raises(MachineError, match=rf"contact_0\.png' cannot be written: {FULL}"):
+        figures.save(figure, out / "contact_0.png")
+    frames = [np.zeros((9, 9, 3), dtype=np.uint8)] * 2
+    with pytest.raises(MachineError, match=rf"animation_0\.gif' cannot be written: {FULL}"):
+        animation._write_gif(frames, out / "animation_0.gif")
+    assert not list(out.glob("*.png")) and not list(out.glob("*.gif"))
+
+
+# ------------------------------------------------------------------ memory
+
+
+@pytest.mark.parametrize(
+    ("solver", "option", "words"),
+    [
+        ("condensed", "mat_mumps_icntl_23", "out of memory"),
+        ("full", "fenics_contact_mat_mumps_icntl_23", "out of memory"),
+        ("condensed", "mat_mumps_icntl_14", "workspace is too small"),
+        ("full", "fenics_contact_mat_mumps_icntl_14", "workspace is too small"),
+        ("iterative", "fenics_contact_zone_mat_mumps_icntl_14", "workspace is too small"),
+    ],
+)
+def test_factorisation_without_memory_is_the_machines_failure(capsys, solver, option, words):
+    """MUMPS may take a megabyte, or no more than it foresees less 99 %."""
+    made = pressed((40, 40) if option.endswith("23") else (12, 12), solver=solver)
+    if solver == "iterative":
+        made = with_solver(PULLED_BLOCK, solver=solver), COMM, box_body((3, 3, 3))
+    PETSc.Options().setValue(option, 1 if option.endswith("23") else -99)
+    try:
+        assert guarded(lambda: run(*made).exit_code) == 5
+    finally:
+        PETSc.Options().delValue(option)
+    said = COMM.bcast(capsys.readouterr().err)
+    assert words in said and "INFOG(1) = -" in said and said.count("\n") == 1
+
+
+def test_mumps_error_codes():
+    """As the users' guide of MUMPS lists them."""
+
+    class Factor:
+        def __init__(self, code):
+            self.getMumpsInfog = lambda number: code if number == 1 else 0
+
+    assert mumps.failure(Factor(0)) is None
+    assert isinstance(mumps.failure(Factor(-10)), NotConvergedError)
+    assert "out of memory" in str(mumps.failure(Factor(-13)))
+    assert "workspace" in str(mumps.failure(Factor(-9)))
+    assert "it failed" in str(mumps.failure(Factor(-53)))
+
+
+def test_numpy_without_memory(capsys, monkeypatch):
+    monkeypatch.setattr(simulation, "contact_points", lambda *rest: np.ones((10**8, 10**6)))
+    assert guarded(lambda: run(*pressed()).exit_code) == 5
+    said = COMM.bcast(capsys.readouterr().err)
+    assert "out of memory: Unable to allocate" in said and "use a coarser mesh" in said
+    assert "Traceback" not in said
+
+
+@pytest.mark.parametrize(
+    ("limit", "column", "name"),
+    [(resource.RLIMIT_AS, 0, "ulimit -v"), (resource.RLIMIT_DATA, 5, "ulimit -d")],
+)
+def test_limits_of_a_process_count(limit, column, name):
+    """Every rank has its own; what it uses already is gone."""
+    prepared = Run(*pressed())
+    soft, hard = resource.getrlimit(limit)
+    with open("/proc/self/statm") as file:
+        used = int(file.read().split()[column]) * resource.getpagesize()
+    room = 20_000_000
+    resource.setrlimit(limit, (used + room, hard))
+    try:
+        free, words = free_memory_for(COMM), memory_limit(COMM)
+        if prepared.choice.memory < free:
+            assert choose_solver(prepared.problem).name == "condensed"
+    finally:
+        resource.setrlimit(limit, (soft, hard))
+    assert 0.5 * room * COMM.size < free <= room * COMM.size
+    assert name in words
