@@ -33,6 +33,7 @@ from fenics_contact.pair_checks import action_and_reaction
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
 from fenics_contact.result import Check
+from fenics_contact.stabilisation import stabilisation
 
 Array = NDArray[np.float64]
 
@@ -59,6 +60,7 @@ def run_checks(forces: BulkForces, reactions: Array) -> dict[str, Check]:
     friction, pressures = compared_friction(forces), compared_pressures(forces)
     checks = {
         "equilibrium": equilibrium(forces, reactions),
+        "stabilisation": stabilisation(forces),
         "action_and_reaction": action_and_reaction(forces),
         "boundary_stress": boundary_stress(forces),
         "friction_cone": friction_cone(friction),
