@@ -18,6 +18,8 @@ all of them, to round-off, is a true motion of this kind.
 
 from __future__ import annotations
 
+from itertools import count
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,7 +64,6 @@ class LimitAnalysis:
         self._cones = cones
         self._unit = size or 1.0
         self._force = force / self._unit
-        self.programmes = 0
         self._points: list[int] = []
         self._half_planes: list[Array] = []  # of each of these points, the slip along a direction
         self._slopes: list[Array] = []
@@ -73,23 +74,39 @@ class LimitAnalysis:
         Returns:
             The share, to ``_SHARE_TOLERANCE``, infinite beyond ``_ROUGHEST``; and the motion.
         """
-        nothing = np.zeros(len(self._force))
-        first = self.motion_that_runs(0.0)
+        first = self._run(0.0)
         if first is None:
-            return 0.0, nothing
-        low, high, best = 0.0, 1.0, first
-        while (found := self.motion_that_runs(high)) is not None:
-            low, best, high = high, found, 8 * high
-            if low >= _ROUGHEST:
-                return np.inf, best
-        while high - low > _SHARE_TOLERANCE * max(high, 1.0):
+            return 0.0, np.zeros(len(self._force))
+        running = [(0.0, *first)]  # shares at which the loads still drive a motion
+        high = 1.0
+        while (found := self._run(high)) is not None:
+            running.append((high, *found))
+            if high >= _ROUGHEST:
+                return np.inf, found[1]
+            high *= 8
+        for step in count(1):
+            low, _, best = running[-1]
+            tolerance = _SHARE_TOLERANCE * max(high, 1.0)
+            if high - low <= tolerance:
+                return high, self._sliding(best)
+            # Their work falls nearly in a straight line: just beside where it is nothing, in turns.
             middle = 0.5 * (low + high)
-            found = self.motion_that_runs(middle)
-            low, high, best = (low, middle, best) if found is None else (middle, high, found)
-        return high, self._sliding(best)
+            end = _end_of_line(running, middle) if step % 3 else middle
+            aside = 0.4 * tolerance * (1 if step % 3 == 1 else -1)
+            share = float(np.clip(end + aside, low + 0.1 * tolerance, high - 0.1 * tolerance))
+            found = self._run(share)
+            if found is None:
+                high = share
+            else:
+                running.append((share, *found))
+        raise AssertionError("the interval shrinks")
 
     def motion_that_runs(self, share: float) -> Array | None:
         """A motion that the loads drive though all friction is so many times as strong; or None."""
+        found = self._run(share)
+        return None if found is None else found[1]
+
+    def _run(self, share: float) -> tuple[float, Array] | None:
         return self._largest_work(share, -np.ones(len(self._force)), np.ones(len(self._force)))
 
     def _sliding(self, motion: Array) -> Array:
@@ -103,16 +120,18 @@ class LimitAnalysis:
         carried = (np.abs(self._force) <= _WORK) & rubs
         free = np.where(carried, motion, 0.0), motion
         found = self._largest_work(0.0, np.minimum(*free), np.maximum(*free))
-        return motion if found is None else found
+        return motion if found is None else found[1]
 
-    def _largest_work(self, share: float, lowest: Array, highest: Array) -> Array | None:
+    def _largest_work(
+        self, share: float, lowest: Array, highest: Array
+    ) -> tuple[float, Array] | None:
         """Maximise f(a) − s Σ g |r_T| over lowest ≤ a ≤ highest; None where it is 0.
 
         Of motions that do as much, a small one: η |a|₁ is taken off.
         """
         from scipy.optimize import linprog
 
-        count = len(self._force)
+        modes = len(self._force)
         cost = np.concatenate([_SMALL - self._force, _SMALL + self._force, [share]])
         low = np.concatenate([np.maximum(lowest, 0.0), np.maximum(-highest, 0.0), [0.0]])
         high = np.concatenate([np.maximum(highest, 0.0), np.maximum(-lowest, 0.0), [np.inf]])
@@ -125,12 +144,11 @@ class LimitAnalysis:
                 bounds=np.column_stack([low, high]),
                 options=_LP_OPTIONS,
             )
-            self.programmes += 1
             if solved.x is None or -solved.fun <= _WORK:
                 return None
-            motion = solved.x[:count] - solved.x[count:-1]
+            motion = solved.x[:modes] - solved.x[modes:-1]
             if not self._add_violated(share, motion, float(solved.x[-1])):
-                return np.asarray(motion)
+                return -float(solved.fun), motion
         return None  # in doubt, a scene is not refused
 
     def _rows(self, share: float) -> Array:
@@ -167,3 +185,11 @@ class LimitAnalysis:
             self._slopes.append(slope)
             return True
         return len(worst) > 0
+
+
+def _end_of_line(running: list[tuple[float, float, Array]], otherwise: float) -> float:
+    """Where the line through the work at the last two shares comes to nothing."""
+    if len(running) < 2:
+        return otherwise
+    (before, more, _), (last, less, _) = running[-2:]
+    return last + less * (last - before) / (more - less) if more > less else otherwise
