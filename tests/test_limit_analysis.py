@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from mpi4py import MPI
+from scipy.optimize import linprog
 
 from fenics_contact import (
     Contact,
@@ -19,7 +20,9 @@ from fenics_contact import (
     Steps,
     Support,
 )
+from fenics_contact.contact_cones import ContactCones
 from fenics_contact.equilibrium import require_equilibrium
+from fenics_contact.limit_analysis import LimitAnalysis
 from fenics_contact.problem import Problem
 from tests.pair_bodies import Box, boxes
 from tests.scenes import box_body
@@ -300,3 +303,77 @@ def test_in_space_degree_1_and_2_agree():
             discretisation=Discretisation(degree),
         )
         assert "translation along x and y" in refusal(problem)
+
+
+def random_cones(seed, components, bounded):
+    """Random jumps of 4 or 6 motions at as many points, and at 4 where the bound is known."""
+    random = np.random.default_rng(seed)
+    motions = points = 2 * components
+    closing = random.normal(size=(points, motions))
+    slips = random.normal(size=(points, components - 1, motions))
+    coefficients = random.uniform(0, 0.8, points)
+    known = random.normal(size=(4, components - 1, motions))
+    bounds = random.uniform(0.05, 0.3, 4) if bounded else np.zeros(4)
+    return ContactCones(closing, coefficients, slips, bounds, known), random
+
+
+def primal(cones, force, sides, outside):
+    """Whether forces within polygons around or in the circles balance a load, by their LP."""
+    angles = 2 * np.pi * np.arange(sides) / sides
+    size = 1 / np.cos(np.pi / sides) if outside else 1.0
+    corners = np.array([[1.0], [-1.0]]) if cones.slips.shape[1] == 1 else None
+    if corners is None:
+        corners = size * np.column_stack([np.cos(angles), np.sin(angles)])
+    across = -cones.closing[:, None] + np.einsum(
+        "q,kc,qci->qki", cones.coefficients, corners, cones.slips
+    )
+    along = np.einsum("q,kc,qci->qki", cones.bounds, corners, cones.bounded_slips)
+    count = len(corners)
+    columns = np.concatenate([across.reshape(-1, len(force)), along.reshape(-1, len(force))])
+    shares = np.kron(np.eye(len(cones.bounds)), np.ones(count))
+    limits = np.hstack([np.zeros((len(shares), across.shape[0] * count)), shares])
+    found = linprog(
+        np.zeros(len(columns)),
+        A_eq=columns.T,
+        b_eq=-force,
+        A_ub=limits,
+        b_ub=np.ones(len(limits)),
+        bounds=(0, None),
+    )
+    return found.status == 0
+
+
+@pytest.mark.parametrize("bounded", [False, True], ids=["Coulomb", "known, too"])
+@pytest.mark.parametrize("components", [2, 3])
+def test_duals_agree_with_the_primal_programme(components, bounded):
+    """Refused is what forces within polygons around the circles cannot balance, and the reverse."""
+    refused = 0
+    for seed in range(30):
+        cones, random = random_cones(seed, components, bounded)
+        force = random.normal(size=cones.closing.shape[1])
+        if seed % 2:  # nearer to what can be held
+            force -= random.uniform(0, 0.6, len(cones.closing)) @ -cones.closing
+        analysis = LimitAnalysis(cones, force, np.abs(force).max())
+        runs = analysis.motion_that_runs(1.0)
+        if runs is None:
+            assert primal(cones, force, 64, outside=True)
+            continue
+        refused += 1
+        assert not primal(cones, force, 64, outside=False)
+        rises = cones.coefficients * np.linalg.norm(cones.slips @ runs, axis=1)
+        assert (cones.closing @ runs + rises).max() <= 1e-9
+        held = cones.bounds @ np.linalg.norm(cones.bounded_slips @ runs, axis=1)
+        assert force @ runs > held
+    assert 5 <= refused <= 25
+
+
+def test_what_forces_within_the_cones_balance_is_never_refused():
+    for seed in range(40):
+        cones, random = random_cones(seed, 3, True)
+        pressures = random.exponential(size=6) * (random.uniform(size=6) < 0.5)
+        angles = random.uniform(0, 2 * np.pi, 10)
+        unit = np.column_stack([np.cos(angles), np.sin(angles)])
+        rubs = (cones.coefficients * pressures)[:, None] * unit[:6]
+        force = cones.closing.T @ pressures - np.einsum("qc,qci->i", rubs, cones.slips)
+        force -= np.einsum("q,qc,qci->i", cones.bounds, unit[6:], cones.bounded_slips)
+        assert LimitAnalysis(cones, force, np.abs(force).max()).motion_that_runs(1.0) is None
