@@ -25,15 +25,14 @@ from fenics_contact.errors import NoEquilibriumError
 from fenics_contact.known_friction import used_share
 from fenics_contact.limit_analysis import AT_LIMIT, LimitAnalysis
 from fenics_contact.load_paths import times_to_judge
-from fenics_contact.parallel import largest, on_root, total
+from fenics_contact.motion_names import named_motions
+from fenics_contact.parallel import on_root, total
 from fenics_contact.problem import Problem
 from fenics_contact.rigid import RigidMotions, null_space, reduced
 from fenics_contact.stabilisation import stabilise
 
 # Round-off of the sums over the contact points.
 _ROUND_OFF = 1e-9
-# Jump of a motion, over its size, from which a contact resists it.
-_RESISTS = 1e-9
 _LP_OPTIONS = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
 
 Array = NDArray[np.float64]
@@ -67,7 +66,7 @@ def require_equilibrium(problem: Problem) -> FreeMotion:
     Raises:
         NoEquilibriumError: In one sentence that names the motion, and the time.
     """
-    motions = tuple(_named(problem, RigidMotions(problem)))
+    motions = tuple(named_motions(problem, RigidMotions(problem)))
     last = problem.scene.steps.last
     for time in times_to_judge(problem.scene, problem.can_pair_anew):
         if time < last:
@@ -105,7 +104,7 @@ def _at_present(problem: Problem) -> FreeMotion:
             best, held_by = motions @ found, ""
             if share >= 1 - _ROUND_OFF:
                 raise _beyond_friction(rigid, best, share)
-    if problem.coulomb:
+    if problem.coulomb and not problem.can_pair_anew:
         share, best = _share_of_friction(problem, rigid)
         held_by = "" if share > 0 else "none: held by the obstacles"
     return FreeMotion(rigid.count, share, held_by or rigid.describe(best))
@@ -140,39 +139,15 @@ def _beyond_friction(
     name = rigid.describe(motion)
     if share == np.inf:
         return NoEquilibriumError(
-            f"no equilibrium{at_time}: a rigid motion is free ({name}), and the loads push it away "
-            "from the obstacles, however rough they are; add a support, or a load or force that "
-            "presses them together"
+            f"no equilibrium{at_time}: a rigid motion is free ({name}), and no friction, however "
+            "large, could hold it against the loads; add a support, or a load or force that "
+            "presses it against an obstacle"
         )
     return NoEquilibriumError(
         f"no equilibrium{at_time}: the supports leave a rigid motion free ({name}), and the loads "
         f"are {share:.6g} times what friction can hold back; add a support or friction, or "
         "lower the loads"
     )
-
-
-def _named(problem: Problem, rigid: RigidMotions) -> list[dict[str, Any]]:
-    """The free motions before contact, each with what may resist it; collective."""
-    rows = []
-    for motion in np.eye(rigid.count):
-        resisted = []
-        for contact in problem.contacts:
-            if not contact.terms:
-                continue
-            jumps = rigid.jumps(contact) @ motion
-            across = contact.kinematics.normal(jumps)
-            along = np.linalg.norm(contact.kinematics.tangential(jumps), axis=1)
-            acts = contact.kinematics.reached | (contact.normal is None)
-            presses = contact.normal is not None and contact.is_one_sided
-            for word, sizes in (
-                ("contact", np.abs(across) * presses),
-                ("friction", along * (contact.friction is not None)),
-            ):
-                if largest(problem.comm, sizes[acts]) > _RESISTS:
-                    resisted.append(f"{word} at '{contact.label}'")
-        name, bodies = rigid.describe(motion), rigid.parts_moved(motion)
-        rows.append({"motion": name, "bodies": bodies, "resisted_by": resisted})
-    return rows
 
 
 def _scaled(points: tuple[Array, Array], motions: Array) -> tuple[Array, Array]:

@@ -364,7 +364,7 @@ def test_duals_agree_with_the_primal_programme(components, bounded):
         assert (cones.closing @ runs + rises).max() <= 1e-9
         held = cones.bounds @ np.linalg.norm(cones.bounded_slips @ runs, axis=1)
         assert force @ runs > held
-    assert 5 <= refused <= 25
+    assert 3 <= refused <= 27
 
 
 def test_what_forces_within_the_cones_balance_is_never_refused():
