@@ -39,6 +39,12 @@ WORDS: Mapping[str, CheckWords] = {
             "part": "what the body takes from contacts is {share} off the loads",
         },
     ),
+    "stabilisation": CheckWords(
+        "The largest force where motions that nothing resists are held, which is to vanish; over "
+        "all forces applied.",
+        "where a motion that nothing resists is held, {share} of the forces act; the loads push "
+        "it, so give it a support, or friction",
+    ),
     "action_and_reaction": CheckWords(
         "Forces on both bodies of a contact, and their moments, add up to zero; over the forces "
         "on one.",

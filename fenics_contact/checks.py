@@ -38,6 +38,7 @@ from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
 from fenics_contact.result import Check
 from fenics_contact.resultant_check import resultant
+from fenics_contact.stabilisation import stabilisation
 
 Array = NDArray[np.float64]
 
@@ -70,6 +71,7 @@ def all_checks(forces: BulkForces, reactions: Array, steps: int) -> dict[str, Ch
     return {
         "equilibrium": equilibrium(forces, reactions),
         "resultant": resultant(forces),
+        "stabilisation": stabilisation(forces),
         "action_and_reaction": action_and_reaction(forces),
         "boundary_stress": boundary_stress(forces),
         "friction_cone": friction_cone(friction),

@@ -1,29 +1,38 @@
 """Can contact and friction hold the body? The paper's condition |f(r)| < j(r), (2.4)-(2.5).
 
 Where the supports leave rigid motions free, friction resists them, and so do obstacles,
-one way. A motion r that enters no obstacle (r_n ≤ 0 on Γ_C) needs f(r) < j(r); without
-friction f(r) < 0: the loads press the body on. The largest f(r) over the free motions
-with j(r) ≤ 1 is the share of the limit load that is used; it is found by cutting planes:
-every linear programme bounds it from above, every motion tried from below.
+one way. A motion r that enters no obstacle (r_n ≤ 0 on Γ_C) needs f(r) < j(r) where the bound of
+friction is known (``known_friction``); without friction f(r) < 0: the loads press the body on.
+What friction of unknown pressure can hold is left to ``limit_analysis``.
+
+Loads are judged at the ends of load steps. Between the entries of the paths' tables all loads and
+bounds are linear, and what contacts can hold is a convex cone or set: if it holds the loads at two
+times, then between them, so that the first and the last step between two entries suffice. (It does
+not where a path is a function, or where a displaced obstacle meets other points: then some steps
+are not judged, and none is refused wrongly. Nor is a step that may begin with bodies paired anew.)
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.contact_cones import contact_cones
 from fenics_contact.errors import NoEquilibriumError
-from fenics_contact.parallel import largest, total
+from fenics_contact.known_friction import used_share
+from fenics_contact.limit_analysis import AT_LIMIT, LimitAnalysis
+from fenics_contact.load_paths import times_to_judge
+from fenics_contact.motion_names import named_motions
+from fenics_contact.parallel import on_root, total
 from fenics_contact.problem import Problem
-from fenics_contact.rigid import RigidMotions, null_space
+from fenics_contact.rigid import RigidMotions, null_space, reduced
+from fenics_contact.stabilisation import stabilise
 
 # Round-off of the sums over the contact points.
 _ROUND_OFF = 1e-9
-_GAP = 1e-8
-_MAX_CUTS = 200
 _LP_OPTIONS = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
 
 Array = NDArray[np.float64]
@@ -35,21 +44,45 @@ class FreeMotion:
 
     Attributes:
         modes: Number of independent rigid motions that the supports leave free.
-        used_share: Largest f(r)/j(r) over them: 1 at the limit load, 0 without any.
+        used_share: Largest f(r)/j(r) over them: 1 at the limit load, 0 without any; with
+            friction of unknown pressure, the least share of all friction that can hold the loads.
         motion: The motion at which it is reached, in words.
+        motions: All free motions, as in ``model.rigid_motions`` of a result.
+        stabilised: The motions that nothing resisted, and that a stabilisation holds, in words.
     """
 
     modes: int
     used_share: float
     motion: str
+    motions: tuple[dict[str, Any], ...] = ()
+    stabilised: tuple[str, ...] = ()
 
 
 def require_equilibrium(problem: Problem) -> FreeMotion:
     """Refuse a scene whose loads contact, friction and supports cannot hold; collective.
 
+    Where the scene asks for it, motions that nothing resists are held first.
+
     Raises:
-        NoEquilibriumError: In one sentence that names the motion.
+        NoEquilibriumError: In one sentence that names the motion, and the time.
     """
+    motions = tuple(named_motions(problem, RigidMotions(problem)))
+    last = problem.scene.steps.last
+    for time in times_to_judge(problem.scene, problem.can_pair_anew):
+        if time < last:
+            problem.set_time(time)
+            _share_of_friction(problem, RigidMotions(problem), f" at time {time:g}")
+    problem.set_time(last)
+    stabilised: tuple[str, ...] = ()
+    if problem.scene.solver.stabilisation:
+        rigid = RigidMotions(problem)
+        stabilised = stabilise(problem, rigid, _unresisted(problem, rigid))
+    found = _at_present(problem)
+    return replace(found, modes=len(motions), motions=motions, stabilised=stabilised)
+
+
+def _at_present(problem: Problem) -> FreeMotion:
+    """Judge the present loads."""
     rigid = RigidMotions(problem)
     if rigid.count == 0:
         return FreeMotion(0, 0.0, "none")
@@ -60,23 +93,61 @@ def require_equilibrium(problem: Problem) -> FreeMotion:
     # What Coulomb's friction can hold depends on pressures that are not known yet.
     rough = _scaled(rigid.slips(coulomb=True), motions)
     motions = motions @ null_space(_friction_gram(problem.comm, rough))
-    if motions.shape[1] == 0:
-        return FreeMotion(rigid.count, 0.0, "none: held by the obstacles and their friction")
-    force = rigid.force @ motions
-    points = _scaled(rigid.slips(), motions)
-    closings = closing[1] @ motions
-    _require_pressed(problem, rigid, motions, points, closing[0], closings, closing[2])
-    if total(problem.comm, points[0].sum()) == 0:
-        return FreeMotion(rigid.count, 0.0, "none: held by the obstacles")
-    share, best = _used_share(problem.comm, points, force, closings)
-    motion = rigid.describe(motions @ best)
-    if share >= 1 - _ROUND_OFF:
-        raise NoEquilibriumError(
-            f"no equilibrium: the supports leave a rigid motion free ({motion}), and the loads "
-            f"are {share:.6g} times what friction can hold back; add a support or friction, or "
-            "lower the loads"
+    share, best, held_by = 0.0, np.zeros(rigid.count), "none: held by the obstacles"
+    if motions.shape[1]:
+        force = rigid.force @ motions
+        points = _scaled(rigid.slips(), motions)
+        closings = closing[1] @ motions
+        _require_pressed(problem, rigid, motions, points, closing[0], closings, closing[2])
+        if total(problem.comm, points[0].sum()) > 0:
+            share, found = used_share(problem.comm, points, force, closings)
+            best, held_by = motions @ found, ""
+            if share >= 1 - _ROUND_OFF:
+                raise _beyond_friction(rigid, best, share)
+    if problem.coulomb and not problem.can_pair_anew:
+        share, best = _share_of_friction(problem, rigid)
+        held_by = "" if share > 0 else "none: held by the obstacles"
+    return FreeMotion(rigid.count, share, held_by or rigid.describe(best))
+
+
+def _share_of_friction(
+    problem: Problem, rigid: RigidMotions, at_time: str = ""
+) -> tuple[float, Array]:
+    """Least share of all friction that can hold the present loads, and what it holds; collective.
+
+    Raises:
+        NoEquilibriumError: It is 1 or more.
+    """
+    if rigid.count == 0 or rigid.force_size == 0:
+        return 0.0, np.zeros(rigid.count)
+    cones = contact_cones(problem, rigid)
+    analysis = LimitAnalysis(cones, rigid.force, rigid.force_size)
+
+    def judge() -> tuple[bool, float, Array]:
+        is_beyond = analysis.motion_that_runs(1 - AT_LIMIT) is not None
+        return is_beyond, *analysis.used_share()
+
+    is_beyond, share, motion = on_root(problem.comm, judge)
+    if is_beyond:
+        raise _beyond_friction(rigid, motion, share, at_time)
+    return share, motion
+
+
+def _beyond_friction(
+    rigid: RigidMotions, motion: Array, share: float, at_time: str = ""
+) -> NoEquilibriumError:
+    name = rigid.describe(motion)
+    if share == np.inf:
+        return NoEquilibriumError(
+            f"no equilibrium{at_time}: a rigid motion is free ({name}), and no friction, however "
+            "large, could hold it against the loads; add a support, or a load or force that "
+            "presses it against an obstacle"
         )
-    return FreeMotion(rigid.count, share, motion)
+    return NoEquilibriumError(
+        f"no equilibrium{at_time}: the supports leave a rigid motion free ({name}), and the loads "
+        f"are {share:.6g} times what friction can hold back; add a support or friction, or "
+        "lower the loads"
+    )
 
 
 def _scaled(points: tuple[Array, Array], motions: Array) -> tuple[Array, Array]:
@@ -87,6 +158,25 @@ def _friction_gram(comm: Any, points: tuple[Array, Array]) -> Array:
     return np.asarray(total(comm, np.einsum("q,qci,qcj->ij", points[0], points[1], points[1])))
 
 
+def _resistance(
+    problem: Problem, rigid: RigidMotions, closing: tuple[Array, Array, Array]
+) -> Array:
+    """∫ g r_T·r_T′ + c ∫ r_n r_n′ of all pairs of free motions, (motions, motions); collective."""
+    friction = _friction_gram(problem.comm, rigid.slips())
+    rough = _friction_gram(problem.comm, rigid.slips(coulomb=True))
+    friction = friction + rough * ((np.trace(friction) or 1.0) / (np.trace(rough) or 1.0))
+    weights, normal, _ = closing
+    across = np.einsum("q,qi,qj->ij", weights, normal, normal)
+    # Only ratios within one motion matter, so that the unit of c is free.
+    share = np.trace(across)
+    return friction + across * ((np.trace(friction) or 1.0) / share if share > 0 else 0.0)
+
+
+def _unresisted(problem: Problem, rigid: RigidMotions) -> Array:
+    """Free motions that neither friction nor an obstacle resists, as columns; collective."""
+    return reduced(null_space(_resistance(problem, rigid, rigid.closings())))
+
+
 def _resisted_motions(
     problem: Problem, rigid: RigidMotions, closing: tuple[Array, Array, Array]
 ) -> Array:
@@ -95,23 +185,20 @@ def _resisted_motions(
     Raises:
         NoEquilibriumError: Neither friction nor an obstacle resists one of them at all.
     """
-    friction = _friction_gram(problem.comm, rigid.slips())
-    rough = _friction_gram(problem.comm, rigid.slips(coulomb=True))
-    friction = friction + rough * ((np.trace(friction) or 1.0) / (np.trace(rough) or 1.0))
-    weights, normal, _ = closing
-    across = np.einsum("q,qi,qj->ij", weights, normal, normal)
-    # Only ratios within one motion matter, so that the unit of c is free.
-    share = np.trace(across)
-    gram = friction + across * ((np.trace(friction) or 1.0) / share if share > 0 else 0.0)
-    unresisted = null_space(gram)
+    gram = _resistance(problem, rigid, closing)
+    unresisted = reduced(null_space(gram))
     if unresisted.shape[1]:
-        motion = rigid.describe(unresisted[:, 0])
-        pushed = np.abs(rigid.force @ unresisted).max() > 1e-10 * rigid.force_size
+        pushed = np.abs(rigid.force @ unresisted) > 1e-10 * rigid.force_size
+        motion = rigid.describe(unresisted[:, int(np.argmax(pushed))])
         raise NoEquilibriumError(
             "no equilibrium: neither supports nor friction nor obstacles resist a rigid motion "
             f"({motion})"
-            + (", which the loads push" if pushed else "; its size is left undetermined")
-            + "; add a support or friction"
+            + (
+                ", which the loads push; add a support or friction (a stabilisation holds no loads)"
+                if pushed.any()
+                else "; its size is left undetermined; add a support or friction, or set "
+                "solver.stabilisation = true, which holds it without a force"
+            )
         )
     values, vectors = np.linalg.eigh(gram)
     return np.asarray(vectors / np.sqrt(values))
@@ -167,55 +254,3 @@ def _require_pressed(
         f"no equilibrium: a rigid motion is free ({motion}), and {pushed} the obstacles; add a "
         "support, or a load or force that presses them together"
     )
-
-
-def _used_share(
-    comm: Any, points: tuple[Array, Array], force: Array, closings: Array
-) -> tuple[float, Array]:
-    """Maximise f(a) subject to j(a) = Σ w g |S a| ≤ 1 and r_n ≤ 0, by cutting planes.
-
-    j is convex and homogeneous, so j ≤ 1 is the set of all its supporting half
-    spaces, and a motion a bounds the maximum from below by f(a)/j(a).
-
-    Returns:
-        The maximum (from above, so that a doubt never lets a scene pass), and the
-        motion at which it is reached.
-    """
-    from scipy.optimize import linprog
-
-    weights, slips = points
-    number = len(force)
-    if not force.any():
-        return 0.0, np.eye(number)[0]
-    # With ∫ g |r_T|² = |a|², j(a) ≥ |a| / max|S| bounds the feasible motions.
-    reach = largest(comm, np.linalg.norm(slips, axis=(1, 2)))
-    trial = force / np.linalg.norm(force)
-    one_sided = np.unique(np.round(closings / (np.abs(closings).max(initial=0) or 1), 12), axis=0)
-    cuts: list[Array] = []
-    above: float = np.finfo(float).max
-    below, best = 0.0, trial
-    while len(cuts) < 2 * _MAX_CUTS and above - below > _GAP * above:
-        dissipation, slope = _dissipation(comm, weights, slips, trial)
-        if dissipation > 0 and force @ trial / dissipation > below:
-            below, best = float(force @ trial) / dissipation, trial
-        cuts += [slope, -slope]
-        found = linprog(
-            -force,
-            A_ub=np.array([*cuts, *one_sided]),
-            b_ub=np.concatenate([np.ones(len(cuts)), np.zeros(len(one_sided))]),
-            bounds=(-reach, reach),
-            options=_LP_OPTIONS,
-        )
-        above, trial = comm.bcast((float(-found.fun), found.x))  # the same path on all ranks
-    return above, best
-
-
-def _dissipation(comm: Any, weights: Array, slips: Array, motion: Array) -> tuple[float, Array]:
-    """j(a) and a subgradient; j(a) = slope · a."""
-    vectors = slips @ motion
-    lengths = np.linalg.norm(vectors, axis=1)
-    moving = lengths > 0
-    directions = np.zeros_like(vectors)
-    directions[moving] = vectors[moving] / lengths[moving, None]
-    slope = total(comm, np.einsum("q,qc,qci->i", weights, directions, slips))
-    return float(slope @ motion), slope

@@ -27,6 +27,7 @@ from fenics_contact.scene import Load, Scene
 from fenics_contact.scene_values import Value
 from fenics_contact.spaces import Spaces
 from fenics_contact.supports import AppliedSupport, Supports
+from fenics_contact.surface_supports import SurfaceSupports
 from fenics_contact.timings import Timings
 
 
@@ -77,6 +78,7 @@ class Problem:
         displacement: The unknown, a dolfinx function.
         supports: Supports and planes of symmetry.
         applied_supports: Those and the outer boundary of a half-space, for reactions.
+        stabilisation: Those among them that hold what nothing resists, one a body.
         constrained: Dofs that these hold, sorted (local indices, owned and ghost).
         prescribed: Their present displacements, but for unknown resultants' part (length).
         contacts: In scene order.
@@ -98,6 +100,7 @@ class Problem:
             self.displacement = fem.Function(self.spaces.displacement_space, name="displacement")
             self.supports = Supports(scene, self.spaces)
             self.applied_supports = list(self.supports.applied)
+            self.stabilisation: list[AppliedSupport] = []
             self._refuse_overlaps()
             masters = self._surfaces_of_several()
             outer = outer_dofs(scene.half_space, self.spaces)
@@ -181,8 +184,17 @@ class Problem:
             self.unknowns += [ScalarUnknown(contact, "resultant", *found) for found in resultants]
         nothing = np.zeros(len(far_field.dofs))
         self.applied_supports.append(AppliedSupport(far_field.on, far_field.dofs, nothing))
-        self._order = np.argsort(np.concatenate([self.supports.dofs, far_field.dofs]))
         return far_field
+
+    def stabilise(self, support: AppliedSupport) -> None:
+        """Hold a body where nothing resists its motion; before anything is solved."""
+        self.stabilisation.append(support)
+        self.applied_supports.append(support)
+        self.supports.add(support)
+        self.constrained = np.union1d(self.constrained, support.dofs)
+        for contact in self.contacts:
+            contact.supports = SurfaceSupports(contact.trace, self.constrained)
+        self.set_time(self.scene.steps.last)
 
     def set_time(self, time: float) -> None:
         """Bring loads, supports and obstacles to a pseudo-time; collective."""
@@ -199,7 +211,8 @@ class Problem:
             values = np.zeros(len(self.far_field.dofs))
             for number, contact in enumerate(self.contacts):
                 values += (contact.force or 0.0) * self.far_field.columns[number]
-            self.prescribed = np.concatenate([self.prescribed, values])[self._order]
+            order = np.argsort(np.concatenate([self.supports.dofs, self.far_field.dofs]))
+            self.prescribed = np.concatenate([self.prescribed, values])[order]
 
     def _surfaces_of_several(self) -> list[str]:
         """Names of groups that several contacts act on, or that share facets with such."""

@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 # Of a jump: what the round-off of normals leaves along the surface.
 _ROUND_OFF = 1e-12
+# Share of a motion from which it is named.
+_TAKES_PART = 1e-6
 
 
 class RigidMotions:
@@ -23,7 +25,7 @@ class RigidMotions:
 
     Combinations of translations and rotations of each part of the body (scaled to its size) and
     of the obstacles that a force drives, each along its direction, that leave supports and glue
-    alone.
+    alone; each column is of as few of these as can be.
 
     Attributes:
         count: Number of columns.
@@ -37,7 +39,7 @@ class RigidMotions:
         self.floating = [contact for contact in problem.contacts if contact.floats]
         self._names, fields = rigid_fields(spaces)
         self._fields = apart(spaces.parts, fields)
-        free = self._free_combinations()
+        free = reduced(self._free_combinations())
         self._body = free[: self._fields.shape[-1]]
         self._obstacles = free[self._fields.shape[-1] :]
         self.count = free.shape[1]
@@ -86,7 +88,7 @@ class RigidMotions:
         stacked = np.concatenate(every)
         return null_space(np.asarray(total(problem.comm, stacked.T @ stacked)))
 
-    def _jumps(self, contact: ContactSurface) -> Array:
+    def jumps(self, contact: ContactSurface) -> Array:
         """Jumps at the points of a contact in each motion, (points, components, count)."""
         moved = contact.trace.at_points(contact.kinematics.relative(self._fields)) @ self._body
         return np.asarray(moved + self._of_obstacles(contact, len(moved)) @ self._obstacles)
@@ -105,14 +107,14 @@ class RigidMotions:
             if contact.is_coulomb != coulomb:
                 continue
             bound = np.ones_like(contact.friction_bound) if coulomb else contact.friction_bound
-            moved = self._jumps(contact)
+            moved = self.jumps(contact)
             tangential = np.stack(
                 [contact.kinematics.tangential(moved[..., i]) for i in range(self.count)], axis=-1
             )
             tangential[np.abs(tangential) <= _ROUND_OFF * np.abs(moved).max(initial=0.0)] = 0.0
             counted = contact.trace.owned
             if touching:
-                counted = counted & (self._gap(contact) <= 0)
+                counted = counted & (self.gap(contact) <= 0)
             weights.append((contact.trace.weights * bound)[counted])
             slips.append(tangential[counted])
         return np.concatenate(weights), np.concatenate(slips)
@@ -129,8 +131,8 @@ class RigidMotions:
             if contact.normal is None or not contact.is_one_sided:
                 continue
             trace = contact.trace
-            closing = np.einsum("ijk,ij->ik", self._jumps(contact), trace.normals)
-            gap = self._gap(contact)
+            closing = np.einsum("ijk,ij->ik", self.jumps(contact), trace.normals)
+            gap = self.gap(contact)
             acts = trace.owned & np.isfinite(gap) & (contact.normal.stiffness > 0)
             rows.append(np.column_stack([trace.weights, closing, gap])[acts])
         table = gather_rows(self._problem.comm, np.concatenate(rows))
@@ -143,14 +145,14 @@ class RigidMotions:
         """
         weights, closing = [np.zeros(0)], [np.zeros((0, 1, self.count))]
         for contact in self._problem.coulomb:
-            normal = np.einsum("ijk,ij->ik", self._jumps(contact), contact.trace.normals)
-            counted = contact.trace.owned & (self._gap(contact) <= 0)
+            normal = np.einsum("ijk,ij->ik", self.jumps(contact), contact.trace.normals)
+            counted = contact.trace.owned & (self.gap(contact) <= 0)
             weights.append(contact.trace.weights[counted])
             closing.append(normal[counted][:, None])
         return np.concatenate(weights), np.concatenate(closing)
 
     @staticmethod
-    def _gap(contact: ContactSurface) -> Array:
+    def gap(contact: ContactSurface) -> Array:
         """Gaps at the points, the obstacle where it stands (length)."""
         kinematics = contact.kinematics
         return kinematics.gap - kinematics.indentation * kinematics.facing
@@ -167,6 +169,13 @@ class RigidMotions:
         """Nodal displacements of the body in a motion, (nodes, components)."""
         return np.asarray(self._fields @ (self._body @ motion))
 
+    def parts_moved(self, motion: Array) -> list[str]:
+        """Names of the parts of the body that take part in a motion."""
+        shares = np.abs((self._body @ motion).reshape(self._problem.spaces.parts.count, -1))
+        moved = shares.max(axis=1, initial=0.0) > _TAKES_PART * np.abs(motion).max(initial=0.0)
+        names = self._problem.spaces.parts.names
+        return [name for name, moves in zip(names, moved, strict=True) if moves]
+
     def indentations(self, motion: Array) -> Array:
         """Motions of the floating obstacles in a motion, in their order."""
         return np.asarray(self._obstacles @ motion)
@@ -177,7 +186,7 @@ class RigidMotions:
         scale = np.abs(motion).max(initial=0.0) or 1.0
         words = []
         shares = (self._body @ motion).reshape(parts.count, len(self._names))
-        for name, of_part in zip(parts.names, np.abs(shares) > 1e-6 * scale, strict=True):
+        for name, of_part in zip(parts.names, np.abs(shares) > _TAKES_PART * scale, strict=True):
             for kind in ("translation along", "rotation about"):
                 named = zip(self._names, of_part, strict=True)
                 axes = [AXES[axis] for (k, axis), moves in named if k == kind and moves]
@@ -185,7 +194,7 @@ class RigidMotions:
                     whose = f" of '{name}'" if parts.count > 1 else ""
                     words.append(f"{kind} {' and '.join(axes)}{whose}")
         for contact, share in zip(self.floating, self.indentations(motion), strict=True):
-            if abs(share) > 1e-6 * scale:
+            if abs(share) > _TAKES_PART * scale:
                 words.append(f"the obstacle at '{contact.label}'")
         return ", ".join(words)
 
@@ -230,3 +239,21 @@ def null_space(gram: Array) -> Array:
     values, vectors = np.linalg.eigh(gram)
     null = values <= 1e-13 * max(values.max(initial=0.0), np.finfo(float).tiny)
     return vectors[:, null]
+
+
+def reduced(columns: Array) -> Array:
+    """Another basis of the span of orthonormal columns, each 1 in a row where the others are 0.
+
+    Rows are chosen as by pivoted elimination, the largest first and of equal ones the first, so
+    that the basis depends on the span alone, and names of motions come out short.
+    """
+    rest = columns.copy()
+    pivots: list[int] = []
+    for _ in range(columns.shape[1]):
+        sizes = np.linalg.norm(rest, axis=1)
+        pivots.append(int(np.flatnonzero(sizes >= (1 - 1e-6) * sizes.max())[0]))
+        along = rest[pivots[-1]] / sizes[pivots[-1]]
+        rest = rest - np.outer(rest @ along, along)
+    basis = columns @ np.linalg.inv(columns[pivots])
+    basis[np.abs(basis) <= _ROUND_OFF * np.abs(basis).max(initial=0.0)] = 0.0
+    return np.asarray(basis[:, np.argsort(pivots)])

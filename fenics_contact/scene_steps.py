@@ -141,3 +141,12 @@ class SolverSettings:
     max_iterations: Annotated[
         Integer, Field(ge=1, le=1_000_000, description="Newton steps at the most")
     ] = 50
+    stabilisation: Annotated[
+        bool,
+        Strict(),
+        Field(
+            description="whether motions of a body that nothing resists and no load pushes, such "
+            "as the spin of a smooth sphere, are held, at as few displacements as determine them; "
+            "the force there must vanish, which the check `stabilisation` confirms"
+        ),
+    ] = False

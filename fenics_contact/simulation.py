@@ -111,6 +111,8 @@ class Run:
             "scalar_unknowns": [unknown.name for unknown in problem.unknowns],
             "terms": [term.name for term in problem.terms],
             "free_rigid_motions": self.free_motion.modes,
+            "rigid_motions": list(self.free_motion.motions),
+            "stabilised_motions": list(self.free_motion.stabilised),
             "used_share_of_limit_load": self.free_motion.used_share,
             "symmetry": problem.supports.symmetry,
         } | ({} if self.solution is None else {"bulk_factorisations": self.solution.factorisations})

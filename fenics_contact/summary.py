@@ -50,15 +50,25 @@ def print_model(scene: Scene, model: Mapping[str, Any], contacts: list[dict[str,
     console = Console()
     table = _table("", "")
     for key, value in model.items():
-        if key != "terms" and value != []:
+        if key not in ("terms", "rigid_motions") and value != []:
             table.add_row(key.replace("_", " "), _written(value))
     console.print(f"\n[bold]{escape(scene.title or 'Scene')}[/bold]")
     console.print(table)
     console.print("Energy terms modelled:")
     for term in model["terms"]:
         console.print(f"  {term}", markup=False)
+    _print_motions(console, model["rigid_motions"])
     _print_contacts(console, contacts)
     console.print("The scene can be run: supports and contacts can hold the loads.")
+
+
+def _print_motions(console: Console, motions: list[dict[str, Any]]) -> None:
+    """A line for each rigid motion that supports leave free, and what may resist it."""
+    if motions:
+        console.print("Rigid motions that the supports leave free, before contact:")
+    for motion in motions:
+        by = ", ".join(motion["resisted_by"]) or "nothing"
+        console.print(f"  {motion['motion']}: resisted by {by}", markup=False)
 
 
 def print_result(result: Result, folder: Path) -> None:

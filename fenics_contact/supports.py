@@ -138,6 +138,11 @@ class Supports:
         name = "the axis of revolution"
         return [AppliedSupport(name, nodes * spaces.components, np.zeros(len(nodes)))]
 
+    def add(self, support: AppliedSupport) -> None:
+        """Hold dofs that nothing holds yet."""
+        self.applied.append(support)
+        self.dofs, self.values = self._constraints()
+
     def _constraints(self) -> tuple[NDArray[np.int64], Array]:
         """All constrained dofs, each once, with their values."""
         owner: dict[int, tuple[float, str]] = {}

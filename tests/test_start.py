@@ -11,8 +11,10 @@ from fenics_contact import (
     MeshSource,
     NoEquilibriumError,
     Obstacle,
+    Path,
     Run,
     Scene,
+    Steps,
     Support,
 )
 from fenics_contact.errors import InputError
@@ -23,7 +25,7 @@ DOWN = Load("y1", traction=(0, -10))
 HELD_ASIDE = (Support("x0", {"x": 0}),)
 
 
-def block(contact=None, load=(DOWN,), support=HELD_ASIDE, cells=(6, 8), size=(1, 2)):
+def block(contact=None, load=(DOWN,), support=HELD_ASIDE, cells=(6, 8), size=(1, 2), **keys):
     """A block on a rigid floor."""
     contacts = contact if isinstance(contact, tuple) else (contact or Contact("y0"),)
     scene = Scene(
@@ -32,6 +34,7 @@ def block(contact=None, load=(DOWN,), support=HELD_ASIDE, cells=(6, 8), size=(1,
         support=support,
         load=load,
         contact=contacts,
+        **keys,
     )
     return Run(scene, COMM, box_body(cells, size))
 
@@ -186,3 +189,35 @@ def test_deep_indentation_of_a_half_space():
     hertz = 4 / 3 * 1000 / 0.91 * np.sqrt(8) * 30**1.5
     assert result.quantities["normal_force"] == pytest.approx(hertz, rel=0.01)
     assert result.steps[0]["newton_iterations"] <= 10
+
+
+UNLOADED = Path(time=(0, 1, 2, 3), factor=(0, 1, 0, 1))
+
+
+@pytest.mark.parametrize("coefficient", [0.0, 0.3])
+def test_contact_that_is_unloaded_to_nothing_and_loaded_again(coefficient):
+    """Under a force on the obstacle, and under the body's own load: nothing is lost on the way."""
+    clamp = (Support("y0", {"x": 0, "y": 0}),)
+    obstacle = Obstacle("parabola", radius=4, position=(0.5, 2), force=20, path=UNLOADED)
+    punch = Contact("y1", obstacle=obstacle, friction_coefficient=coefficient)
+    down = Load("y1", traction=(0, -20), path=UNLOADED)
+    lies = Contact("y0", friction_coefficient=coefficient)
+    for contact, load, support in ((punch, (), clamp), (lies, (down,), HELD_ASIDE)):
+        run = block(contact, load, support, steps=Steps(number=3, end=3.0))
+        result = run.solve()
+        assert result.passed, result.verdict
+        forces = [step["quantities"]["normal_force"] for step in result.steps]
+        assert forces == pytest.approx([20, 0, 20], rel=1e-8, abs=1e-9)
+
+
+def test_a_body_that_ends_without_any_load_is_refused():
+    """Just touching, where it lies is left open; clamped below, it may."""
+    path = Path(time=(0, 1, 2), factor=(0, 1, 0))
+    load = (Load("y1", traction=(0, -10), path=path),)
+    steps = Steps(number=2, end=2.0)
+    with pytest.raises(NoEquilibriumError, match=r"along y.*nothing presses it against"):
+        block(load=load, steps=steps)
+    punch = Contact("y1", obstacle=Obstacle("plane", position=(0, 2)))
+    result = block(punch, (), (Support("y0", {"x": 0, "y": 0}),)).solve()
+    assert result.passed and "does not touch" in result.verdict
+    assert result.quantities["normal_force"] == 0

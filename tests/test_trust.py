@@ -84,6 +84,18 @@ def rubbed():
     return indented(obstacle=obstacle, friction_coefficient=0.3)
 
 
+def loose():
+    """A block on a smooth floor, along which nothing holds or pushes it."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=MATERIAL,
+        load=(Load("y1", pressure=10),),
+        contact=(Contact("y0"),),
+        solver=SolverSettings(stabilisation=True),
+    )
+    return Run(scene, COMM, box_body((8, 4), (2, 1)))
+
+
 def driven():
     return indented(obstacle=dataclasses.replace(PARABOLA, indentation=None, force=10.0))
 
@@ -129,7 +141,7 @@ def stacked():
     return held_by_contacts(friction_coefficient=0.5)
 
 
-RIGHT = (strip, indented, rubbed, driven, glued, stacked, dragged)
+RIGHT = (strip, indented, rubbed, loose, driven, glued, stacked, dragged)
 
 
 @cache
@@ -232,6 +244,13 @@ def force_not_reached(prepared, monkeypatch):
     return prepared.solution
 
 
+def pushed_where_held(prepared, monkeypatch):
+    """What is held against sliding gets a force, 1e-5 of those that press the block."""
+    internal = prepared.solution.internal_force.copy()
+    internal.reshape(-1)[prepared.problem.stabilisation[0].dofs] += 1e-5 * 20
+    return dataclasses.replace(prepared.solution, internal_force=internal)
+
+
 def handed_over_elsewhere(prepared, monkeypatch):
     """A projection with shuffled columns: resultants balance, moments do not."""
     pairing = prepared.problem.contacts[0].kinematics.pairing
@@ -263,6 +282,7 @@ BROKEN = {
     ("resultant", "obstacle"): (driven, force_not_reached),
     ("resultant", "pressure"): (strip, at_points(contact_pressure=1.001)),
     ("resultant", "part"): (glued, bulk(1.001)),
+    ("stabilisation", ""): (loose, pushed_where_held),
     ("action_and_reaction", ""): (stacked, handed_over_elsewhere),
     ("boundary_stress", ""): (strip, stress(0.5)),
     ("friction_cone", ""): (strip, friction(1.01)),
