@@ -37,7 +37,8 @@ def box(
         cells: Along each axis; two or three.
         size: Along each axis (length).
         move: From where nodes are, (nodes, dimension), to where they go.
-        parts: Name → which cells it has, by their midpoints before they are moved.
+        parts: Name → which cells it has, by their midpoints before they are moved; the others are
+            called ``rest``.
         patches: Name → a side, and which of its facets it has, likewise.
         simplices: Triangles or tetrahedra in place of quadrilaterals or hexahedra.
         comm: Communicator.
@@ -77,6 +78,7 @@ def _tagged_cells(
         values[condition(midpoints)] = tag
         groups[name] = Group(dimension, (tag,))
     groups["body"] = Group(dimension, tuple(range(len(parts) + 1)))
+    groups["rest"] = Group(dimension, (0,))
     return mesh.meshtags(made, dimension, numbers, values)
 
 

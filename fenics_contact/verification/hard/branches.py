@@ -23,7 +23,7 @@ from fenics_contact.verification.hard.exact import (
     ExactAnswer,
     Start,
     Statuses,
-    exact_answer,
+    exact_answers,
 )
 from fenics_contact.verification.hard.hard_case import HardCase, ReferenceFailedError, Trials
 from fenics_contact.verification.hard.scenes import (
@@ -45,15 +45,7 @@ def lifted_scene(coefficient: float) -> Scene:
 
 def branches(coefficient: float) -> list[ExactAnswer]:
     """All answers that were found from different statuses, none twice; collective."""
-    found: list[ExactAnswer] = []
-    for start in _starts():
-        try:
-            answer = exact_answer(lifted_scene(coefficient), driven_body, start, own_starts=False)
-        except ReferenceFailedError:
-            continue
-        if not any(np.array_equal(answer.status, other.status) for other in found):
-            found.append(answer)
-    return found
+    return exact_answers(lifted_scene(coefficient), driven_body, _starts())
 
 
 def _starts() -> Iterator[Start]:
@@ -87,7 +79,9 @@ def _lifted(coefficient: float, number: int, trials: Trials) -> Iterator[Finding
 
 
 CASES: tuple[HardCase, ...] = (
-    HardCase("lifted_mu_1", THEME, "lifted block, μ = 1: one answer", _AMONG, partial(_lifted, 1, 1)),
+    HardCase(
+        "lifted_mu_1", THEME, "lifted block, μ = 1: one answer", _AMONG, partial(_lifted, 1, 1)
+    ),
     HardCase(
         "lifted_mu_2", THEME, "lifted block, μ = 2: three answers", _AMONG, partial(_lifted, 2, 3)
     ),

@@ -9,9 +9,9 @@ the program's contact terms or solvers is used, only its stiffness, loads and ga
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import partial
+from typing import Any
 
 import numpy as np
 from dolfinx.fem import petsc as fem_petsc
@@ -66,36 +66,58 @@ class ExactAnswer:
         return float(self.weights @ self.friction)
 
 
-def exact_answer(
-    scene: Scene, body: Callable[[MPI.Comm], Body], *starts: Start, own_starts: bool = True
-) -> ExactAnswer:
+def exact_answer(scene: Scene, body: Callable[[MPI.Comm], Body], *starts: Start) -> ExactAnswer:
     """Solve a scene of the static law with one contact; collective, found on one rank.
 
     Args:
         scene: In the plane or axisymmetric, with a coefficient of friction that is a number.
         body: Makes the mesh on a communicator.
-        starts: Statuses to begin with, from the coordinates of the points, until one leads to rest.
-        own_starts: Whether to begin with all points sticking or slipping before these.
+        starts: Statuses to begin with, from the coordinates of the points, where beginning with all
+            points sticking, or slipping to one side, leads to no rest.
 
     Raises:
-        ReferenceFailedError: The statuses found no rest.
+        ReferenceFailedError: Nothing led to rest.
     """
 
     def solve() -> ExactAnswer:
         problem = _Inequalities(scene, body(MPI.COMM_SELF))
-        alike = [partial(_alike, status) for status in (STICK, ALONG, BACK)]
-        for start in (*alike, *starts) if own_starts else starts:
-            try:
-                return problem.solve(start)
-            except ReferenceFailedError as error:
-                failure = error
-        raise failure
+        for start in (_all_stick, _all_along, _all_back, *starts):
+            found = problem.solve(start)
+            if found is not None:
+                return found
+        raise ReferenceFailedError("the exact inequalities found no rest")
 
     return on_root(MPI.COMM_WORLD, solve)
 
 
-def _alike(status: int, coordinates: Array) -> Statuses:
-    return np.full(len(coordinates), status)
+def exact_answers(
+    scene: Scene, body: Callable[[MPI.Comm], Body], starts: Iterable[Start]
+) -> list[ExactAnswer]:
+    """All answers that some statuses lead to, none twice; as above."""
+
+    def solve() -> list[ExactAnswer]:
+        problem = _Inequalities(scene, body(MPI.COMM_SELF))
+        answers: list[ExactAnswer] = []
+        for start in starts:
+            found = problem.solve(start)
+            if found is None or any(np.array_equal(found.status, a.status) for a in answers):
+                continue
+            answers.append(found)
+        return answers
+
+    return on_root(MPI.COMM_WORLD, solve)
+
+
+def _all_stick(coordinates: Array) -> Statuses:
+    return np.full(len(coordinates), STICK)
+
+
+def _all_along(coordinates: Array) -> Statuses:
+    return np.full(len(coordinates), ALONG)
+
+
+def _all_back(coordinates: Array) -> Statuses:
+    return np.full(len(coordinates), BACK)
 
 
 def statuses_of(result: Result) -> Start:
@@ -130,7 +152,7 @@ class _Inequalities:
         self.coefficient = float(scene.contact[0].friction_coefficient)  # type: ignore[arg-type]
         self._assemble(problem, trace.nodes[self.order])
 
-    def _assemble(self, problem: Problem, nodes: NDArray[np.int64]) -> None:
+    def _assemble(self, problem: Problem, nodes: NDArray[Any]) -> None:
         """Stiffness on the free displacements, and jumps at the points as rows on these."""
         matrix = fem_petsc.assemble_matrix(problem.elastic.stiffness)
         matrix.assemble()
@@ -161,8 +183,8 @@ class _Inequalities:
         self.touchable &= np.isfinite(self.gap)
         self.slidable = np.asarray(abs(self.along).sum(axis=1)).ravel() > 1e-9
 
-    def solve(self, start: Start) -> ExactAnswer:
-        """Change statuses until none breaks an inequality."""
+    def solve(self, start: Start) -> ExactAnswer | None:
+        """Change statuses until none breaks an inequality; None where that finds no rest."""
         status = np.array(start(self.coordinates))
         if self.coefficient == 0:
             status[status == STICK] = ALONG
@@ -170,7 +192,10 @@ class _Inequalities:
         seen: set[bytes] = set()
         lots = np.random.default_rng(0)
         for _ in range(_MOST):
-            opening, slip, pressing, friction = self._with(status)
+            found = self._with(status)
+            if found is None:
+                return None
+            opening, slip, pressing, friction = found
             following = self._changed(status, opening, slip, pressing, friction)
             if np.array_equal(following, status):
                 return ExactAnswer(
@@ -185,10 +210,13 @@ class _Inequalities:
                 following = np.where(drawn, following, status)
             seen.add(status.tobytes())
             status = following
-        raise ReferenceFailedError("the exact inequalities found no rest")
+        return None
 
-    def _with(self, status: Statuses) -> tuple[Array, Array, Array, Array]:
-        """Gap, slip, normal and friction force of each point with statuses given."""
+    def _with(self, status: Statuses) -> tuple[Array, Array, Array, Array] | None:
+        """Gap, slip, normal and friction force of each point with statuses given.
+
+        None where these leave the body free to move.
+        """
         count = len(status)
         closed, sticks = status != OPEN, (status == STICK) & self.slidable
         slips = closed & ~sticks & self.slidable
@@ -210,8 +238,8 @@ class _Inequalities:
         right = np.concatenate([self.load, gap, np.where(sticks, -self.held_along, 0.0)])
         try:
             found = splu(matrix).solve(right)
-        except RuntimeError as error:
-            raise ReferenceFailedError(f"with some statuses nothing holds the body: {error}") from None
+        except RuntimeError:  # singular
+            return None
         displacement = found[: -2 * count]
         opening = self.gap - self.across @ displacement - self.held_across
         slip = self.along @ displacement + self.held_along

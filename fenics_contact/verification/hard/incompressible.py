@@ -35,7 +35,7 @@ def _hertz(ratio: float) -> formulas.HertzContact:
 
 
 def _compared(trials: Trials, scene: Scene, ratio: float, share: int = 1) -> Iterator[Finding]:
-    """Force and peak pressure against Hertz's; the share of the body that is modelled is 1/share."""
+    """Force and peak pressure against Hertz's; one of `share` parts of the body is modelled."""
     quantities = trials.solve(scene).quantities
     exact = _hertz(ratio)
     yield Finding("normal_force", share * quantities["normal_force"], exact.force, _LIMIT)

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 from mpi4py import MPI
+from scipy.optimize import brentq
 
 from fenics_contact.gmsh_files import load_body
 from fenics_contact.mesh import Body
@@ -57,8 +58,21 @@ def _patch(body: Body, kinematics: str, degree: int, trials: Trials) -> Iterator
     yield Finding("strain_energy", result.quantities["strain_energy"], energy, 1e-7)
 
 
-def _flat(aspect: float, degree: int, trials: Trials) -> Iterator[Finding]:
-    """Cells that are so much longer than high."""
+def _layered(aspect: float, degree: int, trials: Trials) -> Iterator[Finding]:
+    """Cells that get ever flatter towards the floor, up to so much longer than high."""
+    cells = 16
+    lowest = 1 / (4 * aspect)  # over the height; all are a quarter long
+    growth = brentq(lambda g: (g**cells - 1) / (g - 1) * lowest - 1, 1.01, 10)
+
+    def move(x: Points) -> Points:
+        up = (growth ** (x[:, 1] * cells) - 1) / (growth**cells - 1)
+        return np.stack([x[:, 0], up], axis=1)
+
+    yield from _patch(box((4, cells), (1, 1), move), "plane strain", degree, trials)
+
+
+def _sheet(aspect: float, degree: int, trials: Trials) -> Iterator[Finding]:
+    """Cells that are so much longer than high, eight of them over the body."""
     body = box((16, 8), (1, 1), lambda x: x * [1, 0.5 / aspect])
     result = trials.solve(_pressed("plane strain", degree), body)
     points = result.points
@@ -144,11 +158,22 @@ def _flat_pair(aspect: float, trials: Trials) -> Iterator[Finding]:
 CASES: tuple[HardCase, ...] = (
     *(
         HardCase(
-            f"flat_{aspect:.0e}_q{degree}",
+            f"layers_{aspect:.0e}_q{degree}",
             THEME,
-            f"cells {aspect:.0e} times as long as high, degree {degree}",
+            f"at the floor, cells {aspect:.0e} times as long as high, degree {degree}",
             _EXACT,
-            partial(_flat, aspect, degree),
+            partial(_layered, aspect, degree),
+        )
+        for aspect in (1e3, 1e4)
+        for degree in (1, 2)
+    ),
+    *(
+        HardCase(
+            f"sheet_{aspect:.0e}_q{degree}",
+            THEME,
+            f"a thin sheet, cells {aspect:.0e} times as long as high, degree {degree}",
+            _EXACT,
+            partial(_sheet, aspect, degree),
         )
         for aspect in (1e3, 1e4)
         for degree in (1, 2)

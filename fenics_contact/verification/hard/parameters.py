@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+
 from mpi4py import MPI
 
 from fenics_contact.mesh import Body

@@ -38,7 +38,6 @@ def _box(length: float) -> Body:
     return box((16, 8), (2 * length, length))
 
 
-
 def _punch(length: float, modulus: float) -> Obstacle:
     force = 0.01 * modulus * length
     return Obstacle("parabola", radius=2 * length, position=(0.9 * length, length), force=force)
@@ -82,15 +81,13 @@ def _incremental(length: float, modulus: float) -> Made:
 
 def _pair(length: float, modulus: float) -> Made:
     """A block pressed obliquely on another, meshes that do not match."""
-    below, above = (
-        {"base": base * length, "length": length, "height": length, "left": left * length}
-        for base, left in ((-1, 0), (0, 0.25))
-    )
+    below = {"base": -length, "length": length, "height": length}
+    above = {"left": length / 4, "length": length / 2, "height": length}
     scene = plane_scene(
         Contact("upper.bottom", against="lower.top", friction_coefficient=0.4),
         (Support("lower.bottom", {"x": 0, "y": 0}),),
         (Load("upper.top", traction=(0.002 * modulus, -0.01 * modulus)),),
-        mesh=(block(LOWER, 8, **below), block(UPPER, 11, **(above | {"length": 0.5 * length}))),
+        mesh=(block(LOWER, 8, False, **below), block(UPPER, 11, False, **above)),
         material=(Material(modulus, NU, on=LOWER), Material(2 * modulus, NU, on=UPPER)),
     )
     return scene, None
