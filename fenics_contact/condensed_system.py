@@ -147,6 +147,32 @@ class CondensedSystem(System):
         self.tangent = PETSc.Mat().createPython((sizes, sizes), operator, comm=self.comm)
         self.tangent.setUp()
 
+    def surface_size(self, number: int) -> int:
+        """Number of nodes of a contact's surface, on all ranks."""
+        return int(self.problem.contacts[number].trace.surface.space.dofmap.index_map.size_global)
+
+    def compliances(
+        self, number: int, across: csr_matrix, ways: list[csr_matrix]
+    ) -> tuple[Array, list[Array]] | None:
+        """How far forces at a contact move its points across, all other contacts being open.
+
+        Args:
+            number: Of the contact, in scene order.
+            across: Takes jumps across the contact out of those at all nodes of its surface.
+            ways: Take jumps along it, in several directions.
+
+        Returns:
+            For forces across, and along each way; None where only contact holds a body, and on
+            ranks that have no part of the tangent.
+        """
+        jump = self._jumps[number]
+        compliance = None if self._dense is None else self._dense.compliance
+        if jump is None or compliance is None:
+            return None
+        unknowns = jump.relative[:, : len(compliance)]
+        moved = (across @ unknowns) @ compliance
+        return moved @ (across @ unknowns).T, [moved @ (way @ unknowns).T for way in ways]
+
     def destroy(self) -> None:
         """Free PETSc's objects."""
         self._bulk.destroy()

@@ -63,6 +63,13 @@ class ContactTangent:
         inverse, _ = lapack.dpotri(factor, lower=1, overwrite_c=1)
         return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)
 
+    @property
+    def compliance(self) -> Array | None:
+        """S⁻¹, None where S lets a body move."""
+        if self._added[: self._count].any():
+            return None
+        return self._inverse[: self._count, : self._count]
+
     def set(self, rows: Numbers, columns: Numbers, values: Array) -> None:
         """Set W by its entries; those at the same place add up."""
         added = np.flatnonzero(self._added)

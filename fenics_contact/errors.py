@@ -25,13 +25,20 @@ class NotConvergedError(FenicsContactError):
     Args:
         message: What happened and what to try, in words.
         residual_history: Force imbalance after every Newton step (force units).
+        attempts: Every strategy that was tried, with what happened.
     """
 
     exit_code = 3
 
-    def __init__(self, message: str, residual_history: tuple[float, ...] = ()) -> None:
-        super().__init__(message, residual_history)
+    def __init__(
+        self,
+        message: str,
+        residual_history: tuple[float, ...] = (),
+        attempts: tuple[str, ...] = (),
+    ) -> None:
+        super().__init__(message, residual_history, attempts)
         self.residual_history = residual_history
+        self.attempts = attempts
 
     def __str__(self) -> str:
         return str(self.args[0])

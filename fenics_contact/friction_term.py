@@ -178,6 +178,16 @@ class FrictionTerm:
         self._dual = np.zeros_like(self._slip)
         self._set_tangent_state()
 
+    def slip_all(self, slip: Array) -> None:
+        """Set the tangent to points that have slipped.
+
+        Args:
+            slip: As the law counts it, nowhere 0, (points, components) (length).
+        """
+        self._slip = slip
+        self._dual = slip / np.linalg.norm(slip, axis=1)[:, None]
+        self._set_tangent_state()
+
     def follow(self, slip: Array) -> None:
         """Move the tangent to a new state: q by its own linearised equation, |q| ≤ 1.
 

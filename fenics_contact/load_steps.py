@@ -82,7 +82,7 @@ class History:
                 self.tried = time
                 self._take(time)
         except (NotConvergedError, StoppedError):
-            self._go_back()
+            self.go_back()
             raise
         assert self.last is not None  # there is a step, or one was resumed
         return self.last.solution
@@ -101,7 +101,7 @@ class History:
         self.last = last
         self.pace.resume(pace)
         self.newton.system.earlier_forces = forces
-        self._go_back()
+        self.go_back()
         said, newton = last.solution, self.newton
         solution = dataclasses.replace(
             newton.solution(said.outer_iterations, said.strategy),
@@ -110,7 +110,7 @@ class History:
             imbalance_limit=said.imbalance_limit,
         )
         self.last = dataclasses.replace(last, solution=solution)
-        self._go_back()
+        self.go_back()
         return solution
 
     def _take(self, time: float) -> None:
@@ -121,14 +121,14 @@ class History:
             if not self.pace.cut():
                 raise
             logger.info("time %g: %s; a smaller step", time, error)
-            self._go_back()
+            self.go_back()
             return
         change = (
             0.0 if self.last is None else contact_change(self.problem, self.last.solution, found)
         )
         if self.pace.exceeds(change) and self.pace.cut():
             logger.info("time %g: contact changes by %.0f %%; a smaller step", time, 100 * change)
-            self._go_back()
+            self.go_back()
             return
         self._accept(time, found)
         self.pace.went(found.newton_iterations, change)
@@ -147,7 +147,7 @@ class History:
             if predicted is None:
                 raise
             logger.debug("  %s; next: from the last load step", error)
-        self._go_back()
+        self.go_back()
         self._begin(time, None)
         return solve_step(newton)
 
@@ -204,7 +204,7 @@ class History:
         if self._accepted is not None:
             self._accepted(time, found)
 
-    def _go_back(self) -> None:
+    def go_back(self) -> None:
         """To the last accepted step as it was solved, or to none; collective."""
         problem = self.problem
         self._has_moved_on = False
@@ -239,6 +239,7 @@ def solve(
     begun: Callable[[History], None] | None = None,
     kept: Callable[[History], None] | None = None,
     stopped: Callable[[], bool] | None = None,
+    ended: Callable[[History], None] | None = None,
 ) -> Solution:
     """Solve a problem step by step; collective.
 
@@ -250,6 +251,7 @@ def solve(
         begun: Called before the first step, which may be one to resume from.
         kept: As of ``History``.
         stopped: As of ``Newton``.
+        ended: Called after the last step, while the system can still be solved.
 
     Returns:
         The solution of the last step.
@@ -267,6 +269,9 @@ def solve(
             history.newton.stopped = stopped
         if begun is not None:
             begun(history)
-        return history.solve()
+        solution = history.solve()
+        if ended is not None:
+            ended(history)
+        return solution
     finally:
         system.destroy()

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact.chatter import Chatter
 from fenics_contact.errors import NotConvergedError, StoppedError
 from fenics_contact.parallel import largest, smallest
 from fenics_contact.problem import Problem
@@ -48,6 +49,9 @@ _SLID = 1e-3
 # Steps without progress in which a search is taken to follow round-off.
 _PATIENCE = 3
 
+# Newton steps from which is noted what contact points do, for who reads that it failed.
+_LONG = 12
+
 _NOT_A_NUMBER = -4  # the reason's name differs between PETSc's versions
 _NO_STEP_FOUND = -6
 _REASONS = {
@@ -81,6 +85,7 @@ class Newton:
         self.continues = False
         self.limit = 0.0
         self.paired_anew = False
+        self._chatter = Chatter(problem.contacts, problem.comm)
         self.stopped: Callable[[], bool] = lambda: False
         self._is_stopped = False
         self._one_sided = any(contact.is_one_sided for contact in problem.contacts)
@@ -121,6 +126,7 @@ class Newton:
     def _solve(self) -> None:
         self._before = len(self.history)
         self.limit = 0.0
+        self._chatter.clear()
         with self.timings.phase("solve"):
             log = _FactorisationLog()
             snes = self._create_snes()
@@ -286,6 +292,8 @@ class Newton:
         """
         imbalance = self.system.imbalance()
         self.history.append(imbalance)
+        if iteration >= _LONG:
+            self._chatter.note()
         forces = self.system.forces
         if iteration == 0:
             self._tiny = _LARGEST_FLOOR * imbalance if self._one_sided else 0.0
@@ -330,7 +338,7 @@ class Newton:
             )
         return (
             f"not converged after {self._steps_of_this_run} Newton steps: {words}; the force "
-            f"imbalance is {left} of {forces:.3g}. {advice}"
+            f"imbalance is {left} of {forces:.3g}{self._chatter.words('Newton steps')}. {advice}"
         )
 
     def solution(self, outer_iterations: int = 0, strategy: str = "") -> Solution:

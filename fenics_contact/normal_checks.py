@@ -98,7 +98,7 @@ def contact_law(contacts: list[ComparedPressures]) -> Check | None:
 
 
 def complementarity(contacts: list[ComparedPressures]) -> Check | None:
-    """Pressure of the bulk where the gap is open, over the peak: p = 0 or no gap (paper, (1.5))."""
+    """Pressure of the bulk where the gap is open, over the peak: p = 0 or no gap (paper, (1.1))."""
     worst: Check | None = None
     for compared in contacts:
         if not compared.contact.trace.nodal:

@@ -79,6 +79,7 @@ class Result:
     """A run's outcome; its attributes are the keys of ``result.json``.
 
     Attributes:
+        branches: All answers that were found, where the scene asks for others.
         points: The rows of ``contact.csv``; None if no load step was accepted.
         interrupted: Whether the user stopped the run; not among the keys.
     """
@@ -92,6 +93,7 @@ class Result:
     steps: list[dict[str, Any]]
     checks: Mapping[str, Check]
     supports: list[dict[str, Any]] = field(default_factory=list)
+    branches: list[dict[str, Any]] = field(default_factory=list)
     errors: Mapping[str, Any] = field(default_factory=dict)
     timings: Mapping[str, float] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
@@ -124,6 +126,7 @@ class Result:
             "quantities": dict(self.quantities),
             "steps": self.steps,
             "checks": {name: check.as_dict() for name, check in self.checks.items()},
+            "branches": self.branches,
             "errors": dict(self.errors),
             "timings": dict(self.timings),
             "versions": dict(self.versions),

@@ -118,6 +118,14 @@ class SolverSettings:
             "`auto` chooses by sizes and memory"
         ),
     ] = "auto"
+    branches: Annotated[
+        bool,
+        Strict(),
+        Field(
+            description="whether to look for other answers of the last load step, from other "
+            "starts: with a large coefficient Coulomb's friction may have several"
+        ),
+    ] = False
     outer_tolerance: Annotated[
         Number,
         Field(gt=0, lt=1e-2, description="change of the pressure in a pass, over its peak"),

@@ -19,6 +19,7 @@ from fenics_contact.errors import InputError, NotConvergedError, StoppedError
 from fenics_contact.gmsh_files import load_body
 from fenics_contact.load_steps import History, solve
 from fenics_contact.mesh import Body
+from fenics_contact.other_answers import OtherAnswers, look_around
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
 from fenics_contact.progress import step_line
@@ -49,6 +50,7 @@ class Run:
         forces: Nodal forces that the bulk needs in the last step that was solved.
         steps: What came out of the load steps so far, as in ``result.json``.
         book: Work and energies along them.
+        others: What is known of other answers of the last step.
         timings: Seconds so far.
 
     Args:
@@ -66,6 +68,7 @@ class Run:
     ) -> None:
         self.scene = scene
         self.solution: Solution | None = None
+        self.others = OtherAnswers()
         self.steps: list[dict[str, Any]] = []
         self._announce: Callable[[int, dict[str, Any]], None] = _log_step
         self.timings = Timings()
@@ -127,6 +130,7 @@ class Run:
         self.solution = None
         self.steps = [] if saved is None else list(saved.steps)
         self.book = EnergyBook(self.problem)
+        self.others = OtherAnswers()
         self._announce = announce or (_log_step if self.scene.steps.several else _say_nothing)
 
         def begin(history: History) -> None:
@@ -145,8 +149,12 @@ class Run:
                 with self.timings.phase("output"):
                     state.save(history, self.steps, self.book.sums)
 
+        def end(history: History) -> None:
+            with self.timings.phase("output"):
+                self.others = look_around(history)
+
         try:
-            solve(self.problem, self.timings, record, self.choice, begin, keep, stopped)
+            solve(self.problem, self.timings, record, self.choice, begin, keep, stopped, end)
         except NotConvergedError as error:
             return self._unconverged(error)
         except StoppedError:
@@ -175,6 +183,8 @@ class Run:
                 "load_factor": time,
                 "newton_iterations": solution.newton_iterations,
                 "outer_iterations": solution.outer_iterations,
+                "outer_contraction": solution.contraction,
+                "attempts": list(solution.attempts),
                 "residual_history": list(solution.residual_history),
                 "quantities": quantities,
                 "contacts": [
@@ -196,6 +206,7 @@ class Run:
                 "law": contact.law,
                 **_sides(contact),
                 "parameters": _parameters(contact),
+                **self.others.limit(contact.label),
                 "quantities": found,
             }
             for contact, found in zip(self.problem.contacts, quantities, strict=True)
@@ -220,6 +231,7 @@ class Run:
                 + verdict.facets_too_straight(problem, solution)
                 + verdict.slid_far(self.steps)
                 + verdict.coarse_path(self.book.open_share)
+                + self.others.words()
             ),
             model=self.model,
             contacts=self.contacts(self._by_contact),
@@ -227,6 +239,7 @@ class Run:
             quantities=quantities,
             steps=self.steps,
             checks=checks,
+            branches=self.others.branches,
             timings=self.timings.summary(problem.comm),
             versions=compat.versions(),
             points=points,
@@ -267,6 +280,7 @@ class Run:
             "load_factor": self._history.tried,
             "newton_iterations": max(len(error.residual_history) - 1, 0),
             "outer_iterations": 0,
+            "attempts": list(error.attempts),
             "residual_history": list(error.residual_history),
             "quantities": {},
         }

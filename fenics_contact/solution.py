@@ -27,6 +27,9 @@ class Solution:
         outer_iterations: Passes of the loop on the contact pressure, 0 without one.
         strategy: How friction and pressure were brought together, in words.
         factorisations: How often the bulk was factorised so far.
+        contraction: Of the loop on the contact pressure, by which a pass multiplies
+            differences, estimated; None where there were not two passes.
+        attempts: Strategies that did not converge before, each with what happened.
         imbalance_limit: The imbalance that was accepted as converged (force).
     """
 
@@ -41,6 +44,8 @@ class Solution:
     strategy: str
     imbalance_limit: float
     factorisations: int
+    contraction: float | None = None
+    attempts: tuple[str, ...] = ()
 
     @property
     def contact_force(self) -> list[NDArray[np.float64]]:

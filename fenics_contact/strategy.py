@@ -9,6 +9,7 @@ tangent, from the adhesive start.
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 from collections.abc import Callable
 
@@ -16,8 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.anderson import Anderson
+from fenics_contact.chatter import Chatter
 from fenics_contact.errors import NotConvergedError
 from fenics_contact.newton import Newton
+from fenics_contact.outer_monitor import OuterMonitor
 from fenics_contact.parallel import largest
 from fenics_contact.rigid import RigidMotions
 from fenics_contact.solution import Solution
@@ -29,8 +32,6 @@ Array = NDArray[np.float64]
 # Change of the pressure, over its peak, from which Newton's method is to take over from the loop
 # that `auto` runs.
 _NEAR = 0.1
-# The loop is left where it has not come nearer in this many passes.
-_PATIENCE = 8
 # Stiffness of glue along the surface, over E/h: nothing is to have slipped yet.
 _GLUE = 1e4
 # Of the pressures from which ε follows. Its bias is below .1 %, so an error of it in ε counts
@@ -81,6 +82,7 @@ class _CoulombLoop:
         self.contacts = newton.problem.coulomb
         self.settings = newton.problem.scene.solver
         self.outer = 0
+        self.contraction: float | None = None
         self.start = newton.save()
 
     def solve(self, strategy: str) -> Solution:
@@ -101,15 +103,21 @@ class _CoulombLoop:
         self._near = _NEAR if strategy == "auto" else self.settings.outer_tolerance
         if strategy == "auto" and RigidMotions(self.problem).count > 0:
             chosen.remove("campos")
+        attempts: list[str] = []
         for number, way in enumerate(chosen):
             try:
                 self._start_anew()
                 ways[way]()
-                return self.newton.solution(self.outer, _WORDS[way])
+                return dataclasses.replace(
+                    self.newton.solution(self.outer, _WORDS[way]),
+                    contraction=self.contraction,
+                    attempts=tuple(attempts),
+                )
             except (_StalledError, NotConvergedError) as error:
+                attempts.append(f"{_WORDS[way]}: {error}")
                 if number + 1 == len(chosen):
                     history = tuple(self.newton.history)
-                    raise NotConvergedError(f"{_WORDS[way]}: {error}", history) from None
+                    raise NotConvergedError(attempts[-1], history, tuple(attempts)) from None
                 logger.info("%s: %s; next: %s", _WORDS[way], error, _WORDS[chosen[number + 1]])
         raise AssertionError("a strategy returns or raises")
 
@@ -128,24 +136,25 @@ class _CoulombLoop:
             self._rub_nothing()
             return
         anderson = Anderson(self.problem.comm, [c.trace.owned for c in self.contacts])
-        best, since, near = np.inf, 0, max(self._near, self.settings.outer_tolerance)
+        monitor = OuterMonitor(Chatter(self.contacts, self.problem.comm), self.problem.comm)
+        near = max(self._near, self.settings.outer_tolerance)
         for _ in range(self.settings.max_outer_iterations):
             found = one_pass(pressures)
             self.outer += 1
-            change = self._change(pressures, found)
+            change = monitor.see(pressures, found)
+            self.contraction = monitor.contraction
             logger.debug("  pass %d: pressures change by %.2e of the peak", self.outer, change)
             if change <= near:
                 if self._finish(found, change):
                     return
                 near = self.settings.outer_tolerance
-            best, since = (change, 0) if change < 0.9 * best else (best, since + 1)
-            if since >= _PATIENCE:
-                raise _StalledError(
-                    f"no progress in {_PATIENCE} passes, the pressures still change by "
-                    f"{change:.1e} of their peak"
-                )
+            if monitor.is_stalled:
+                raise _StalledError(monitor.words())
             pressures = anderson.next(pressures, found)
-        raise _StalledError(f"the {self.settings.max_outer_iterations} passes allowed were used up")
+        raise _StalledError(
+            f"the {self.settings.max_outer_iterations} passes allowed were used up: "
+            f"{monitor.words()}"
+        )
 
     def _rub_nothing(self) -> None:
         """What to do where nothing touches; what glue holds then is not held."""
@@ -157,12 +166,6 @@ class _CoulombLoop:
             self.newton.run()
             if self._peak([contact.pressure() for contact in self.contacts]) > 0:
                 raise _StalledError("bodies that glue held apart have come together")
-
-    def _change(self, before: list[Array], after: list[Array]) -> float:
-        comm, peak = self.problem.comm, self._peak(after)
-        pairs = zip(before, after, strict=True)
-        change = max(largest(comm, np.abs(a - b)) for a, b in pairs)
-        return change / peak if peak > 0 else 0.0
 
     def _peak(self, pressures: list[Array]) -> float:
         return max(largest(self.problem.comm, pressure) for pressure in pressures)

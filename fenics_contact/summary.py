@@ -31,6 +31,8 @@ _SHOWN = (
 )
 _OF_FRICTION = {"friction_force", "stick_area", "slip_area", "max_slip", "friction_work"}
 _OF_CONTACT_FOUND = {"indentation", "max_penetration"}
+# What answers of one scene are told apart by.
+_OF_BRANCHES = ("normal_force", "friction_force", "stick_area", "slip_area")
 # Parameters of a contact, in the order of its line; those that do not apply are zero or missing.
 _PARAMETERS = (
     "pressure",
@@ -77,6 +79,7 @@ def print_result(result: Result, folder: Path) -> None:
                 name.replace("_", " "), f"{check.value:.2e}", f"{check.limit:.2e}", verdict
             )
         console.print(checks)
+        _print_branches(console, result)
     console.print(result.verdict, markup=False, highlight=False)
     console.print(
         f"{result.timings['total']:.2f} s, {result.steps[-1]['newton_iterations']} Newton steps. "
@@ -84,6 +87,17 @@ def print_result(result: Result, folder: Path) -> None:
         markup=False,
         highlight=False,
     )
+
+
+def _print_branches(console: Console, result: Result) -> None:
+    """All answers that were found, where there are several."""
+    if len(result.branches) < 2:
+        return
+    table = _table("answer from the start", *(key.replace("_", " ") for key in _OF_BRANCHES))
+    for branch in result.branches:
+        numbers = (_written(branch["quantities"][key]) for key in _OF_BRANCHES)
+        table.add_row(branch["start"], *numbers)
+    console.print(table)
 
 
 def _add_reactions(quantities: Table, result: Result) -> None:

@@ -63,7 +63,8 @@ def test_rows_of_two_bodies_count_both_and_the_time_of_pairing(measured_pair):
     # The middles: 8 of 20 facets below, whose centres are within .22, and 7 of 15 above.
     assert row["contact_dofs"] == 2 * (17 + 15)
     assert 0 < row["pairing_seconds"] < row["frictional_seconds"]
-    assert limit_of(row) is None
+    assert limit_of(row) == (1.4 if COMM.size == 1 else None)
+    assert limit_of(measured_pair["full"].row) is None
 
 
 @pytest.mark.parametrize("case", [PAIR, Case("P1 tets", (8, 8, 2), upper=(6, 6, 2))])
@@ -113,4 +114,8 @@ def test_limits_of_solve_cost_are_those_asked_for():
     assert limit_of(row | {"contact_dofs": 800, "ranks": 2}) == 2.4
     assert limit_of(row | {"contact_dofs": 100, "dimension": 2}) == 1.5
     assert limit_of(row | {"contact_dofs": 100, "solver": "full"}) is None
-    assert limit_of(row | {"contact_dofs": 100, "bodies": 2}) is None
+    pair = row | {"contact_dofs": 800, "bodies": 2}
+    assert limit_of(pair) == limit_of(pair | {"dimension": 2}) == 1.4
+    assert limit_of(pair | {"ranks": 2}) is None
+    assert limit_of(pair | {"solver": "iterative"}) is None
+    assert limit_of(pair | {"steps": 21}) is None
