@@ -93,7 +93,7 @@ def equilibrium(forces: BulkForces, reactions: Array) -> Check:
     worst: Check | None = None
     for value, carried in zip(left, parts.sums(np.abs(applied).sum(axis=1)), strict=True):
         size = float(carried) or 1.0
-        limit = _ROUND_OFF + 2 * forces.solution.imbalance_limit / size
+        limit = _ROUND_OFF + 2 * forces.imbalance / size
         worst = nearer_to_failing(worst, Check(float(value) / size, limit))
     assert worst is not None  # a body has at least one part
     return worst

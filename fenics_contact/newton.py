@@ -172,9 +172,9 @@ class Newton:
         left, forces = self.history[-1], self.system.forces
         if self._one_sided and left > _DROWNED * forces > 0:
             raise NotConvergedError(
-                f"round-off drowns the contact: it leaves {left:.2e} of forces of {forces:.3g} "
-                "out of balance; is a penalty_parameter too small, or the contrast of stiffnesses "
-                "extreme?",
+                f"round-off drowns the contact: {left:.2e} of forces of {forces:.3g} are out of "
+                "balance for good; a larger penalty_parameter, or less contrast of stiffnesses, "
+                "would leave less",
                 tuple(self.history),
             )
 
@@ -380,6 +380,7 @@ class Newton:
             strategy=strategy,
             imbalance_limit=self.limit,
             factorisations=self.system.factorisations,
+            bulk_round_off=self.system.bulk_round_off,
         )
 
 

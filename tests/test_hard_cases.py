@@ -8,9 +8,13 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import main, run
+from fenics_contact import Material, Run, main, run
+from fenics_contact.bulk_forces import BulkForces
+from fenics_contact.checks import equilibrium
+from fenics_contact.quantities import support_reactions
 from fenics_contact.verification import Finding
 from fenics_contact.verification.hard import CASES, HardCase
+from fenics_contact.verification.hard.bodies import box
 from fenics_contact.verification.hard.branches import branches
 from fenics_contact.verification.hard.command import verify_hard
 from fenics_contact.verification.hard.exact import STICK, exact_answer, statuses_of
@@ -212,3 +216,19 @@ def test_command_line_writes_rows_and_a_table(folder, capsys):
 def test_bad_words_are_one_sentence(arguments, message, capsys):
     assert main(["verify", *arguments]) == 2
     assert message in COMM.bcast(capsys.readouterr().err)
+
+
+def test_round_off_of_a_stiff_part_is_no_imbalance_and_an_imbalance_is_none_of_it():
+    """A plate a million times as stiff: its round-off fails no check, a push at a node does."""
+    scene = driven_scene(0.5, 0.01, -0.01)
+    material = (Material(1000, 0.3, on="rest"), Material(1e9, 0.3, on="plate"))
+    body = box((16, 12), (2, 1.5), parts={"plate": lambda x: x[:, 1] > 1})
+    prepared = Run(dataclasses.replace(scene, material=material), COMM, body)
+    result = prepared.solve()
+    assert result.passed, result.verdict
+    spaces = prepared.problem.spaces
+    inside = np.abs(spaces.coordinates[:, :2] - [1.0, 0.5]).max(axis=1) < 1e-9
+    prepared.solution.internal_force[inside, 0] += 1e-3 * result.quantities["normal_force"]
+    forces = BulkForces(prepared.problem, prepared.solution)
+    reactions, _ = support_reactions(forces)
+    assert not equilibrium(forces, reactions).passed

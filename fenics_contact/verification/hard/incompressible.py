@@ -57,7 +57,7 @@ def _in_space(ratio: float, trials: Trials) -> Iterator[Finding]:
         mesh=(
             MeshSource(
                 mesh_file("quarter_space.geo"),
-                parameters={"hexahedra": 1, "size": 0.6, "cells_outside": 4},
+                parameters={"hexahedra": 1, "size": 0.6, "cells_outside": 5},
             ),
         ),
         material=(Material(YOUNGS_MODULUS, ratio),),
