@@ -107,7 +107,7 @@ def equilibrium(forces: BulkForces, reactions: Array) -> Check:
         moments = np.cross(parts.arms[:owned], vectors) / parts.sizes[parts.of_node[:owned], None]
         left = np.linalg.norm(parts.sums(np.hstack([vectors, moments])), axis=1)
     carried = parts.sums(np.abs(applied).sum(axis=1))
-    imbalance = forces.solution.imbalance_limit
+    imbalance = forces.imbalance
     found = [
         balance(value, sum_of_forces, imbalance, part=name)
         for name, value, sum_of_forces in zip(parts.names, left, carried, strict=True)

@@ -58,7 +58,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     report.add_argument("folder", metavar="DIR", type=Path)
     verify.add_argument("names", metavar="NAME", nargs="*", help="benchmarks to run (default: all)")
     verify.add_argument("--quick", action="store_true", help="coarser and fewer: about a minute")
+    verify.add_argument("--hard", action="store_true", help="the hard cases instead: minutes")
     verify.add_argument("--json", metavar="FILE", type=Path, help="write a list of what was found")
+    verify.add_argument(
+        "--table", metavar="FILE", type=Path, help="of hard cases: write the table, in Markdown"
+    )
     options = parser.parse_args(arguments)
     if options.command == "verify":
         return guarded(lambda: _verify(options))
@@ -184,6 +188,14 @@ def _report(folder: Path) -> int:
 
 
 def _verify(options: argparse.Namespace) -> int:
+    if options.hard:
+        from fenics_contact.verification.hard.command import verify_hard
+
+        if options.quick:
+            raise InputError("verify --hard has no --quick: name the cases to run")
+        return verify_hard(options.names, options.json, options.table)
+    if options.table is not None:
+        raise InputError("verify --table: only the hard cases have a table; add --hard")
     from fenics_contact.verification.command import verify
 
     return verify(options.names, options.quick, options.json)

@@ -325,6 +325,7 @@ class CondensedSystem(System):
         at_contacts = self.variables.displacements(values[: len(self.dofs.free)])
         found = self._bulk.expand(load, at_contacts)
         self.stiffness.set_functions(found)
+        self.bulk_round_off = self.stiffness.round_off(found)
         components = self.problem.spaces.components
         displacement = self.problem.displacement.x.array.reshape(-1, components).copy()
         self._take_others(displacement)

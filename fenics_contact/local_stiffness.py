@@ -13,6 +13,7 @@ from dolfinx.fem import petsc as fem_petsc
 from numpy.typing import NDArray
 from scipy.sparse import bmat, csr_matrix
 
+from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
 from fenics_contact.spaces import summed_over_ranks
 
@@ -77,6 +78,13 @@ class LocalStiffness:
         found = np.zeros(spaces.coordinates.shape[0] * spaces.components)
         found[self.displacements] = (self.matrix @ values)[: len(self.displacements)]
         return spaces.summed(found.reshape(-1, spaces.components))
+
+    def round_off(self, values: Array) -> float:
+        """20 × machine epsilon × ‖|K| |u|‖₁ (force); collective."""
+        whole = self.matrix
+        magnitude = csr_matrix((np.abs(whole.data), whole.indices, whole.indptr), whole.shape)
+        forces = (magnitude @ np.abs(values))[: len(self.displacements)]
+        return float(20 * np.finfo(float).eps * total(self.comm, forces.sum()))
 
     def set_functions(self, values: Array) -> None:
         """Values of the unknowns into displacement and mean stress; collective."""

@@ -44,6 +44,9 @@ _LARGEST_FLOOR = 1e-6
 
 _RUNAWAY = 1e3  # of the body's size
 
+# Of the forces: an imbalance that is round-off, and yet makes an answer worthless.
+_DROWNED = 2e-3
+
 # Slip over the size of a contact from which two bodies are paired anew: it moves the pressure by
 # about as much.
 _SLID = 1e-3
@@ -118,6 +121,7 @@ class Newton:
             self._searches = False  # so near, a search only follows round-off
             self._solve()
         self._refuse_runaway()
+        self._refuse_drowned()
 
     @property
     def _is_nearly_balanced(self) -> bool:
@@ -167,6 +171,20 @@ class Newton:
             raise NotConvergedError(
                 "the body runs away: displacements are more than a thousand times its size; is it "
                 "held, and are loads and stiffness in the same units?",
+                tuple(self.history),
+            )
+
+    def _refuse_drowned(self) -> None:
+        """No answer is one of which round-off in the stiff springs leaves a part open.
+
+        Round-off is accepted as such by the size of the springs, not of the forces.
+        """
+        left, forces = self.history[-1], self.system.forces
+        if self._one_sided and left > _DROWNED * forces > 0:
+            raise NotConvergedError(
+                f"round-off drowns the contact: {left:.2e} of forces of {forces:.3g} are out of "
+                "balance for good; a larger penalty_parameter, or less contrast of stiffnesses, "
+                "would leave less",
                 tuple(self.history),
             )
 
@@ -378,6 +396,7 @@ class Newton:
             strategy=strategy,
             imbalance_limit=self.limit,
             factorisations=self.system.factorisations,
+            bulk_round_off=self.system.bulk_round_off,
         )
 
 

@@ -32,6 +32,7 @@ class Solution:
             differences, estimated; None where there were not two passes.
         attempts: Strategies that did not converge before, each with what happened.
         imbalance_limit: The imbalance that was accepted as converged (force).
+        bulk_round_off: As of the system that found it (force).
     """
 
     displacement: NDArray[np.float64]
@@ -48,6 +49,7 @@ class Solution:
     factorisations: int
     contraction: float | None = None
     attempts: tuple[str, ...] = ()
+    bulk_round_off: float = 0.0
 
     @property
     def contact_force(self) -> list[NDArray[np.float64]]:

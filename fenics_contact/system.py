@@ -32,6 +32,8 @@ class System(ABC):
         first_way: Which strategy of Coulomb friction ``auto`` begins with.
         factorisations: How often a matrix of the bulk was factorised.
         earlier_forces: Largest of ``present_forces`` in the load steps that are done (force).
+        bulk_round_off: Largest that round-off may leave of the balance inside the body in the
+            answer that was found last; 0 where the imbalance has it already (force).
     """
 
     name: ClassVar[str]
@@ -46,6 +48,7 @@ class System(ABC):
         self.problem = problem
         self.comm = problem.comm
         self.earlier_forces = 0.0
+        self.bulk_round_off = 0.0
         self._contact_norm = 0.0
 
     @abstractmethod

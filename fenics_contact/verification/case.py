@@ -90,20 +90,27 @@ class Outcome:
         return [
             {
                 "name": self.case.name,
-                "quantity": finding.quantity,
-                "value": _number(finding.value),
-                "reference": _number(finding.reference),
                 "source": self.case.source,
-                "error": _number(finding.error),
-                "absolute": finding.absolute,
-                "tolerance": finding.tolerance,
                 "estimated_error": None,
                 "seconds": self.seconds,
-                "passed": finding.passed,
-                "note": finding.note,
+                **as_row(finding),
             }
             for finding in self.findings
         ]
+
+
+def as_row(finding: Finding) -> dict[str, Any]:
+    """A finding for ``--json``: null for what is not a number."""
+    return {
+        "quantity": finding.quantity,
+        "value": _number(finding.value),
+        "reference": _number(finding.reference),
+        "error": _number(finding.error),
+        "absolute": finding.absolute,
+        "tolerance": finding.tolerance,
+        "passed": finding.passed,
+        "note": finding.note,
+    }
 
 
 class UntrustedError(FenicsContactError):

@@ -7,6 +7,7 @@ import os
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Protocol, TypeVar
 
 from mpi4py import MPI
 from rich.console import Console
@@ -20,6 +21,14 @@ from fenics_contact.verification.case import Case, Finding, Outcome, no_value
 from fenics_contact.writing import replace_file
 
 FAILED = 4
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+AnyCase = TypeVar("AnyCase", bound=_Named)
 
 # Of the table at least; a narrower terminal, or a file, would have it cut.
 _WIDTH = 110
@@ -46,18 +55,18 @@ def verify(
         InputError: There is no such case, or the file could not be written.
     """
     comm = MPI.COMM_WORLD
-    chosen = _chosen(names, cases)
-    on_root(comm, lambda: _require_folder(json_file))
+    to_run = chosen(names, cases)
+    on_root(comm, lambda: require_folder("--json", json_file))
     console = Console(quiet=comm.rank > 0, highlight=False)
     console.width = max(console.width, _WIDTH)
     outcomes = []
-    width = max(len(case.name) for case in chosen)
-    for number, case in enumerate(chosen, 1):
+    width = max(len(case.name) for case in to_run)
+    for number, case in enumerate(to_run, 1):
         outcome = run_case(case, quick)
         outcomes.append(outcome)
         verdict = "passed" if outcome.passed else "[bold red]FAILED[/bold red]"
         console.print(
-            f"{number:2} of {len(chosen)}  {case.name:{width}} {escape(case.summary):52} "
+            f"{number:2} of {len(to_run)}  {case.name:{width}} {escape(case.summary):52} "
             f"{outcome.seconds:6.1f} s  {verdict}",
             soft_wrap=True,
         )
@@ -80,7 +89,12 @@ def run_case(case: Case, quick: bool) -> Outcome:
     return Outcome(case, tuple(findings), seconds)
 
 
-def _chosen(names: Sequence[str], cases: Sequence[Case]) -> list[Case]:
+def chosen(names: Sequence[str], cases: Sequence[AnyCase]) -> list[AnyCase]:
+    """Cases by their names, in their own order; all if there are no names.
+
+    Raises:
+        InputError: There is none of that name.
+    """
     known = [case.name for case in cases]
     for name in names:
         if name not in known:
@@ -88,12 +102,12 @@ def _chosen(names: Sequence[str], cases: Sequence[Case]) -> list[Case]:
     return [case for case in cases if not names or case.name in names]
 
 
-def _require_folder(json_file: Path | None) -> None:
+def require_folder(option: str, file: Path | None) -> None:
     """Refuse a file that could not be written, before any work."""
-    if json_file is None:
+    if file is None:
         return
-    if json_file.is_dir() or not os.access(json_file.parent, os.W_OK):
-        raise InputError(f"--json '{json_file}': not a file in a folder that can be written to")
+    if file.is_dir() or not os.access(file.parent, os.W_OK):
+        raise InputError(f"{option} '{file}': not a file in a folder that can be written to")
 
 
 def _write(json_file: Path | None, outcomes: Sequence[Outcome]) -> None:
