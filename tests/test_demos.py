@@ -309,4 +309,4 @@ def test_an_error_on_one_rank_alone_ends_the_others(tmp_path):
     )
     done = start([script], 2)
     assert done.returncode == 5, done.stderr
-    assert "the machine failed: too much" in done.stderr
+    assert "the machine failed: out of memory: too much; " in done.stderr
