@@ -14,6 +14,7 @@ from fenics_contact.parallel import on_root
 from fenics_contact.verification.command import FAILED, chosen, require_folder
 from fenics_contact.verification.hard import CASES, table
 from fenics_contact.verification.hard.hard_case import HardCase, HardOutcome, run_hard_case
+from fenics_contact.writing import replace_file
 
 
 def verify_hard(
@@ -86,6 +87,7 @@ def _write(
 ) -> None:
     if json_file is not None:
         rows = [outcome.as_dict() for outcome in outcomes]
-        json_file.write_text(json.dumps(rows, indent=2, ensure_ascii=False) + "\n", "utf-8")
+        text = json.dumps(rows, indent=2, ensure_ascii=False) + "\n"
+        replace_file(json_file, text.encode())
     if table_file is not None:
-        table_file.write_text(table.page(outcomes), "utf-8")
+        replace_file(table_file, table.page(outcomes).encode())
