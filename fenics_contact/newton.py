@@ -101,18 +101,19 @@ class Newton:
         self._searches = False
         self._own_options: list[str] = []
 
-    def run(self, search_energy: bool = True, tolerance: float | None = None) -> None:
+    def run(self, search_energy: bool | None = None, tolerance: float | None = None) -> None:
         """Solve from the present state, with the modes that the contacts' terms have.
 
         Args:
-            search_energy: Search along the steps where a contact is one-sided; else full steps.
+            search_energy: Search along the steps for the least energy, or take full ones; by
+                default search where a contact is one-sided.
             tolerance: Imbalance over the forces to accept; by default the scene's.
 
         Raises:
             NotConvergedError: In words, with the history of the force imbalance.
         """
         self._tolerance = tolerance or self.problem.scene.solver.tolerance
-        self._searches = search_energy and self._one_sided
+        self._searches = self._one_sided if search_energy is None else search_energy
         try:
             self._solve()
         except NotConvergedError:

@@ -63,10 +63,30 @@ def solve_step(newton: Newton) -> Solution:
 def _solve_step(newton: Newton) -> Solution:
     problem = newton.problem
     if not problem.coulomb:
-        newton.run()
+        _minimise(newton)
         return newton.solution()
     loop = _CoulombLoop(newton)
     return loop.solve(problem.scene.solver.strategy)
+
+
+def _minimise(newton: Newton) -> None:
+    """The least energy, under pressures that are given or without friction: there is one.
+
+    Full steps are the shortest way with friction, but can go round in circles between points that
+    share nodes, as on tetrahedra of degree 2; a search along the steps does not.
+    """
+    start = newton.save()
+    try:
+        newton.run()
+    except NotConvergedError as error:
+        if not newton.problem.frictional:
+            raise
+        logger.info("%s; next: searching along the steps", error)
+        newton.restore(start)
+        for contact in newton.problem.frictional:
+            assert contact.friction is not None
+            contact.friction.stick_all()
+        newton.run(search_energy=True)
 
 
 class _StalledError(Exception):

@@ -266,6 +266,12 @@ class Trace:
         facets = np.arange(len(self.surface.facet_nodes), dtype=np.int32)
         return largest(self.spaces.comm, mesh.h(mesh.topology.dim, facets)) / self.extent()
 
+    def relative_cell_size(self) -> float:
+        """Largest of the cells behind the facets over the extent of the surface; collective."""
+        mesh = self.spaces.body.mesh
+        cells = np.unique(self.surface.parents[:, 0]).astype(np.int32)
+        return largest(self.spaces.comm, mesh.h(mesh.topology.dim, cells)) / self.extent()
+
     def smallest_edge(self) -> float:
         """Shortest edge of the cells at the surface (length): flat ones are stiff."""
         mesh = self.spaces.body.mesh

@@ -38,7 +38,7 @@ _SHARES = (
     *["floor"] * 3,
     *["pair"] * 4,
     "glued",
-    "impossible",
+    *["impossible"] * 2,
 )
 
 

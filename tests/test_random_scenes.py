@@ -83,23 +83,29 @@ def test_a_scene_that_is_printed_can_be_read_again():
         assert eval(repr(random), {**names, "RandomScene": RandomScene}) == random
 
 
-@pytest.mark.parametrize("number", [3, 8, 11, 12, 17, 22])
-def test_the_full_solver_finds_the_same(number, outcomes):
+def test_the_full_solver_finds_the_same(outcomes):
     """All displacements as unknowns: another system, another factorisation, another path."""
-    random = draw_here(number)
-    ours = outcomes.get(number) or outcome_of(random)
-    assert ours.code == ANSWERED, ours.words
-    settings = SolverSettings(
-        solver="full" if ours.result.model["solver"] != "full" else "condensed"
-    )
-    scene = dataclasses.replace(random.scene, solver=settings)
+    compared = 0
+    for number in range(NUMBER):
+        random = draw_here(number)
+        ours = outcomes.get(number) or outcome_of(random)
+        if compared < 6 and ours.mixed and ours.code == ANSWERED:
+            require_same(random, ours.result)
+            compared += 1
+    assert compared == 6
+
+
+def require_same(random, ours):
+    """As another solver of the program finds it."""
+    other = "condensed" if ours.model["solver"] == "full" else "full"
+    scene = dataclasses.replace(random.scene, solver=SolverSettings(solver=other))
     theirs = run(scene, COMM, random.body())
-    assert theirs.passed
+    assert theirs.passed, f"{theirs.verdict}\n{random!r}"
+    force = theirs.quantities["normal_force"]
     for key in ("normal_force", "friction_force", "max_contact_pressure", "strain_energy"):
-        found, expected = (np.array(r.quantities[key]) for r in (ours.result, theirs))
-        size = max(np.abs(expected).max(), np.abs(theirs.quantities["normal_force"]), 1e-300)
-        size = np.abs(expected).max() if key == "strain_energy" else size
-        assert np.abs(found - expected).max() <= 1e-6 * size, key
+        found, expected = (np.array(result.quantities[key]) for result in (ours, theirs))
+        size = max(np.abs(expected).max(), force if key == "friction_force" else 0.0)
+        assert np.abs(found - expected).max() <= 1e-6 * size, f"{key}\n{random!r}"
 
 
 @pytest.mark.parametrize("number", range(5))
