@@ -18,8 +18,11 @@ from tests.scenes import ROOT
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of texts; one rank will do")
 
 PAGE = (ROOT / "docs" / "troubleshooting.md").read_text(encoding="utf-8")
-SOURCES = sorted((ROOT / "fenics_contact").rglob("*.py"))
-TREES = {path.name: ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
+PACKAGE = ROOT / "fenics_contact"
+TREES = {
+    path.relative_to(PACKAGE).as_posix(): ast.parse(path.read_text(encoding="utf-8"))
+    for path in sorted(PACKAGE.rglob("*.py"))
+}
 # Errors of which every message has its line; those of input say themselves what is accepted.
 EXPLAINED = ("NoEquilibriumError", "NotConvergedError", "MachineError", "_StalledError")
 HOLE = "…"
