@@ -37,6 +37,8 @@ ENERGY_SEARCH = {
     "snes_linesearch_max_it": 3,
     "snes_linesearch_atol": 1e-300,
 }
+# Where that does not come near enough to the point, as with very flat cells.
+THOROUGH_SEARCH = ENERGY_SEARCH | {"snes_linesearch_max_it": 40}
 
 # Share of the applied forces above which a round-off floor is not believed: the
 # floor grows with |u|, and a body that runs away must not pass for an answer.
@@ -56,6 +58,9 @@ _PATIENCE = 3
 
 # Newton steps from which is noted what contact points do, for who reads that it failed.
 _LONG = 12
+
+# Newton steps by which an imbalance is judged to fall or not.
+_LATEST = 20
 
 _NOT_A_NUMBER = -4  # the reason's name differs between PETSc's versions
 _NO_STEP_FOUND = -6
@@ -99,6 +104,7 @@ class Newton:
         self._tiny = 0.0
         self._before = 0
         self._searches = False
+        self._search = ENERGY_SEARCH
         self._own_options: list[str] = []
 
     def run(self, search_energy: bool | None = None, tolerance: float | None = None) -> None:
@@ -114,12 +120,19 @@ class Newton:
         """
         self._tolerance = tolerance or self.problem.scene.solver.tolerance
         self._searches = self._one_sided if search_energy is None else search_energy
+        self._search = ENERGY_SEARCH
+        start = self.save()
         try:
             self._solve()
         except NotConvergedError:
-            if not self._searches or not self._is_nearly_balanced:
+            if not self._searches:
                 raise
-            self._searches = False  # so near, a search only follows round-off
+            if self._is_nearly_balanced:
+                self._searches = False  # so near, a search only follows round-off
+            else:
+                self._search = THOROUGH_SEARCH
+                self.restore(start)
+                self._stick_all()
             self._solve()
         self._refuse_runaway()
         self._refuse_drowned()
@@ -180,8 +193,10 @@ class Newton:
 
         Round-off is accepted as such by the size of the springs, not of the forces.
         """
+        pushing = [contact for contact in self.problem.contacts if contact.is_one_sided]
+        touches = any([largest(self.comm, contact.pressure()) > 0 for contact in pushing])
         left, forces = self.history[-1], self.system.forces
-        if self._one_sided and left > _DROWNED * forces > 0:
+        if touches and left > _DROWNED * forces > 0:
             raise NotConvergedError(
                 f"round-off drowns the contact: {left:.2e} of forces of {forces:.3g} are out of "
                 "balance for good; a larger penalty_parameter, or less contrast of stiffnesses, "
@@ -220,7 +235,7 @@ class Newton:
         snes.setFunction(self._set_residual, system.residual)
         snes.setJacobian(self._set_tangent, system.tangent)
         options = PETSc.Options()
-        search = ENERGY_SEARCH if self._searches else FULL_STEPS
+        search = self._search if self._searches else FULL_STEPS
         for name, value in (system.options | search).items():
             if not options.hasName(OPTIONS_PREFIX + name):
                 options.setValue(OPTIONS_PREFIX + name, value)
@@ -347,6 +362,12 @@ class Newton:
         """Whether a mean stress is yet to be found, be there no free displacement at all."""
         return iteration == 0 and self.problem.elastic.mixed is not None
 
+    @property
+    def _is_falling(self) -> bool:
+        """Whether the last steps have brought the imbalance down."""
+        recent = self.history[self._before :][-_LATEST:]
+        return len(recent) == _LATEST and recent[-1] < 0.8 * min(recent[: _LATEST // 2])
+
     def _failure(self, reason: int) -> str:
         words = _REASONS.get(reason, f"PETSc's reason {reason}")
         known = len(self.history) > self._before
@@ -360,7 +381,9 @@ class Newton:
                 "Only friction holds a body back here: the loads may be more than it can hold, "
                 "and then there is no answer"
             )
-        if known and self.history[-1] <= 1e3 * _LARGEST_FLOOR * forces:
+        if known and self._is_falling:
+            advice = "It was still falling: try a larger solver.max_iterations"
+        elif known and self.history[-1] <= 1e3 * _LARGEST_FLOOR * forces:
             advice = (
                 "So small a rest may be round-off: is a penalty_parameter too small, or the "
                 "contrast of stiffnesses extreme?"

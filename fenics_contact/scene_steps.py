@@ -140,7 +140,7 @@ class SolverSettings:
     ] = 1e-10
     max_iterations: Annotated[
         Integer, Field(ge=1, le=1_000_000, description="Newton steps at the most")
-    ] = 50
+    ] = 100
     stabilisation: Annotated[
         bool,
         Strict(),

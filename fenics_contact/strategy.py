@@ -37,14 +37,17 @@ _GLUE = 1e4
 # Of the pressures from which ε follows. Its bias is below .1 %, so an error of it in ε counts
 # a thousandth.
 _SCALE_TOLERANCE = 1e-6
-# Shares of the coefficient on the way to all of it.
-_CONTINUATION = (0.25, 0.5, 0.75, 1.0)
+# Shares of the coefficient on the way to all of it: from below or, where only friction holds a
+# body, from above, as less of it holds nothing.
+_RISING = (0.25, 0.5, 0.75, 1.0)
+_FALLING = (4.0, 2.0, 1.4, 1.2, 1.1, 1.05, 1.02, 1.01, 1.005, 1.002, 1.001, 1.0)
 
 _WORDS = {
     "campos": "the paper's alternation of friction and contact, accelerated",
     "lagged": "contact and friction with the bound of the last pass, accelerated",
     "monolithic": "Newton's method on contact and friction together",
-    "continuation": "Newton's method on contact and friction, the coefficient raised in steps",
+    "continuation": "Newton's method on contact and friction, the coefficient brought up or down in "
+    "steps",
 }
 
 
@@ -292,11 +295,12 @@ class _CoulombLoop:
         self.newton.run(search_energy=False)
 
     def _continuation(self) -> None:
-        for share in _CONTINUATION:
+        shares = _FALLING if RigidMotions(self.problem).slides_on_coulomb else _RISING
+        for share in shares:
             for contact in self.contacts:
                 assert contact.friction is not None
                 contact.friction.set_share(share)
-            if share == _CONTINUATION[0]:
+            if share == shares[0]:
                 self._monolithic()
             else:
                 self.newton.run(search_energy=False)

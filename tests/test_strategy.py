@@ -76,7 +76,7 @@ CAMPOS, LAGGED, NEWTON, RAISED = (
     "the paper's alternation of friction and contact",
     "contact and friction with the bound of the last pass",
     "Newton's method on contact and friction together",
-    "the coefficient raised in steps",
+    "the coefficient brought up or down in steps",
 )
 WORDS = {"campos": CAMPOS, "lagged": LAGGED, "monolithic": NEWTON}
 

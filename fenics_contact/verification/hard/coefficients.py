@@ -80,7 +80,7 @@ CASES: tuple[HardCase, ...] = (
         EXACT,
         partial(_driven, 2.0, 1000.0, 0.0005),
         expected=("solved", "not converged"),
-        reason="coefficient raised in steps",
+        reason="coefficient brought up or down in steps",
     ),
     *(
         HardCase(

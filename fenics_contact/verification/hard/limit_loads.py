@@ -177,6 +177,6 @@ CASES: tuple[HardCase, ...] = (
             _HELD if side < 5 else ("refused", "not converged"),
             "[Oo]nly friction|friction can hold|runs away",
         )
-        for side in (4.9, 4.99, 4.999, 5.001)
+        for side in (4.9, 4.99, 4.995, 4.999, 4.9999, 5.001)
     ),
 )
