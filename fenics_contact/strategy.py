@@ -46,8 +46,8 @@ _WORDS = {
     "campos": "the paper's alternation of friction and contact, accelerated",
     "lagged": "contact and friction with the bound of the last pass, accelerated",
     "monolithic": "Newton's method on contact and friction together",
-    "continuation": "Newton's method on contact and friction, the coefficient brought up or down in "
-    "steps",
+    "continuation": "Newton's method on contact and friction, the coefficient brought up or down "
+    "in steps",
 }
 
 
