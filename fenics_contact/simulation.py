@@ -253,6 +253,7 @@ class Run:
                 + verdict.facets_too_straight(problem, solution)
                 + verdict.slid_far(self.steps)
                 + verdict.coarse_path(self.book.open_share)
+                + verdict.loop_expands(solution)
                 + self.others.words()
             ),
             model=self.model,
