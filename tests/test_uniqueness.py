@@ -22,6 +22,7 @@ from fenics_contact import (
     compat,
     run,
 )
+from fenics_contact.other_answers import OtherAnswers
 from tests.pair_bodies import Box, boxes
 from tests.scenes import box_body
 
@@ -203,3 +204,15 @@ def test_answers_of_the_last_load_step_are_those_after_the_steps_before():
     assert len(looked.branches) == 1
     assert looked.quantities == plain.quantities
     assert (looked.points.status == plain.points.status).all()
+
+
+def test_an_answer_that_fails_a_check_is_none():
+    branches = [{"start": start, "passed": start != "apart"} for start in ("as solved", "apart")]
+    assert OtherAnswers(branches=branches).words() == ""
+    limits = {"pad": (1.0, 2.0)}
+    assert "none was found from other starts" in OtherAnswers(limits, branches).words()
+    branches.append({"start": "all sticks", "passed": True})
+    assert (
+        "2 were found, the others from the starts 'all sticks';"
+        in OtherAnswers(limits, branches).words()
+    )
