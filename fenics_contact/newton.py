@@ -14,6 +14,7 @@ from fenics_contact import mumps
 from fenics_contact.chatter import Chatter
 from fenics_contact.errors import MachineError, NotConvergedError, StoppedError
 from fenics_contact.faults import original
+from fenics_contact.line_search import share_of_step
 from fenics_contact.newton_failure import (
     NO_SOLVE,
     NO_STEP_FOUND,
@@ -38,15 +39,16 @@ OPTIONS_PREFIX = "fenics_contact_"
 # Full steps are best from the adhesive start with the primal-dual tangent, where searches only
 # cost steps or stall in round-off. One-sided contact needs a search on the energy: for a point
 # along the step where its derivative vanishes, which takes no difference of nearly equal energies.
-FULL_STEPS = {"snes_linesearch_type": "basic"}
+FULL_STEPS: dict[str, Any] = {"snes_linesearch_type": "basic"}
 # Its absolute tolerance would be in the user's units, and end a solve behind our back.
-ENERGY_SEARCH = {
+ENERGY_SEARCH: dict[str, Any] = {
     "snes_linesearch_type": "cp",
     "snes_linesearch_max_it": 3,
     "snes_linesearch_atol": 1e-300,
 }
-# Where that does not come near enough to the point, as with very flat cells.
-THOROUGH_SEARCH = ENERGY_SEARCH | {"snes_linesearch_max_it": 40}
+# Where that does not come near enough to the point, as with very flat cells, or with a slender
+# body that would bend far through an obstacle: steps are cut before they are taken.
+THOROUGH_SEARCH = FULL_STEPS
 
 # Share of the applied forces above which a round-off floor is not believed: the
 # floor grows with |u|, and a body that runs away must not pass for an answer.
@@ -93,7 +95,7 @@ class Newton:
         self._tiny = 0.0
         self._before = 0
         self._searches = False
-        self._search = ENERGY_SEARCH
+        self._search: dict[str, Any] = ENERGY_SEARCH
         self._own_options: list[str] = []
 
     def run(self, search_energy: bool | None = None, tolerance: float | None = None) -> None:
@@ -212,8 +214,24 @@ class Newton:
         snes.setTolerances(rtol=self._tolerance, atol=0.0, stol=0.0, max_it=most)
         system.prepare(snes)
         snes.setFromOptions()
+        if self._searches and self._search is THOROUGH_SEARCH:
+            snes.setLineSearchPreCheck(self._cut)
         snes.setConvergenceTest(self._converged)
         return snes
+
+    def _cut(self, state: Any, step: Any) -> bool:
+        """Cut a Newton step (it is taken off the state) to where energy falls; collective."""
+        tried, residual = state.duplicate(), self.system.residual.duplicate()
+
+        def slope_at(share: float) -> float:
+            tried.waxpy(-share, step, state)
+            self._set_residual(None, tried, residual)
+            return -float(residual.dot(step))
+
+        step.scale(share_of_step(slope_at))
+        tried.destroy()
+        residual.destroy()
+        return True
 
     def _set_residual(self, snes: Any, state: Any, residual: Any) -> None:
         with self.timings.phase("assemble"):

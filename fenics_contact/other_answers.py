@@ -39,13 +39,13 @@ class OtherAnswers:
         return {"uniqueness_limit": self.limits[contact][0]} if contact in self.limits else {}
 
     def words(self) -> str:
-        """Sentences for the verdict, or nothing."""
-        count = len(self.branches)
-        if count > 1:
-            starts = " and ".join(f"'{branch['start']}'" for branch in self.branches[1:])
+        """Sentences for the verdict, or nothing; an answer that fails a check counts for none."""
+        others = [branch["start"] for branch in self.branches[1:] if branch["passed"]]
+        if others:
+            starts = " and ".join(f"'{start}'" for start in others)
             return (
-                f" It is not the only answer: {count} were found, the others from the starts "
-                f"{starts}; see branches in result.json."
+                f" It is not the only answer: {1 + len(others)} were found, the others from the "
+                f"starts {starts}; see branches in result.json."
             )
         beyond = [
             f"at '{name}' ({has:.3g} > {limit:.3g})"
@@ -54,7 +54,9 @@ class OtherAnswers:
         ]
         if not beyond:
             return ""
-        looked = "none was found from other starts" if count else "solver.branches looks for them"
+        looked = "solver.branches looks for them"
+        if self.branches:
+            looked = "none was found from other starts"
         if self.without_answer:
             looked += f", {self.without_answer} of which did not converge"
         return (

@@ -10,9 +10,10 @@ from typing import Any
 from fenics_contact.check_words import compares
 from fenics_contact.errors import InputError
 from fenics_contact.pictures import draw_pictures
-from fenics_contact.result import reactions_by_group
+from fenics_contact.result import branch_rows, motion_words, reactions_by_group
 from fenics_contact.writing import replace_file
 
+_OF_A_CONTACT = ("slave", "master", "slave_reason", "uniqueness_limit")
 _PAGE = """<!DOCTYPE html>
 <html lang="en">
 <meta charset="utf-8">
@@ -28,6 +29,7 @@ img {{ max-width: 100%; }}
 <p class="{verdict_class}">{verdict}</p>
 <h2>Checks</h2>
 {checks}
+{branches}
 <h2>Quantities</h2>
 {quantities}
 <h2>Reactions of supports</h2>
@@ -95,13 +97,29 @@ def _page(result: dict[str, Any], pictures: list[Path]) -> str:
         verdict=escape(result["verdict"]),
         verdict_class="passed" if passed else "failed",
         checks=_table(checks),
+        branches=_branches(result),
         quantities=_table(_rows(result["quantities"])),
         supports=_table(_reactions(result["supports"])),
         contacts="\n".join(_contact(contact) for contact in result["contacts"]),
         pictures="\n".join(f'<p><img src="{p.name}" alt="{_words(p.stem)}"></p>' for p in pictures),
-        model=_table(_rows(result["model"])),
+        model=_table(_rows(_model(result["model"]))),
         timings=_table(_rows(result["timings"])),
     )
+
+
+def _branches(result: dict[str, Any]) -> str:
+    """All answers that were found, where there are several."""
+    rows = branch_rows(result.get("branches", []))
+    if not rows:
+        return ""
+    cells = [[_written(cell) for cell in row] for row in rows]
+    return f"<h2>Answers from other starts</h2>\n{_table(cells)}"
+
+
+def _model(model: dict[str, Any]) -> dict[str, Any]:
+    """The model, with its free rigid motions in words."""
+    motions = [motion_words(motion) for motion in model.get("rigid_motions", [])]
+    return model | {"rigid_motions": "; ".join(motions) or "none"}
 
 
 def _reactions(supports: list[dict[str, Any]]) -> list[list[str]]:
@@ -111,7 +129,7 @@ def _reactions(supports: list[dict[str, Any]]) -> list[list[str]]:
 def _contact(contact: dict[str, Any]) -> str:
     """A contact's own parameters and numbers."""
     kind = {"contact": contact["contact"], "friction law": contact["law"]}
-    kind |= {key: contact[key] for key in ("slave", "master", "slave_reason") if key in contact}
+    kind |= {key: contact[key] for key in _OF_A_CONTACT if key in contact}
     rows = _rows({**kind, **contact["parameters"], **contact["quantities"]})
     return f"<h3>{escape(contact['name'])}</h3>\n{_table(rows)}"
 

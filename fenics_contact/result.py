@@ -155,3 +155,29 @@ class Result:
             "timings": dict(self.timings),
             "versions": dict(self.versions),
         }
+
+
+# What answers of one scene are told apart by.
+_OF_BRANCHES = ("normal_force", "friction_force", "stick_area", "slip_area")
+
+
+def branch_rows(branches: list[dict[str, Any]]) -> list[list[Any]]:
+    """A table of all answers that were found, its head first; empty where there is but one.
+
+    Args:
+        branches: Those of ``result.json``.
+    """
+    if len(branches) < 2:
+        return []
+    rows: list[list[Any]] = [
+        ["answer from the start", *(key.replace("_", " ") for key in _OF_BRANCHES), "checks"]
+    ]
+    for branch in branches:
+        numbers = [branch["quantities"][key] for key in _OF_BRANCHES]
+        rows.append([branch["start"], *numbers, "ok" if branch["passed"] else "FAILED"])
+    return rows
+
+
+def motion_words(motion: dict[str, Any]) -> str:
+    """A rigid motion of ``model.rigid_motions``, and what may resist it."""
+    return f"{motion['motion']}: resisted by {', '.join(motion['resisted_by']) or 'nothing'}"

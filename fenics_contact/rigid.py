@@ -59,15 +59,17 @@ class RigidMotions:
 
     @property
     def slides_on_coulomb(self) -> bool:
-        """Whether something slides that only friction of unknown bound resists; collective."""
+        """Whether friction of unknown bound resists a motion that no obstacle does; collective.
+
+        Friction of a known bound may resist it, too: whether that is enough depends on the loads.
+        """
         if self.count == 0:
             return False
         weights, normal, _ = self.closings()
-        others = np.einsum("q,qi,qj->ij", weights, normal, normal)
-        w, slip = self.slips()
-        held = total(self._problem.comm, np.einsum("q,qci,qcj->ij", w, slip, slip))
-        scale = (np.trace(others) or 1.0) / (np.trace(held) or 1.0)
-        return null_space(others + scale * held).shape[1] > 0
+        loose = null_space(np.einsum("q,qi,qj->ij", weights, normal, normal))
+        w, slip = self.slips(coulomb=True)
+        rough = total(self._problem.comm, np.einsum("q,qci,qcj->ij", w, slip, slip))
+        return bool(np.trace(loose.T @ rough @ loose) > _ROUND_OFF * np.trace(rough))
 
     def _free_combinations(self) -> Array:
         """Combinations (modes and obstacles, free) with no jump on supports and glue."""

@@ -12,7 +12,13 @@ from rich.markup import escape
 from rich.table import Table
 
 from fenics_contact.check_words import compares
-from fenics_contact.result import Check, Result, reactions_by_group
+from fenics_contact.result import (
+    Check,
+    Result,
+    branch_rows,
+    motion_words,
+    reactions_by_group,
+)
 from fenics_contact.scene import Scene
 
 # Quantities in the order shown; some say something only with friction, or where contact is found.
@@ -32,8 +38,6 @@ _SHOWN = (
 )
 _OF_FRICTION = {"friction_force", "stick_area", "slip_area", "max_slip", "friction_work"}
 _OF_CONTACT_FOUND = {"indentation", "max_penetration"}
-# What answers of one scene are told apart by.
-_OF_BRANCHES = ("normal_force", "friction_force", "stick_area", "slip_area")
 # Parameters of a contact, in the order of its line; those that do not apply are zero or missing.
 _PARAMETERS = (
     "pressure",
@@ -67,8 +71,8 @@ def _print_motions(console: Console, motions: list[dict[str, Any]]) -> None:
     if motions:
         console.print("Rigid motions that the supports leave free, before contact:")
     for motion in motions:
-        by = ", ".join(motion["resisted_by"]) or "nothing"
-        console.print(f"  {motion['motion']}: resisted by {by}", markup=False)
+        words = f"  {motion_words(motion)}"
+        console.print(words, markup=False, highlight=False, soft_wrap=True)
 
 
 def print_result(result: Result, folder: Path) -> None:
@@ -112,13 +116,12 @@ def _print_checks(console: Console, checks: Mapping[str, Check]) -> None:
 
 def _print_branches(console: Console, result: Result) -> None:
     """All answers that were found, where there are several."""
-    if len(result.branches) < 2:
-        return
-    table = _table("answer from the start", *(key.replace("_", " ") for key in _OF_BRANCHES))
-    for branch in result.branches:
-        numbers = (_written(branch["quantities"][key]) for key in _OF_BRANCHES)
-        table.add_row(branch["start"], *numbers)
-    console.print(table)
+    rows = branch_rows(result.branches)
+    if rows:
+        table = _table(*rows[0])
+        for row in rows[1:]:
+            table.add_row(*(_written(cell) for cell in row))
+        console.print(table)
 
 
 def _add_reactions(quantities: Table, result: Result) -> None:

@@ -185,3 +185,24 @@ def test_rough_obstacle_drags_the_body_along():
     assert (result.points.status == "STICK").mean() > 0.8
     assert result.quantities["friction_force"][0] > 0
     assert result.quantities["max_slip"] < 1e-3
+
+
+@pytest.mark.parametrize("strategy", ["auto", "lagged", "monolithic"])
+def test_block_between_a_brake_and_a_floor(strategy):
+    """The brake alone, .5 × 3, is less than the push of 1.9; the floor can add .2 × 3."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        load=(Load("x1", traction=(1.9, 0)),),
+        contact=(
+            Contact("y1", pressure=3, friction_coefficient=0.5),
+            Contact("y0", friction_coefficient=0.2),
+        ),
+        solver=SolverSettings(strategy=strategy),
+    )
+    result = run(scene, COMM, box_body((8, 8), (1, 1)))
+    assert result.passed
+    assert result.model["used_share_of_limit_load"] == pytest.approx(1.9 / 2.1, rel=1e-4)
+    brake, floor = (contact["quantities"]["friction_force"][0] for contact in result.contacts)
+    assert brake + floor == pytest.approx(-1.9, rel=1e-6)
+    assert abs(brake) <= 1.5 * (1 + 1e-6) and abs(floor) <= 0.6 * (1 + 1e-6)

@@ -5,6 +5,7 @@ What each solution is made wrong by is told by ``BROKEN``, which a test holds co
 
 import dataclasses
 from functools import cache
+from html import unescape
 
 import numpy as np
 import pytest
@@ -470,6 +471,28 @@ def test_page_and_terminal_say_what_is_compared(capsys, tmp_path):
     said = " ".join(capsys.readouterr().out.split())
     assert all(compares(name) in said for name in broken)
     assert "of lid 1.00e+00 1.00e-09 FAILED" in said
+
+
+def test_page_and_terminal_show_all_answers_and_the_free_motions(capsys, tmp_path):
+    result = solved(stacked).solve()
+    quantities = {"friction_force": [1.5, 0.0], "stick_area": 0.25, "slip_area": 0.0}
+    branches = [
+        {"start": start, "passed": passed, "quantities": {"normal_force": force, **quantities}}
+        for start, passed, force in (("as solved", True, 7.125), ("all sticks", False, 8.375))
+    ]
+    motion = {"motion": "translation along x of 'lid'", "bodies": ["lid"], "resisted_by": []}
+    shown = dataclasses.replace(
+        result, branches=branches, model={**result.model, "rigid_motions": [motion]}
+    )
+    page = unescape(_page(shown.as_dict(), []))
+    row = "<td>all sticks</td><td>8.375</td><td>1.5, 0</td><td>0.25</td><td>0</td><td>FAILED</td>"
+    assert "Answers from other starts" in page and row in page
+    assert "translation along x of 'lid': resisted by nothing" in page
+    print_result(shown, tmp_path)
+    said = " ".join(capsys.readouterr().out.split())
+    assert "as solved 7.125 1.5, 0 0.25 0 ok" in said
+    alone = dataclasses.replace(result, branches=branches[:1])
+    assert "Answers from other starts" not in _page(alone.as_dict(), [])
 
 
 def test_of_a_body_unloaded_to_nothing_limits_stay_small():

@@ -22,6 +22,7 @@ from fenics_contact import (
     compat,
     run,
 )
+from fenics_contact.other_answers import OtherAnswers
 from tests.pair_bodies import Box, boxes
 from tests.scenes import box_body
 
@@ -220,3 +221,15 @@ def test_a_cylinder_along_a_plane_of_symmetry_has_its_limit_whatever_its_axis():
         result = run(scene, COMM, box_body(cells, (1, 1, 1)))
         limits.append(result.contacts[0]["uniqueness_limit"])
     assert limits[0] == pytest.approx(limits[1], rel=1e-6)
+
+
+def test_an_answer_that_fails_a_check_is_none():
+    branches = [{"start": start, "passed": start != "apart"} for start in ("as solved", "apart")]
+    assert OtherAnswers(branches=branches).words() == ""
+    limits = {"pad": (1.0, 2.0)}
+    assert "none was found from other starts" in OtherAnswers(limits, branches).words()
+    branches.append({"start": "all sticks", "passed": True})
+    assert (
+        "2 were found, the others from the starts 'all sticks';"
+        in OtherAnswers(limits, branches).words()
+    )
