@@ -196,7 +196,7 @@ class _CoulombLoop:
         return max(largest(self.problem.comm, pressure) for pressure in pressures)
 
     def _first_pressures(self, tolerance: float | None = None) -> list[Array]:
-        """The paper's Step 1, without friction; with glue along it where only friction holds.
+        """The paper's Step 1, without friction; with glue along it where friction has to hold.
 
         Sets ε where it follows from the pressure.
 
