@@ -196,21 +196,25 @@ class _CoulombLoop:
         return max(largest(self.problem.comm, pressure) for pressure in pressures)
 
     def _first_pressures(self, tolerance: float | None = None) -> list[Array]:
-        """The paper's Step 1, without friction; with glue along it where only friction holds.
+        """The paper's Step 1, without friction; with glue along it where friction has to hold.
 
         Sets ε where it follows from the pressure.
 
         Args:
             tolerance: Of the solve, by default the scene's.
         """
-        self._is_glued = RigidMotions(self.problem).slides_on_coulomb
-        for contact in self.contacts:
-            assert contact.friction is not None
-            contact.friction.mode = "off"
-            if self._is_glued:
-                stiffness = _GLUE * contact.moduli.combined / contact.facet_size
-                contact.friction.glue(stiffness, self._to_glue(contact))
-        self.newton.run(tolerance=tolerance)
+        rigid = RigidMotions(self.problem)
+        self._is_glued = rigid.slides_on_coulomb
+        before = self.newton.save()
+        try:
+            self._solve_without_friction(tolerance)
+        except NotConvergedError as error:
+            if self._is_glued or rigid.count == 0:
+                raise
+            logger.info("%s; next: with glue, as friction may hold what contact does not", error)
+            self.newton.restore(before)
+            self._is_glued = True
+            self._solve_without_friction(tolerance)
         self._scale()
         for contact in self.contacts:
             assert contact.friction is not None
@@ -218,6 +222,15 @@ class _CoulombLoop:
         self._sticks = [np.ones(len(c.trace.weights), dtype=bool) for c in self.contacts]
         self._directions = [np.zeros_like(c.trace.normals) for c in self.contacts]
         return [contact.pressure() for contact in self.contacts]
+
+    def _solve_without_friction(self, tolerance: float | None) -> None:
+        for contact in self.contacts:
+            assert contact.friction is not None
+            contact.friction.mode = "off"
+            if self._is_glued:
+                stiffness = _GLUE * contact.moduli.combined / contact.facet_size
+                contact.friction.glue(stiffness, self._to_glue(contact))
+        self.newton.run(tolerance=tolerance)
 
     def _to_glue(self, contact: ContactSurface) -> NDArray[np.bool_]:
         """Points that touch as a solve begins; all, where a support is yet to press any on."""

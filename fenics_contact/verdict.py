@@ -89,7 +89,7 @@ def loop_expands(solution: Solution) -> str:
     factor = f"{solution.contraction:.2g}"
     return (
         f" A pass of the loop on the pressure multiplies differences by {factor}, so that it does "
-        "not settle by itself: friction and pressure depend on each other strongly."
+        "not settle by itself; the answer was found otherwise."
     )
 
 

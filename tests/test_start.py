@@ -238,3 +238,24 @@ def test_a_support_presses_on_a_block_that_only_friction_holds(number):
     assert result.passed, result.verdict
     assert result.quantities["normal_force"] == pytest.approx(20, rel=1e-3)
     assert result.quantities["friction_force"] == pytest.approx([-4, 0], abs=1e-8)
+
+
+@pytest.mark.parametrize(("push", "wall"), [(-9, 3), (-3, 0), (4, 0)])
+def test_friction_holds_what_a_wall_does_not(push, wall):
+    """The floor carries 20, so 6 along it; a wall farther off than it gives way takes the rest."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.0),
+        support=(Support("y1", {"y": -0.01}),),
+        load=(Load("x1", traction=(push, 0)),),
+        contact=(
+            Contact("y0", friction_coefficient=0.3),
+            Contact("x0", obstacle=Obstacle(gap=0.05)),
+        ),
+    )
+    result = Run(scene, COMM, box_body((8, 4), (2, 1))).solve()
+    assert result.passed, result.verdict
+    floor, beside = (contact["quantities"] for contact in result.contacts)
+    assert floor["normal_force"] == pytest.approx(20, rel=1e-3)
+    assert floor["friction_force"] == pytest.approx([-push - wall, 0], rel=1e-3, abs=1e-8)
+    assert beside["normal_force"] == pytest.approx(wall, rel=1e-2, abs=1e-8)
