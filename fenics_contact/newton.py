@@ -15,7 +15,15 @@ from fenics_contact.chatter import Chatter
 from fenics_contact.errors import MachineError, NotConvergedError, StoppedError
 from fenics_contact.faults import original
 from fenics_contact.line_search import share_of_step
-from fenics_contact.parallel import largest, smallest
+from fenics_contact.newton_failure import (
+    NO_SOLVE,
+    NO_STEP_FOUND,
+    NOT_A_NUMBER,
+    drowned,
+    not_converged,
+    runaway,
+)
+from fenics_contact.parallel import largest
 from fenics_contact.problem import Problem
 from fenics_contact.rigid import RigidMotions
 from fenics_contact.solution import Solution
@@ -40,16 +48,11 @@ ENERGY_SEARCH: dict[str, Any] = {
 }
 # Where that does not come near enough to the point, as with very flat cells, or with a slender
 # body that would bend far through an obstacle: steps are cut before they are taken.
-THOROUGH_SEARCH = FULL_STEPS
+THOROUGH_SEARCH = dict(FULL_STEPS)
 
 # Share of the applied forces above which a round-off floor is not believed: the
 # floor grows with |u|, and a body that runs away must not pass for an answer.
 _LARGEST_FLOOR = 1e-6
-
-_RUNAWAY = 1e3  # of the body's size
-
-# Of the forces: an imbalance that is round-off, and yet makes an answer worthless.
-_DROWNED = 2e-3
 
 # Slip over the size of a contact from which two bodies are paired anew: it moves the pressure by
 # about as much.
@@ -60,20 +63,6 @@ _PATIENCE = 3
 
 # Newton steps from which is noted what contact points do, for who reads that it failed.
 _LONG = 12
-
-# Newton steps by which an imbalance is judged to fall or not.
-_LATEST = 20
-
-_NOT_A_NUMBER = -4  # the reason's name differs between PETSc's versions
-_NO_STEP_FOUND = -6
-_NO_SOLVE = -3
-_REASONS = {
-    _NO_SOLVE: "the linear system could not be solved (a singular matrix: is the body held?)",
-    _NOT_A_NUMBER: "the forces became infinite or not a number",
-    -5: "the Newton steps allowed were used up",
-    _NO_STEP_FOUND: "the line search found no step",
-    -9: "the force imbalance grows",
-}
 
 
 class Newton:
@@ -136,8 +125,11 @@ class Newton:
                 self.restore(start)
                 self._stick_all()
             self._solve()
-        self._refuse_runaway()
-        self._refuse_drowned()
+        if self._one_sided:
+            left, forces = self.history[-1], self.system.forces
+            words = runaway(self.problem, self.system) or drowned(self.problem, left, forces)
+            if words is not None:
+                raise NotConvergedError(words, tuple(self.history))
 
     @property
     def _is_nearly_balanced(self) -> bool:
@@ -156,7 +148,7 @@ class Newton:
             try:
                 snes.solve(None, self.system.state)
                 reason = snes.getConvergedReason()
-                failure = mumps.failure_of(snes.getKSP().getPC()) if reason == _NO_SOLVE else None
+                failure = mumps.failure_of(snes.getKSP().getPC()) if reason == NO_SOLVE else None
                 self.system.take(self.system.state)
             except PETSc.Error as error:
                 raise original(error) from None
@@ -173,38 +165,13 @@ class Newton:
         self.steps += self._steps_of_this_run
         accepted = len(self.history) > self._before and self.history[-1] <= self.limit
         if reason < 0 or not accepted:
-            raise NotConvergedError(self._failure(reason), tuple(self.history))
+            own, forces = self.history[self._before :], self.system.forces
+            words = not_converged(self.problem, own, forces, reason, self._chatter)
+            raise NotConvergedError(words, tuple(self.history))
 
     @property
     def _steps_of_this_run(self) -> int:
         return max(len(self.history) - self._before - 1, 0)
-
-    def _refuse_runaway(self) -> None:
-        """No answer of linear elasticity is a thousand times the body away from its start."""
-        columns = self.problem.spaces.coordinates.T
-        size = max(largest(self.comm, x) - smallest(self.comm, x) for x in columns)
-        if self._one_sided and self.system.moved() > _RUNAWAY * size:
-            raise NotConvergedError(
-                "the body runs away: displacements are more than a thousand times its size; is it "
-                "held, and are loads and stiffness in the same units?",
-                tuple(self.history),
-            )
-
-    def _refuse_drowned(self) -> None:
-        """No answer is one of which round-off in the stiff springs leaves a part open.
-
-        Round-off is accepted as such by the size of the springs, not of the forces.
-        """
-        pushing = [contact for contact in self.problem.contacts if contact.is_one_sided]
-        touches = any([largest(self.comm, contact.pressure()) > 0 for contact in pushing])
-        left, forces = self.history[-1], self.system.forces
-        if touches and left > _DROWNED * forces > 0:
-            raise NotConvergedError(
-                f"round-off drowns the contact: {left:.2e} of forces of {forces:.3g} are out of "
-                "balance for good; a larger penalty_parameter, or less contrast of stiffnesses, "
-                "would leave less",
-                tuple(self.history),
-            )
 
     def require_going_on(self) -> None:
         """Stop where any rank was asked to; collective.
@@ -361,7 +328,7 @@ class Newton:
             self._tiny = _LARGEST_FLOOR * imbalance if self._one_sided else 0.0
         logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
         if not np.isfinite(imbalance) or self._ask_to_stop():
-            return _NOT_A_NUMBER
+            return NOT_A_NUMBER
         self.limit = self._tolerance * forces
         # A body that a motion of its supports takes along has no forces to compare with; that
         # it does not run away is then tested at the end.
@@ -373,43 +340,12 @@ class Newton:
             return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
         wanders = iteration >= _PATIENCE and imbalance >= self.history[-1 - _PATIENCE]
         if self._searches and wanders and self._is_nearly_balanced:
-            return _NO_STEP_FOUND
+            return NO_STEP_FOUND
         return PETSc.SNES.ConvergedReason.CONVERGED_ITERATING
 
     def _mean_stress_is_missing(self, iteration: int) -> bool:
         """Whether a mean stress is yet to be found, be there no free displacement at all."""
         return iteration == 0 and self.problem.elastic.mixed is not None
-
-    @property
-    def _is_falling(self) -> bool:
-        """Whether the last steps have brought the imbalance down."""
-        recent = self.history[self._before :][-_LATEST:]
-        return len(recent) == _LATEST and recent[-1] < 0.8 * min(recent[: _LATEST // 2])
-
-    def _failure(self, reason: int) -> str:
-        words = _REASONS.get(reason, f"PETSc's reason {reason}")
-        known = len(self.history) > self._before
-        left = f"{self.history[-1]:.2e}" if known else "unknown"
-        forces = self.system.forces
-        advice = "Try a larger solver.max_iterations, or a finer mesh at the contact"
-        if self.problem.frictional:
-            advice = "Try a larger solver.max_iterations, or a larger regularisation_parameter"
-        if RigidMotions(self.problem).slides_on_coulomb:
-            advice = (
-                "Only friction holds a body back here: the loads may be more than it can hold, "
-                "and then there is no answer"
-            )
-        if known and self._is_falling:
-            advice = "It was still falling: try a larger solver.max_iterations"
-        elif known and self.history[-1] <= 1e3 * _LARGEST_FLOOR * forces:
-            advice = (
-                "So small a rest may be round-off: is a penalty_parameter too small, or the "
-                "contrast of stiffnesses extreme?"
-            )
-        return (
-            f"not converged after {self._steps_of_this_run} Newton steps: {words}; the force "
-            f"imbalance is {left} of {forces:.3g}{self._chatter.words('Newton steps')}. {advice}"
-        )
 
     def solution(self, outer_iterations: int = 0, strategy: str = "") -> Solution:
         """What was found; collective."""

@@ -12,7 +12,6 @@ from mpi4py import MPI
 from fenics_contact import compat, verdict
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
-from fenics_contact.contact import ContactSurface
 from fenics_contact.energy_book import EnergyBook
 from fenics_contact.equilibrium import FreeMotion, require_equilibrium
 from fenics_contact.errors import InputError, NotConvergedError, StoppedError
@@ -20,6 +19,7 @@ from fenics_contact.faults import failing_together
 from fenics_contact.gmsh_files import load_body
 from fenics_contact.load_steps import History, solve
 from fenics_contact.mesh import Body
+from fenics_contact.model_words import parameters_of, sides_of, strategy_of
 from fenics_contact.other_answers import OtherAnswers, look_around
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
@@ -107,7 +107,7 @@ class Run:
             "solver": self.choice.name,
             "solver_reason": self.choice.reason,
             "solver_memory_mb": round(self.choice.memory / 1e6),
-            "strategy": _strategy(problem, self.solution),
+            "strategy": strategy_of(problem, self.solution),
             "scalar_unknowns": [unknown.name for unknown in problem.unknowns],
             "terms": [term.name for term in problem.terms],
             "free_rigid_motions": self.free_motion.modes,
@@ -226,8 +226,8 @@ class Run:
                 "name": contact.label,
                 "contact": contact.contact.kind,
                 "law": contact.law,
-                **_sides(contact),
-                "parameters": _parameters(contact),
+                **sides_of(contact),
+                "parameters": parameters_of(contact),
                 **self.others.limit(contact.label),
                 "quantities": found,
             }
@@ -253,6 +253,7 @@ class Run:
                 + verdict.facets_too_straight(problem, solution)
                 + verdict.slid_far(self.steps)
                 + verdict.coarse_path(self.book.open_share)
+                + verdict.loop_expands(solution)
                 + self.others.words()
             ),
             model=self.model,
@@ -322,43 +323,6 @@ class Run:
 def _ended(error: NotConvergedError) -> str:
     """What it says, as a sentence."""
     return str(error) + ("" if str(error).endswith(("?", ".")) else ".")
-
-
-def _strategy(problem: Problem, solution: Solution | None) -> str:
-    if problem.coulomb:
-        chosen = problem.scene.solver.strategy
-        return f"Coulomb friction: {solution.strategy if solution else chosen}"
-    if any(contact.is_one_sided for contact in problem.contacts):
-        return "frictionless contact: one Newton solve with a line search on the energy"
-    if problem.frictional:
-        return "prescribed pressure: one Newton solve, no outer loop"
-    return "linear: one Newton step"
-
-
-def _sides(contact: ContactSurface) -> dict[str, str]:
-    """Of two bodies, the surface that results are of, the one opposite, and why it is so."""
-    sides = contact.sides
-    if sides.opposite is None:
-        return {}
-    return {"slave": sides.slave, "master": sides.master, "slave_reason": sides.why}
-
-
-def _parameters(contact: ContactSurface) -> dict[str, Any]:
-    """A contact's parameters as used; what varies in space is said so."""
-    scene = contact.contact
-    given = {
-        "pressure": scene.pressure,
-        "foundation_stiffness": scene.foundation_stiffness,
-        "friction_coefficient": scene.friction_coefficient,
-    }
-    is_open = contact.is_coulomb and not contact.is_scaled  # it follows from pressures to come
-    used = {
-        "regularisation_parameter": None if is_open else contact.regularisation_parameter,
-        "penalty_parameter": contact.penalty_parameter or None,
-        "force": contact.force,
-        **{name: "varies" if callable(value) else value for name, value in given.items()},
-    }
-    return {name: value for name, value in used.items() if value is not None}
 
 
 def _log_step(number: int, step: dict[str, Any]) -> None:

@@ -82,6 +82,16 @@ def slid_far(steps: list[dict[str, Any]]) -> str:
     )
 
 
+def loop_expands(solution: Solution) -> str:
+    """A sentence on a loop on the pressure that does not settle by itself, or nothing."""
+    if solution.contraction is None or solution.contraction < 1:
+        return ""
+    return (
+        f" A pass of the loop on the pressure multiplies differences by {solution.contraction:.2g}, "
+        "so that it does not settle by itself: friction and pressure depend on each other strongly."
+    )
+
+
 def coarse_path(share: float) -> str:
     """A sentence on work that the load steps leave open, or nothing.
 

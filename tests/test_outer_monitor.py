@@ -107,6 +107,17 @@ def test_contraction_of_a_run_is_in_its_steps():
     assert weak["attempts"] == []
 
 
+def test_loop_that_does_not_contract_is_said():
+    """At μ = 4 a pass makes differences larger, though the run finds its answer."""
+    result = run(block(4.0, (0.04, -0.002)), COMM, box_body((16, 8), (2, 1)))
+    assert result.converged
+    contraction = result.steps[0]["outer_contraction"]
+    assert contraction > 1
+    assert f"multiplies differences by {contraction:.2g}" in result.verdict
+    calm = run(block(0.3), COMM, box_body((16, 8), (2, 1)))
+    assert "multiplies differences" not in calm.verdict
+
+
 def test_run_that_fails_says_which_points_chatter_and_what_was_tried():
     """(μ, dx, dy) = (2, .5, −.0005): solved by no strategy."""
     scene = block(2.0, (0.5, -0.0005))
