@@ -87,8 +87,9 @@ def loop_expands(solution: Solution) -> str:
     if solution.contraction is None or solution.contraction < 1:
         return ""
     return (
-        f" A pass of the loop on the pressure multiplies differences by {solution.contraction:.2g}, "
-        "so that it does not settle by itself: friction and pressure depend on each other strongly."
+        " A pass of the loop on the pressure multiplies differences by "
+        f"{solution.contraction:.2g}, so that it does not settle by itself: friction and "
+        "pressure depend on each other strongly."
     )
 
 
