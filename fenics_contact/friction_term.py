@@ -150,7 +150,7 @@ class FrictionTerm:
         self._bound.set(bound)
 
     def set_share(self, share: float) -> None:
-        """Use this share of the coefficient, 0 … 1, on the way to all of it."""
+        """Use this share of the coefficient, from below or above 1, on the way to all of it."""
         self._share.value = share
 
     def bound_of(self, pressure: Array) -> Array:

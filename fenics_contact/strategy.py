@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.anderson import Anderson
 from fenics_contact.chatter import Chatter
+from fenics_contact.contact import ContactSurface
 from fenics_contact.errors import NotConvergedError
 from fenics_contact.newton import Newton
 from fenics_contact.outer_monitor import OuterMonitor
@@ -208,7 +209,7 @@ class _CoulombLoop:
             contact.friction.mode = "off"
             if self._is_glued:
                 stiffness = _GLUE * contact.moduli.combined / contact.facet_size
-                contact.friction.glue(stiffness, contact.pressure() > 0)
+                contact.friction.glue(stiffness, self._to_glue(contact))
         self.newton.run(tolerance=tolerance)
         self._scale()
         for contact in self.contacts:
@@ -217,6 +218,11 @@ class _CoulombLoop:
         self._sticks = [np.ones(len(c.trace.weights), dtype=bool) for c in self.contacts]
         self._directions = [np.zeros_like(c.trace.normals) for c in self.contacts]
         return [contact.pressure() for contact in self.contacts]
+
+    def _to_glue(self, contact: ContactSurface) -> NDArray[np.bool_]:
+        """Points that touch as a solve begins; all, where a support is yet to press any on."""
+        pressure = contact.pressure()
+        return np.asarray((pressure > 0) | (largest(self.problem.comm, pressure) <= 0))
 
     def _scale(self) -> None:
         for contact in self.contacts:

@@ -86,10 +86,10 @@ def loop_expands(solution: Solution) -> str:
     """A sentence on a loop on the pressure that does not settle by itself, or nothing."""
     if solution.contraction is None or solution.contraction < 1:
         return ""
+    factor = f"{solution.contraction:.2g}"
     return (
-        " A pass of the loop on the pressure multiplies differences by "
-        f"{solution.contraction:.2g}, so that it does not settle by itself: friction and "
-        "pressure depend on each other strongly."
+        f" A pass of the loop on the pressure multiplies differences by {factor}, so that it does "
+        "not settle by itself: friction and pressure depend on each other strongly."
     )
 
 

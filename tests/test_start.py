@@ -221,3 +221,20 @@ def test_a_body_that_ends_without_any_load_is_refused():
     result = block(punch, (), (Support("y0", {"x": 0, "y": 0}),)).solve()
     assert result.passed and "does not touch" in result.verdict
     assert result.quantities["normal_force"] == 0
+
+
+@pytest.mark.parametrize("number", [1, 3])
+def test_a_support_presses_on_a_block_that_only_friction_holds(number):
+    """Nothing touches as it begins. Without Poisson's ratio the floor needs E u A/H = 20."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.0),
+        support=(Support("y1", {"y": -0.01}),),
+        load=(Load("x1", traction=(4, 0)),),
+        contact=(Contact("y0", friction_coefficient=0.3),),
+        steps=Steps(number=number),
+    )
+    result = Run(scene, COMM, box_body((8, 4), (2, 1))).solve()
+    assert result.passed, result.verdict
+    assert result.quantities["normal_force"] == pytest.approx(20, rel=1e-3)
+    assert result.quantities["friction_force"] == pytest.approx([-4, 0], abs=1e-8)

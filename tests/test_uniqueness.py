@@ -206,6 +206,23 @@ def test_answers_of_the_last_load_step_are_those_after_the_steps_before():
     assert (looked.points.status == plain.points.status).all()
 
 
+def test_a_cylinder_along_a_plane_of_symmetry_has_its_limit_whatever_its_axis():
+    """It touches where nothing can slip one of the ways, which moves nothing across."""
+    limits = []
+    for axis, cells, along in (("x", (4, 3, 2), (0, 1, 0)), ("y", (3, 4, 2), (1, 0, 0))):
+        obstacle = Obstacle("cylinder", radius=5, position=(0, 0, 1), along=along, indentation=2e-3)
+        scene = Scene(
+            kinematics="3D",
+            material=Material(1000, 0.3),
+            discretisation=Discretisation(1),
+            support=(Support(f"{axis}0", {axis: 0}), Support("z0", {"x": 0, "y": 0, "z": 0})),
+            contact=(Contact("z1", obstacle=obstacle, friction_coefficient=0.3),),
+        )
+        result = run(scene, COMM, box_body(cells, (1, 1, 1)))
+        limits.append(result.contacts[0]["uniqueness_limit"])
+    assert limits[0] == pytest.approx(limits[1], rel=1e-6)
+
+
 def test_an_answer_that_fails_a_check_is_none():
     branches = [{"start": start, "passed": start != "apart"} for start in ("as solved", "apart")]
     assert OtherAnswers(branches=branches).words() == ""
