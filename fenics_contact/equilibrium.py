@@ -74,7 +74,7 @@ def require_equilibrium(problem: Problem) -> FreeMotion:
             _share_of_friction(problem, RigidMotions(problem), f" at time {time:g}")
     problem.set_time(last)
     stabilised: tuple[str, ...] = ()
-    if problem.scene.solver.stabilisation:
+    if problem.scene.solver.stabilisation and motions:
         rigid = RigidMotions(problem)
         stabilised = stabilise(problem, rigid, _unresisted(problem, rigid))
     found = _at_present(problem)

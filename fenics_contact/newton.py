@@ -48,7 +48,7 @@ ENERGY_SEARCH: dict[str, Any] = {
 }
 # Where that does not come near enough to the point, as with very flat cells, or with a slender
 # body that would bend far through an obstacle: steps are cut before they are taken.
-THOROUGH_SEARCH = FULL_STEPS
+THOROUGH_SEARCH = dict(FULL_STEPS)
 
 # Share of the applied forces above which a round-off floor is not believed: the
 # floor grows with |u|, and a body that runs away must not pass for an answer.

@@ -170,12 +170,17 @@ class RigidObstacle:
             )
 
     def _require_axis(self) -> None:
-        """In an axisymmetric model the obstacle stands on the axis, and moves along it."""
+        """In an axisymmetric model the obstacle stands on the axis, and moves along it.
+
+        One without a shape that nothing drives, as the wall of a bore, may face any way.
+        """
         if self._kinematics != "axisymmetric":
             return
         if self._apex[0] != 0:
             raise InputError(f"{self._key}.position: must lie on the axis, x = 0")
-        if abs(self._normal[0]) > _FLAT or abs(self.direction[0]) > _FLAT:
+        tilted = self._obstacle.shape is not None and abs(self._normal[0]) > _FLAT
+        moved = (self._obstacle.displacement or (0.0,))[0] != 0
+        if tilted or moved or (self._driven() and abs(self.direction[0]) > _FLAT):
             raise InputError(
                 f"{self._key}: an axisymmetric obstacle can be neither tilted nor driven aside"
             )

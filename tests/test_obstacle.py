@@ -6,9 +6,10 @@ import ufl
 from dolfinx import mesh
 from mpi4py import MPI
 
-from fenics_contact import Obstacle, Profile
+from fenics_contact import Contact, Material, Obstacle, Profile, Scene, Support, run
 from fenics_contact.errors import InputError
 from fenics_contact.obstacle import RigidObstacle
+from tests.scenes import box_body
 
 RANDOM = np.random.default_rng(7)
 UP = np.array([[0.0, 1.0]])
@@ -144,6 +145,8 @@ def test_what_faces_away_or_misses_is_never_met():
         ),
         (Obstacle("plane", position=(1, 0)), "axisymmetric", UP, "must lie on the axis"),
         (Obstacle("plane", normal=(0.1, -1)), "axisymmetric", UP, "neither tilted nor driven"),
+        (Obstacle(displacement=(0.1, 0)), "axisymmetric", UP, "neither tilted nor driven"),
+        (Obstacle(indentation=0.1), "axisymmetric", [[1, 0]], "neither tilted nor driven"),
         (Obstacle("plane"), "plane strain", [[0, 1], [0.1, 1]], "normal is missing: the contact"),
         (Obstacle(indentation=1), "plane strain", [[0, 1], [0.1, 1]], "normal is missing"),
         (Obstacle(gap=lambda x: np.sqrt(x[0])), "plane strain", UP, "gap: its function fails"),
@@ -173,3 +176,23 @@ def test_bad_obstacles_give_one_sentence(obstacle, kinematics, normals, message)
 def test_contradictions_are_refused_when_the_obstacle_is_made(keys, message):
     with pytest.raises(ValueError, match=message):
         Obstacle(**keys)
+
+
+@pytest.mark.parametrize("obstacle", [None, Obstacle(gap=-0.002)])
+def test_cylinder_in_a_bore(obstacle):
+    """Under ε_r = ε_θ = ε, ε_z = 0 its wall carries p = −E ε/((1 + ν)(1 − 2ν)) (Hooke), exactly.
+
+    Without an obstacle it stands where the surface is, and pressing the ends bulges the cylinder:
+    ε_r = 0, and p = −ν E ε_z/((1 + ν)(1 − 2ν)).
+    """
+    height = 0.0 if obstacle else -0.01
+    scene = Scene(
+        kinematics="axisymmetric",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"y": 0}), Support("y1", {"y": height})),
+        contact=(Contact("x1", obstacle=obstacle),),
+    )
+    result = run(scene, MPI.COMM_WORLD, box_body((4, 4), (1, 1)))
+    pressure = 1000 / (1.3 * 0.4) * (0.002 if obstacle else 0.3 * 0.01)
+    assert result.passed
+    assert result.quantities["normal_force"] == pytest.approx(2 * np.pi * pressure, rel=1e-3)

@@ -17,7 +17,9 @@ from fenics_contact import (
     Run,
     Scene,
     SolverSettings,
+    Support,
     equilibrium,
+    run,
 )
 from fenics_contact.parallel import largest
 from fenics_contact.stabilisation import stabilise
@@ -213,3 +215,13 @@ def test_a_body_held_everywhere_has_no_rigid_motion_and_no_check():
     result = Run(case, COMM, HALF).solve()
     assert result.passed and "stabilisation" not in result.checks
     assert [row["motion"] for row in result.model["rigid_motions"]] == ["translation along y"]
+
+
+@pytest.mark.parametrize("contact", [Contact("y0"), Contact("x1", pressure=5.0)])
+def test_nothing_is_stabilised_where_supports_hold_all(contact):
+    contact = dataclasses.replace(contact, friction_coefficient=0.3)
+    held = Support("y1", {"x": 0, "y": -0.01})
+    result = run(dataclasses.replace(scene(contact, load=()), support=(held,)), COMM, FLAT)
+    assert result.passed
+    assert "stabilisation" not in result.checks
+    assert result.model["rigid_motions"] == [] == result.model["stabilised_motions"]
