@@ -131,7 +131,8 @@ def _creep_share(compared: ComparedFriction, steps: int) -> Check | None:
     crept, squares, area = total(compared.comm, np.array([part.sum() for part in sums]))
     gives = compared.strongest * size_of(contact, area) / contact.moduli.combined
     anew = steps if contact.law == "incremental" else 1
-    return Check(anew * crept / (squares * gives), _LARGEST_SHARE, contact.label, kind="share")
+    value = float(anew * crept / (squares * gives))
+    return Check(value, _LARGEST_SHARE, contact.label, kind="share")
 
 
 def _sticks(compared: ComparedFriction) -> NDArray[np.bool_]:

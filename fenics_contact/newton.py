@@ -46,6 +46,8 @@ ENERGY_SEARCH: dict[str, Any] = {
     "snes_linesearch_max_it": 3,
     "snes_linesearch_atol": 1e-300,
 }
+# Newton steps with it at the most.
+_QUICK = 50
 # Where that does not come near enough to the point, as with very flat cells, or with a slender
 # body that would bend far through an obstacle: steps are cut before they are taken.
 THOROUGH_SEARCH = dict(FULL_STEPS)
@@ -210,6 +212,8 @@ class Newton:
                 options.setValue(OPTIONS_PREFIX + name, value)
                 self._own_options.append(OPTIONS_PREFIX + name)
         most = self.problem.scene.solver.max_iterations
+        if self._searches and self._search is ENERGY_SEARCH:
+            most = min(most, _QUICK)
         # Only systems with a nonlinear solver of their own look at rtol.
         snes.setTolerances(rtol=self._tolerance, atol=0.0, stol=0.0, max_it=most)
         system.prepare(snes)
