@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 from fenics_contact import compat  # noqa: F401  (loads FEniCSx in the right order)
 
 from mpi4py import MPI  # isort: skip
+from petsc4py import PETSc  # isort: skip
 
 COMM = MPI.COMM_WORLD
 
@@ -39,6 +41,14 @@ def pytest_runtest_logreport(report):
         print(f"\n[rank {COMM.rank}] {report.nodeid}\n{report.longreprtext}", file=sys.stderr)
         sys.stderr.flush()
         COMM.Abort(1)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def free_communicators():
+    """Meshes and PETSc's objects that are done with hold communicators, of which MPICH has 2048."""
+    yield
+    gc.collect()
+    PETSc.garbage_cleanup(COMM)
 
 
 @pytest.fixture

@@ -145,6 +145,12 @@ def stacked():
 RIGHT = (strip, indented, rubbed, loose, driven, glued, stacked, dragged)
 
 
+@pytest.fixture(autouse=True, scope="module")
+def forget_the_runs():
+    yield
+    solved.cache_clear()
+
+
 @cache
 def solved(make):
     prepared = make()
