@@ -43,12 +43,15 @@ def pytest_runtest_logreport(report):
         COMM.Abort(1)
 
 
-@pytest.fixture(autouse=True, scope="module")
-def free_communicators():
-    """Meshes and PETSc's objects that are done with hold communicators, of which MPICH has 2048."""
-    yield
-    gc.collect()
-    PETSc.garbage_cleanup(COMM)
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown(item, nextitem):
+    """Meshes and PETSc's objects that are done with hold communicators, of which MPICH has 2048.
+
+    After each file, on all ranks, also on those that skip its tests.
+    """
+    if nextitem is None or nextitem.path != item.path:
+        gc.collect()
+        PETSc.garbage_cleanup(COMM)
 
 
 @pytest.fixture
