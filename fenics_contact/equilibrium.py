@@ -24,6 +24,7 @@ from fenics_contact.contact_cones import contact_cones
 from fenics_contact.errors import NoEquilibriumError
 from fenics_contact.known_friction import used_share
 from fenics_contact.limit_analysis import AT_LIMIT, LimitAnalysis
+from fenics_contact.linear_programme import minimised
 from fenics_contact.load_paths import times_to_judge
 from fenics_contact.motion_names import named_motions
 from fenics_contact.parallel import on_root, total
@@ -217,15 +218,13 @@ def _require_pressed(
 
     The largest f(r) over the motions with r_n ≤ 0 and −∫ r_n = 1, a linear programme.
     """
-    from scipy.optimize import linprog
-
     loose = null_space(_friction_gram(problem.comm, points))
     if loose.shape[1] == 0 or len(weights) == 0:
         return
     force = rigid.force @ motions @ loose
     rows = closings @ loose
     one_sided = np.unique(np.round(rows / np.abs(rows).max(), 12), axis=0)
-    found = linprog(
+    found = minimised(
         -force / (np.abs(force).max() or 1.0),
         A_ub=one_sided,
         b_ub=np.zeros(len(one_sided)),

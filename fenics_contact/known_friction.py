@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.linear_programme import minimised
 from fenics_contact.parallel import largest, total
 
 _GAP = 1e-8
@@ -33,8 +34,6 @@ def used_share(
         The maximum (from above, so that a doubt never lets a scene pass), and the
         motion at which it is reached.
     """
-    from scipy.optimize import linprog
-
     weights, slips = points
     number = len(force)
     if not force.any():
@@ -51,7 +50,7 @@ def used_share(
         if dissipation > 0 and force @ trial / dissipation > below:
             below, best = float(force @ trial) / dissipation, trial
         cuts += [slope, -slope]
-        found = linprog(
+        found = minimised(
             -force,
             A_ub=np.array([*cuts, *one_sided]),
             b_ub=np.concatenate([np.ones(len(cuts)), np.zeros(len(one_sided))]),

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.contact_cones import ContactCones
+from fenics_contact.linear_programme import minimised
 
 Array = NDArray[np.float64]
 
@@ -129,15 +130,13 @@ class LimitAnalysis:
 
         Of motions that do as much, a small one: η |a|₁ is taken off.
         """
-        from scipy.optimize import linprog
-
         modes = len(self._force)
         cost = np.concatenate([_SMALL - self._force, _SMALL + self._force, [share]])
         low = np.concatenate([np.maximum(lowest, 0.0), np.maximum(-highest, 0.0), [0.0]])
         high = np.concatenate([np.maximum(highest, 0.0), np.maximum(-lowest, 0.0), [np.inf]])
         for _ in range(_MAX_ROUNDS):
             rows = self._rows(share)
-            solved = linprog(
+            solved = minimised(
                 cost,
                 A_ub=np.hstack([rows[:, :-1], -rows[:, :-1], rows[:, -1:]]) if len(rows) else None,
                 b_ub=np.zeros(len(rows)) if len(rows) else None,
