@@ -273,10 +273,12 @@ def test_mumps_error_codes():
     """As the users' guide of MUMPS lists them."""
 
     class Factor:
-        def __init__(self, code):
+        def __init__(self, code, rows=3):
             self.getMumpsInfog = lambda number: code if number == 1 else 0
+            self.getSize = lambda: (rows, rows)
 
     assert mumps.failure(Factor(0)) is None
+    assert mumps.failure(Factor(-16, rows=0)) is None
     assert isinstance(mumps.failure(Factor(-10)), NotConvergedError)
     assert "out of memory" in str(mumps.failure(Factor(-13)))
     assert "workspace" in str(mumps.failure(Factor(-9)))
