@@ -92,9 +92,11 @@ def print_result(result: Result, folder: Path) -> None:
         _print_checks(console, result.checks)
         _print_branches(console, result)
     console.print(result.verdict, markup=False, highlight=False)
+    took = f"{result.timings['total']:.2f} s"
+    if result.steps:  # it may have been interrupted before the first
+        took += f", {result.steps[-1]['newton_iterations']} Newton steps"
     console.print(
-        f"{result.timings['total']:.2f} s, {result.steps[-1]['newton_iterations']} Newton steps. "
-        f"Files in {folder}/",
+        f"{took}. Files in {folder}/",
         markup=False,
         highlight=False,
     )
