@@ -75,6 +75,11 @@ class Film:
         zone = replace(frames[-1], status=np.where(ever, "STICK", "OPEN"))
         return cls(contact, np.array(times), frames, zone, _drive(result, contact, times))
 
+    @property
+    def touches(self) -> bool:
+        """Whether any of its points ever does."""
+        return bool((self.zone.status != "OPEN").any())
+
 
 def _frame(rows: ContactTable, body: Any, nodes: NDArray[np.int64]) -> ContactTable:
     """The points with a step's fields in place of the last one's."""

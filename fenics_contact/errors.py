@@ -15,6 +15,10 @@ class InputError(FenicsContactError):
     exit_code = 2
 
 
+class SceneError(InputError, ValueError):
+    """A part of a scene, made in Python, cannot be as it is; a ``ValueError``, too."""
+
+
 class NoEquilibriumError(InputError):
     """The loads exceed what friction and supports can carry (paper, (2.4))."""
 

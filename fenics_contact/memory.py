@@ -27,13 +27,10 @@ _OWN_LIMITS = ((resource.RLIMIT_AS, 0, "ulimit -v"), (resource.RLIMIT_DATA, 5, "
 _Free = tuple[float, str]  # bytes, and what leaves no more
 
 
-def free_memory() -> float:
-    """Bytes free on this machine, within its container's limit; infinite where not known."""
-    return min(_shared())[0]
-
-
 def free_memory_for(comm: MPI.Comm) -> float:
     """Bytes free for all ranks together, the least that every machine offers; collective.
+
+    Within its container's limit; infinite where not known.
 
     A machine that holds a share of the ranks needs to hold about that share of the problem, and
     so does a rank that has a limit of its own.

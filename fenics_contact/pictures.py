@@ -69,7 +69,7 @@ def _contacts(folder: Path, result: dict[str, Any], table: ContactTable) -> list
 
 
 def _animations(folder: Path, result: dict[str, Any], table: ContactTable) -> list[Path]:
-    """Each contact over the load steps, if there are many."""
+    """Each contact that ever touches over the load steps, if there are many."""
     steps = len(times_of_fields(folder))
     if steps < FEWEST_STEPS:
         return []
@@ -77,6 +77,8 @@ def _animations(folder: Path, result: dict[str, Any], table: ContactTable) -> li
     for number, contact in enumerate(result["contacts"]):
         series = read_series(folder, frame_numbers(steps).tolist())
         film = Film.of(series, table.of(contact["name"]), contact, result)
+        if not film.touches:
+            continue
         path = folder / f"animation_{number}.gif"
         drawn.append(draw_film(film, flat, _axes(result) if flat else "xyz", path))
     return drawn

@@ -10,7 +10,7 @@ from typing import Any
 from fenics_contact.check_words import compares
 from fenics_contact.errors import InputError
 from fenics_contact.pictures import draw_pictures
-from fenics_contact.result import branch_rows, motion_words, reactions_by_group
+from fenics_contact.result import branch_rows, motion_words, reactions_by_group, share_words
 from fenics_contact.writing import replace_file
 
 _OF_A_CONTACT = ("slave", "master", "slave_reason", "uniqueness_limit")
@@ -117,9 +117,13 @@ def _branches(result: dict[str, Any]) -> str:
 
 
 def _model(model: dict[str, Any]) -> dict[str, Any]:
-    """The model, with its free rigid motions in words."""
+    """The model, with its free rigid motions and how near to the limit it is in words."""
     motions = [motion_words(motion) for motion in model.get("rigid_motions", [])]
-    return model | {"rigid_motions": "; ".join(motions) or "none"}
+    share = share_words(model.get("used_share_of_limit_load", 0.0))
+    return model | {
+        "rigid_motions": "; ".join(motions) or "none",
+        "used_share_of_limit_load": share,
+    }
 
 
 def _reactions(supports: list[dict[str, Any]]) -> list[list[str]]:

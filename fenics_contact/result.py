@@ -181,3 +181,9 @@ def branch_rows(branches: list[dict[str, Any]]) -> list[list[Any]]:
 def motion_words(motion: dict[str, Any]) -> str:
     """A rigid motion of ``model.rigid_motions``, and what may resist it."""
     return f"{motion['motion']}: resisted by {', '.join(motion['resisted_by']) or 'nothing'}"
+
+
+def share_words(share: float) -> str:
+    """The used share of a limit load: no scene at the limit is run, so none is said to be."""
+    words = f"{share:.6g}"
+    return "just below 1, the limit" if words == "1" else words

@@ -11,14 +11,12 @@ from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
-from pydantic.dataclasses import dataclass
 
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_material import Material
 from fenics_contact.scene_steps import SolverSettings, Steps
 from fenics_contact.scene_values import (
     AXES,
-    CLOSED,
     RAMP,
     AxisName,
     Integer,
@@ -30,10 +28,11 @@ from fenics_contact.scene_values import (
     Text,
     Value,
     Vector,
+    scene_class,
 )
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class MeshSource:
     """Where the mesh of a body comes from."""
 
@@ -83,7 +82,7 @@ class MeshSource:
             raise ValueError(f"name = '{self.name}' must not contain a '.'")
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class Discretisation:
     """The finite element space."""
 
@@ -92,7 +91,7 @@ class Discretisation:
     ] = 2
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class Support:
     """Prescribed displacement components (the paper's Γ_D)."""
 
@@ -104,7 +103,7 @@ class Support:
     path: Annotated[LoadPath, Field(description="of the displacement over the load steps")] = RAMP
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class Load:
     """A given load (the paper's f): exactly one of the three kinds."""
 
@@ -130,7 +129,7 @@ def _as_list(value: Any) -> Any:
     return value if isinstance(value, list | tuple) else (value,)
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class Scene:
     """Everything a run needs to know."""
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
 from fenics_contact.scene_values import (
-    CLOSED,
     CONSTANT,
     RAMP,
     LoadPath,
@@ -17,6 +15,7 @@ from fenics_contact.scene_values import (
     Positive,
     Text,
     Value,
+    scene_class,
 )
 
 Direction = Annotated[tuple[Number, ...], Field(min_length=2, max_length=3)]
@@ -26,7 +25,7 @@ Shape = Literal[
 ]
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class Obstacle:
     """A rigid obstacle: its shape, where it stands, and what drives it.
 
@@ -122,7 +121,7 @@ class Obstacle:
                 raise ValueError(f"{key} must not be a zero vector")
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class Contact:
     """A contact surface (the paper's Γ_C): what it meets there, and friction."""
 
@@ -241,7 +240,7 @@ class Contact:
         return self.name or self.on
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class HalfSpace:
     """Makes the body a piece of a half-space.
 

@@ -6,9 +6,8 @@ from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BeforeValidator, Field
-from pydantic.dataclasses import dataclass
 
-from fenics_contact.scene_values import CLOSED, VOIGT, Value
+from fenics_contact.scene_values import VOIGT, Value, scene_class
 
 
 def _stiffness_matrix(value: Any) -> Any:
@@ -37,7 +36,7 @@ Stiffness = Annotated[
 ]
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class Material:
     """Linear elasticity (paper, (1.1)): isotropic, or any elastic tensor E_ijkl."""
 

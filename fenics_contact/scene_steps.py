@@ -7,12 +7,11 @@ from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field, Strict
-from pydantic.dataclasses import dataclass
 
-from fenics_contact.scene_values import CLOSED, Integer, Number, Positive
+from fenics_contact.scene_values import Integer, Number, Positive, scene_class
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class Steps:
     """Load steps: friction remembers how a load was reached."""
 
@@ -97,7 +96,7 @@ class Steps:
         return tuple(self.end * (step + 1) / self.number for step in range(self.number))
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class SolverSettings:
     """How friction and pressure are brought together, and when the solver stops."""
 

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 from collections.abc import Callable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar, cast, dataclass_transform
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ConfigDict, Field, Strict
+from pydantic import ConfigDict, Field, Strict, ValidationError
 from pydantic.dataclasses import dataclass
+
+from fenics_contact.errors import SceneError
+from fenics_contact.scene_words import sentence
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Positive = Annotated[Number, Field(gt=0)]
@@ -20,10 +25,34 @@ Kinematics = Literal["plane strain", "plane stress", "axisymmetric", "3D"]
 AXES: tuple[AxisName, ...] = ("x", "y", "z")
 # Index pairs of a stress or strain in the order of a 6 × 6 stiffness matrix.
 VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-CLOSED = ConfigDict(extra="forbid")
+Class = TypeVar("Class", bound=type)
 
 
-@dataclass(frozen=True, config=CLOSED)
+@dataclass_transform(frozen_default=True, field_specifiers=(Field,))
+def scene_class(plain: Class) -> Class:
+    """A frozen dataclass that validates what it is given, and knows no other keys.
+
+    What it refuses in Python is a ``SceneError`` of one sentence; in a file, ``load_scene`` says
+    where.
+    """
+    made: Any = dataclass(frozen=True, config=ConfigDict(extra="forbid"))(plain)
+    validate = made.__init__
+
+    @functools.wraps(validate)
+    def checked(self: Any, *values: Any, **named: Any) -> None:
+        try:
+            validate(self, *values, **named)
+        except ValidationError as error:
+            names = [field.name for field in dataclasses.fields(made)]
+            given = dict(zip(names, values, strict=False)) | named
+            words = sentence(error, given, made, names)
+            raise SceneError(f"{made.__name__}: {words}") from None
+
+    made.__init__ = checked
+    return cast(Class, made)
+
+
+@scene_class
 class Profile:
     """A value that varies along one axis, linear between the listed points."""
 
@@ -52,7 +81,7 @@ Value = Number | Profile | PositionFunction
 Vector = Annotated[tuple[Value, ...], Field(min_length=2, max_length=3)]
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class Path:
     """How a quantity grows with the pseudo-time of the load steps, linear between the points.
 

@@ -43,6 +43,9 @@ logger = logging.getLogger(__name__)
 class Run:
     """A scene made ready, then solved; kept for those who want the fields.
 
+    Of many in one process keep results, not runs: each has some forty of MPI's communicators, which
+    are given back when nobody refers to it any more.
+
     Attributes:
         problem: The model: spaces, energies, forms.
         free_motion: Rigid motions that the supports leave to friction.
@@ -155,8 +158,10 @@ class Run:
         self.others = OtherAnswers()
         self._announce = announce or (_log_step if self.scene.steps.several else _say_nothing)
 
+        begun: list[History] = []  # not the run's own: it refers to it, and would not be freed
+
         def begin(history: History) -> None:
-            self._history = history
+            begun.append(history)
             if saved is not None:
                 self._measure(history.resume(saved.last, saved.pace, saved.forces))
                 self.book.resume(saved.energy, self.forces, self._reactions)
@@ -178,7 +183,7 @@ class Run:
         try:
             solve(self.problem, self.timings, record, self.choice, begin, keep, stopped, end)
         except NotConvergedError as error:
-            return self._unconverged(error)
+            return self._unconverged(error, begun[0].tried)
         except StoppedError:
             return self._interrupted()
         return self._evaluate()
@@ -297,10 +302,10 @@ class Run:
             versions=compat.versions(),
         )
 
-    def _unconverged(self, error: NotConvergedError) -> Result:
+    def _unconverged(self, error: NotConvergedError, tried: float) -> Result:
         """The last step that converged, if any, and the history of the one that did not."""
         step = {
-            "load_factor": self._history.tried,
+            "load_factor": tried,
             "newton_iterations": max(len(error.residual_history) - 1, 0),
             "outer_iterations": 0,
             "attempts": list(error.attempts),
@@ -312,7 +317,7 @@ class Run:
         advice = "more load steps, or steps.automatic = true"
         if self.scene.steps.automatic:
             advice = "a smaller steps.smallest"
-        words = f"No answer at time {self._history.tried:g}: {_ended(error)} Or try {advice}."
+        words = f"No answer at time {tried:g}: {_ended(error)} Or try {advice}."
         return self._stopped_short(words, [*self.steps, step])
 
     def _interrupted(self) -> Result:

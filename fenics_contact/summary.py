@@ -18,6 +18,7 @@ from fenics_contact.result import (
     branch_rows,
     motion_words,
     reactions_by_group,
+    share_words,
 )
 from fenics_contact.scene import Scene
 
@@ -55,7 +56,8 @@ def print_model(scene: Scene, model: Mapping[str, Any], contacts: list[dict[str,
     table = _table("", "")
     for key, value in model.items():
         if key not in ("terms", "rigid_motions") and value != []:
-            table.add_row(key.replace("_", " "), _written(value))
+            words = share_words(value) if key == "used_share_of_limit_load" else _written(value)
+            table.add_row(key.replace("_", " "), words)
     console.print(f"\n[bold]{escape(scene.title or 'Scene')}[/bold]")
     console.print(table)
     console.print("Energy terms modelled:")
@@ -90,9 +92,11 @@ def print_result(result: Result, folder: Path) -> None:
         _print_checks(console, result.checks)
         _print_branches(console, result)
     console.print(result.verdict, markup=False, highlight=False)
+    took = f"{result.timings['total']:.2f} s"
+    if result.steps:  # it may have been interrupted before the first
+        took += f", {result.steps[-1]['newton_iterations']} Newton steps"
     console.print(
-        f"{result.timings['total']:.2f} s, {result.steps[-1]['newton_iterations']} Newton steps. "
-        f"Files in {folder}/",
+        f"{took}. Files in {folder}/",
         markup=False,
         highlight=False,
     )

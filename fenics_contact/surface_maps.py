@@ -90,7 +90,8 @@ def _friction(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]
     size = np.linalg.norm(traction, axis=1)
     _scatter(figure, panel, surface, contact, size, r"friction traction, $|\sigma_T|$")
     arrows = traction[:, surface.axes]
-    panel.quiver(*surface.points.T, *arrows.T, color="0.2", width=0.003)
+    if size.any():  # else their scale would be none
+        panel.quiver(*surface.points.T, *arrows.T, color="0.2", width=0.003)
 
 
 def _scatter(

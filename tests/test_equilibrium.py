@@ -18,6 +18,7 @@ from fenics_contact import (
 )
 from fenics_contact.equilibrium import require_equilibrium
 from fenics_contact.problem import Problem
+from fenics_contact.summary import print_model
 from tests.scenes import box_body, slab
 
 COMM = MPI.COMM_WORLD
@@ -26,6 +27,16 @@ COMM = MPI.COMM_WORLD
 def test_held_slab_has_no_free_motion():
     motion = Run(slab(), COMM).free_motion
     assert (motion.modes, motion.used_share) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("load", "words"), [(719.99999, "just below 1, the limit"), (719.99, "0.999986")]
+)
+def test_a_share_that_is_no_limit_is_not_shown_as_1(load, words, capsys):
+    prepared = Run(slab(end_load=load, held=False), COMM)
+    print_model(prepared.scene, prepared.model, prepared.contacts())
+    (line,) = (x for x in capsys.readouterr().out.splitlines() if "used share" in x)
+    assert line.split("load")[1].strip() == words
 
 
 def test_slab_without_its_left_support_holds_719_99_and_not_720():

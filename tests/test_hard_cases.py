@@ -207,7 +207,7 @@ def test_command_line_writes_rows_and_a_table(folder, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--hard", "nonsense"], "no case 'nonsense'"),
+        (["--hard", "nonsense"], "no case 'nonsense'; there are\n  "),
         (["--hard", "--quick"], "no --quick"),
         (["--table", "table.md"], "add --hard"),
         (["--hard", "--table", "/nowhere/table.md"], "a folder that can be written to"),

@@ -5,6 +5,7 @@ import functools
 import io
 import json
 import logging
+import pathlib
 from itertools import pairwise
 
 import numpy as np
@@ -31,6 +32,7 @@ from fenics_contact.load_paths import knots
 from fenics_contact.load_steps import History
 from fenics_contact.pace import AutomaticPace
 from fenics_contact.scene_file import load_scene
+from fenics_contact.summary import print_result
 from tests.histories import (
     DRAGGED,
     OF_THE_PATH,
@@ -281,7 +283,7 @@ def test_a_prediction_that_leads_nowhere_is_forgotten(monkeypatch):
     require_same(run(dragged(Steps(number=8)), COMM, block()), plain)
 
 
-def test_a_rank_that_is_asked_to_stop_stops_all():
+def test_a_rank_that_is_asked_to_stop_stops_all(capsys):
     prepared = Run(dragged(Steps(number=8)), COMM, block())
     said = []
 
@@ -294,6 +296,8 @@ def test_a_rank_that_is_asked_to_stop_stops_all():
     require_same(result, run(dragged(Steps(times=(0.125, 0.25, 0.375))), COMM, block()))
     none = Run(dragged(Steps()), COMM, block()).solve(stopped=lambda: True)
     assert none.exit_code == 130 and none.quantities == {} and none.points is None
+    print_result(none, pathlib.Path("nowhere"))
+    assert "Interrupted before any load step was done." in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

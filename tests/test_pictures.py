@@ -1,5 +1,6 @@
 """Pictures show what the files say: looked at by their pixels, and once by a person."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -15,10 +16,12 @@ from fenics_contact import (
     Obstacle,
     Run,
     Scene,
+    Steps,
     Support,
     files,
     report,
 )
+from fenics_contact.animation import FEWEST_STEPS
 from fenics_contact.picture_style import COLOURS, neighbourhood
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, slab
 
@@ -173,6 +176,21 @@ def test_run_without_any_contact(kinematics, tmp_path):
     drawn(pressed(Obstacle(gap=0.1), kinematics), tmp_path, body)
     assert not has_colour(pixels(tmp_path / "contact_0.png"), COLOURS["STICK"])
     assert has_colour(pixels(tmp_path / "contact_0.png"), COLOURS["OPEN"])
+
+
+@pytest.mark.filterwarnings("error:.*(identical low|divide by zero)")
+@pytest.mark.parametrize("kinematics", ["plane strain", "3D"])
+def test_friction_that_never_acts_is_drawn_without_complaint_and_not_as_a_film(
+    kinematics, tmp_path
+):
+    flat = kinematics != "3D"
+    body = box_body((4, 2) if flat else (2, 2, 2), (1, 1, 1), comm=MPI.COMM_SELF)
+    scene = pressed(Obstacle(gap=0.1), kinematics, friction_coefficient=0.3)
+    scene = dataclasses.replace(scene, steps=Steps(number=FEWEST_STEPS))
+    files.solve_and_write(Run(scene, MPI.COMM_SELF, body), tmp_path)
+    names = {path.name for path in report.write_report(tmp_path)}
+    assert "contact_0.png" in names
+    assert not any(name.endswith(".gif") for name in names)
 
 
 @pytest.mark.parametrize("kinematics", ["plane strain", "3D"])

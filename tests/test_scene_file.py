@@ -1,9 +1,21 @@
+import dataclasses
 import re
 
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import InputError, Profile, Scene, load_scene, scene_reference
+from fenics_contact import (
+    InputError,
+    Load,
+    Obstacle,
+    Profile,
+    Scene,
+    SolverSettings,
+    Steps,
+    Support,
+    load_scene,
+    scene_reference,
+)
 from tests.scenes import ROOT
 
 COMM = MPI.COMM_WORLD
@@ -197,3 +209,34 @@ def test_bad_obstacle_gives_one_sentence(folder, old, new, message):
         load_scene(path)
     assert str(path) in str(error.value)
     assert "\n" not in str(error.value)
+
+
+LOAD = Load("top", pressure=1)
+NUMBER = ": must be a number or a Profile or a function"
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: Load("top", lambda x: (0, 1)), "Load: traction = a function: must be a list"),
+        (lambda: Load("top", (1, "2")), "Load: traction[1] = '2'" + NUMBER),
+        (lambda: Load("top"), "Load: give exactly one of traction, pressure and body_force"),
+        (lambda: Load("top", (1, 2), None, None, abs, 5), "Load: too many values: it has 5 keys"),
+        (lambda: Load("top", on="top"), "Load: on is given twice"),
+        (lambda: Support("top", {"q": 0}), "Support: unknown key 'displacement.q': must be 'x', "),
+        (lambda: Support("top", {"x": 0}, 3), "Support: path = 3: must be a Path or a function"),
+        (lambda: Steps(number=2.5), "Steps: number = 2.5: must be a whole number"),
+        (lambda: Steps(automatic=1), "Steps: automatic = 1: must be True or False"),
+        (lambda: SolverSettings(stratgy="auto"), "SolverSettings: unknown key 'stratgy' (did "),
+        (lambda: Scene(kinematics="3D"), "Scene: the key 'material' is missing"),
+        (lambda: Obstacle("plane", normal=(0, 0)), "Obstacle: normal must not be a zero vector"),
+        (lambda: dataclasses.replace(LOAD, pressure="2"), "Load: pressure = '2'" + NUMBER),
+    ],
+)
+def test_what_python_gives_is_refused_in_one_sentence(make, said):
+    with pytest.raises(InputError) as caught:
+        make()
+    assert str(caught.value).startswith(said)
+    assert "\n" not in str(caught.value) and "pydantic" not in str(caught.value)
+    assert isinstance(caught.value, ValueError)  # as Python's own are
+    assert caught.value.__suppress_context__

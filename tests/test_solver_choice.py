@@ -18,7 +18,7 @@ from fenics_contact import (
 )
 from fenics_contact.cli import guarded
 from fenics_contact.errors import InputError, MachineError
-from fenics_contact.memory import free_memory, free_memory_for
+from fenics_contact.memory import free_memory_for
 from fenics_contact.problem import Problem
 from fenics_contact.solver_choice import choose_solver, memory_estimate
 from tests.scenes import box_body, with_solver
@@ -130,7 +130,7 @@ def test_estimates_grow_with_the_body():
 
 
 def test_free_memory_is_that_of_the_machine():
-    assert 1e6 < free_memory() < 1e15
+    assert 1e6 < free_memory_for(MPI.COMM_SELF) < 1e15
     assert 1e6 < free_memory_for(COMM) < COMM.size * 1e15
 
 
@@ -157,8 +157,8 @@ def test_limits_of_control_groups(tmp_path, monkeypatch, own, folder, limit, use
     (tmp_path / "own").write_text(own + "\n")
     monkeypatch.setattr(memory, "_GROUPS", tmp_path / "groups")
     monkeypatch.setattr(memory, "_OWN", tmp_path / "own")
-    assert free_memory() == 100000
+    assert free_memory_for(MPI.COMM_SELF) == 100000
     (group / "memory.stat").write_text(f"anon 1\n{cache} 700000\n")
-    assert free_memory() == 800000
+    assert free_memory_for(MPI.COMM_SELF) == 800000
     (group / limit).write_text("max\n")
-    assert free_memory() > 1e6
+    assert free_memory_for(MPI.COMM_SELF) > 1e6

@@ -14,6 +14,7 @@ from fenics_contact import (
     Contact,
     Discretisation,
     Group,
+    Load,
     Material,
     Obstacle,
     Scene,
@@ -233,3 +234,20 @@ def test_an_answer_that_fails_a_check_is_none():
         "2 were found, the others from the starts 'all sticks';"
         in OtherAnswers(limits, branches).words()
     )
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_start_that_runs_away_is_passed_over_in_silence():
+    """A block on another one, held by contact alone, set apart from it."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=(Material(1000, 0.3, on="upper"), Material(300, 0.2, on="lower")),
+        support=(Support("lower.y0", {"x": 0, "y": 0}),),
+        load=(Load("upper.y1", traction=(0.2, -1)),),
+        contact=(Contact("upper.y0", against="lower.y1", friction_coefficient=0.5),),
+        solver=SolverSettings(branches=True),
+    )
+    lower = Box("lower", (0, -1), (1, 0), (6, 5))
+    result = run(scene, COMM, boxes((lower, Box("upper", (0.1, 0), (0.9, 1), (4, 3)))))
+    assert result.passed, result.verdict
+    assert len(result.branches) == 1

@@ -255,11 +255,18 @@ def test_surface_taken_to_the_nearest_nodes_fails_the_patch_test(monkeypatch):
 
 
 @pytest.mark.parametrize("arguments", [["nonsense"], ["slab", "nonsense"]])
-def test_unknown_name_is_one_sentence_and_exit_2(capsys, arguments):
+def test_unknown_name_lists_all_in_lines_and_exit_2(capsys, arguments):
     assert main(["verify", *arguments]) == 2
     said = COMM.bcast(capsys.readouterr().err)
-    assert said.startswith("fenics-contact: verify: no case 'nonsense'; there are slab, ")
-    assert said.count("\n") == 1
+    assert said.startswith("fenics-contact: verify: no case 'nonsense'; there are\n  slab, ")
+    listed = said.split("there are")[1].replace(",", "").split()
+    assert listed == [case.name for case in verification.CASES]
+    assert max(map(len, said.splitlines())) <= 110
+
+
+def test_name_that_is_misspelt_has_a_hint(capsys):
+    assert main(["verify", "slap"]) == 2
+    assert "no case 'slap'; did you mean slab?\n" in COMM.bcast(capsys.readouterr().err)
 
 
 def test_file_in_no_folder_is_refused_before_any_work(folder, capsys):

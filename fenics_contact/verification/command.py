@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import os
+import textwrap
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -98,7 +100,11 @@ def chosen(names: Sequence[str], cases: Sequence[AnyCase]) -> list[AnyCase]:
     known = [case.name for case in cases]
     for name in names:
         if name not in known:
-            raise InputError(f"verify: no case '{name}'; there are {', '.join(known)}")
+            near = difflib.get_close_matches(name, known)
+            if near:
+                raise InputError(f"verify: no case '{name}'; did you mean {' or '.join(near)}?")
+            listed = textwrap.wrap(", ".join(known), _WIDTH - 2, break_on_hyphens=False)
+            raise InputError("\n  ".join([f"verify: no case '{name}'; there are", *listed]))
     return [case for case in cases if not names or case.name in names]
 
 
