@@ -57,7 +57,10 @@ def used_share(
             bounds=(-reach, reach),
             options=_LP_OPTIONS,
         )
-        above, trial = comm.bcast((float(-found.fun), found.x))  # the same path on all ranks
+        found = comm.bcast(None if found.x is None else (float(-found.fun), found.x))
+        if found is None:  # the bound of the last programme still holds
+            break
+        above, trial = found  # the same path on all ranks
     return above, best
 
 
