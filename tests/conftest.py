@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import logging
 import sys
 from pathlib import Path
 
@@ -45,10 +46,14 @@ def pytest_runtest_logreport(report):
 
 @pytest.hookimpl(trylast=True)
 def pytest_runtest_teardown(item, nextitem):
-    """Meshes and PETSc's objects that are done with hold communicators, of which MPICH has 2048.
+    """The command line's messages end with the test; communicators are freed after each file.
 
-    After each file, on all ranks, also on those that skip its tests.
+    Meshes and PETSc's objects that are done with hold them, and MPICH has 2048; on all ranks, also
+    on those that skip a file's tests.
     """
+    logger = logging.getLogger("fenics_contact")
+    logger.handlers.clear()
+    logger.setLevel(logging.NOTSET)
     if nextitem is None or nextitem.path != item.path:
         gc.collect()
         PETSc.garbage_cleanup(COMM)
