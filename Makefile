@@ -8,10 +8,12 @@ help: ## print this list
 demo: ## run the main example, results in results/slab
 	./bootstrap python demos/demo_slab.py --out results/slab
 
-# Both runs are made and reported, whatever the first one gives.
+# Both runs are made and reported, whatever the first one gives. On one rank two processes share
+# the files.
 test: ## run the tests on one and on two ranks
 	@one=0; two=0; \
-	echo './bootstrap python -m pytest'; ./bootstrap python -m pytest || one=$$?; \
+	echo './bootstrap python -m pytest -n 2 --dist loadfile'; \
+	./bootstrap python -m pytest -n 2 --dist loadfile || one=$$?; \
 	echo './bootstrap mpi 2 -m pytest'; ./bootstrap mpi 2 -m pytest || two=$$?; \
 	[ $$one = 0 ] || echo 'make test: FAILED on one rank'; \
 	[ $$two = 0 ] || echo 'make test: FAILED on two ranks'; \
