@@ -91,7 +91,9 @@ def error_budget(history: History, times: Sequence[float], defect: float | None)
     rows = {key: _row(key, found) for key in answer}
     every = {key: row for key, row in rows.items() if isinstance(key, str)}
     if len(times) > 1:
-        every |= _of_work(every, defect)
+        del every["external_work"]  # what is measured is that of the last forces alone
+        if defect is not None:
+            every["external_work"] = _of_work(every, defect)
     contacts = [
         {key[1]: row for key, row in rows.items() if isinstance(key, tuple) and key[0] == number}
         for number in range(len(problem.contacts))
@@ -231,15 +233,14 @@ def _sum(values: Sequence[float | None]) -> float | None:
     return sum(known) if len(known) == len(values) else None
 
 
-def _of_work(rows: Mapping[str, Row], defect: float | None) -> dict[str, Row]:
+def _of_work(rows: Mapping[str, Row], defect: float) -> Row:
     """Of the work along a path: it went into energies and friction, so it is as wrong as these.
 
     Args:
         rows: Of other quantities.
-        defect: What the steps leave open of that balance; None where it is not kept.
+        defect: What the steps leave open of that balance.
     """
     parts = [rows[name] for name in ("strain_energy", "penalty_energy", "friction_work")]
     row = {source: _sum([part[source] for part in parts]) for source in SOURCES}
-    step = row["step"]
-    row["step"] = None if step is None or defect is None else step + abs(defect)
-    return {"external_work": row | {"total": _sum(list(row.values()))}}
+    row["step"] = _sum([row["step"], abs(defect)])
+    return row | {"total": _sum(list(row.values()))}
