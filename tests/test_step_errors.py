@@ -62,9 +62,9 @@ def test_a_single_step_is_cut(limit):
         assert 0.7 * true_error(found, limit, name) < estimate, name
 
 
-def test_more_steps_have_smaller_errors():
+def test_four_times_the_steps_have_a_quarter_of_the_error():
     few, many = (solved(Steps(number=n)).errors["friction_force"]["step"] for n in (2, 8))
-    assert many < 0.1 * few
+    assert many < 0.25 * few  # of first order, or better
 
 
 def test_no_other_factorisation_is_made():
