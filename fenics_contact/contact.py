@@ -288,6 +288,11 @@ class ContactSurface:
         return self.friction is not None or self.contact.kind == "bonded"
 
     @property
+    def has_penalty(self) -> bool:
+        """Whether ε₁ stands for no give at all; a foundation's stiffness is what it is."""
+        return self.normal is not None and self.contact.kind != "winkler"
+
+    @property
     def is_one_sided(self) -> bool:
         """Whether it pushes only: the body may leave it."""
         return self.normal is not None and self.contact.kind != "bonded"

@@ -31,19 +31,19 @@ class NormalTerm:
         name: What is modelled, in words.
         residual: First derivative in the jump, compiled.
         tangent: Second derivative, compiled.
-        stiffness: k at the contact points (stress/length).
     """
 
     def __init__(
         self, name: str, trace: Trace, jump: Any, gap: Array, stiffness: Array, bonded: bool
     ) -> None:
         self.name = name
-        self.stiffness = stiffness
+        self._stiffness = stiffness
+        self._softness = fem.Constant(trace.surface.mesh, 1.0)
         self._trace = trace
         self._bonded = bonded
         self._held: Array | None = None
         weight, measure = trace.weight, trace.measure
-        self.stiffness_ufl = trace.coefficient(stiffness)
+        self.stiffness_ufl = trace.coefficient(stiffness) / self._softness
         # Where no obstacle stands, a gap that nothing closes.
         self._far = 1e3 * trace.extent()
         self._gap = trace.function(np.zeros(len(gap)))
@@ -58,6 +58,15 @@ class NormalTerm:
         residual = ufl.derivative(energy, jump)
         self.residual = fem.form(residual)
         self.tangent = fem.form(ufl.derivative(residual, jump))
+
+    @property
+    def stiffness(self) -> Array:
+        """Stiffness k at the contact points (stress/length)."""
+        return self._stiffness / float(self._softness.value)
+
+    def soften(self, factor: float) -> None:
+        """Divide k by a factor, from now on."""
+        self._softness.value = factor
 
     @property
     def forms(self) -> tuple[Any, ...]:

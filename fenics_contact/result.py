@@ -104,6 +104,9 @@ class Result:
 
     Attributes:
         branches: All answers that were found, where the scene asks for others.
+        errors: Quantity → source → estimated absolute error, and their ``total``; None where it
+            was not estimated.
+        error_notes: Sentences that say what was not, and why.
         points: The rows of ``contact.csv``; None if no load step was accepted.
         interrupted: Whether the user stopped the run; not among the keys.
     """
@@ -119,6 +122,7 @@ class Result:
     supports: list[dict[str, Any]] = field(default_factory=list)
     branches: list[dict[str, Any]] = field(default_factory=list)
     errors: Mapping[str, Any] = field(default_factory=dict)
+    error_notes: list[str] = field(default_factory=list)
     timings: Mapping[str, float] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     points: ContactPoints | None = None
@@ -152,6 +156,7 @@ class Result:
             "checks": {name: check.as_dict() for name, check in self.checks.items()},
             "branches": self.branches,
             "errors": dict(self.errors),
+            "error_notes": self.error_notes,
             "timings": dict(self.timings),
             "versions": dict(self.versions),
         }
@@ -187,3 +192,30 @@ def share_words(share: float) -> str:
     """The used share of a limit load: no scene at the limit is run, so none is said to be."""
     words = f"{share:.6g}"
     return "just below 1, the limit" if words == "1" else words
+
+
+def error_bar(row: Mapping[str, float | None] | None) -> str:
+    """The total of a row of ``errors``; without one, what it is at the least.
+
+    Args:
+        row: Source → error, and ``total``; None for a quantity that has none.
+    """
+    if row is None:
+        return ""
+    total = row["total"]
+    if total is not None:
+        return f"{total:.1e}"
+    known = sum(value for source, value in row.items() if value is not None)
+    return f"{known:.1e} or more"
+
+
+def error_rows(errors: Mapping[str, Mapping[str, float | None]]) -> list[list[str]]:
+    """A table of estimated errors by source, its head first; empty where there are none."""
+    if not errors:
+        return []
+    sources = list(next(iter(errors.values())))
+    rows = [["quantity", *sources]]
+    for name, row in errors.items():
+        cells = ["?" if value is None else f"{value:.1e}" for value in row.values()]
+        rows.append([name.replace("_", " "), *cells])
+    return rows
