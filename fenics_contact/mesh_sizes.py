@@ -75,11 +75,11 @@ class Cells:
         pairs = self.vertices[:, np.array(_EDGES[self.cell])].reshape(-1, 2)
         return np.unique(np.sort(pairs, axis=1), axis=0)
 
-    def part(self, chosen: NDArray[np.bool_]) -> Cells:
-        """Some of the cells, with their own vertices only."""
+    def part(self, chosen: NDArray[np.bool_]) -> tuple[Cells, Integers]:
+        """Some of the cells with their own vertices only, and which vertices these are."""
         used, vertices = np.unique(self.vertices[chosen], return_inverse=True)
         shape = (int(chosen.sum()), self.vertices.shape[1])
-        return Cells(self.cell, self.points[used], vertices.reshape(shape))
+        return Cells(self.cell, self.points[used], vertices.reshape(shape)), used
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,11 @@ from typing import Any
 
 from mpi4py import MPI
 
+import numpy as np
+from numpy.typing import NDArray
+
 from fenics_contact import compat, verdict
+from fenics_contact.accepted_step import Unknowns
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
 from fenics_contact.energy_book import EnergyBook
@@ -18,6 +22,7 @@ from fenics_contact.errors import InputError, NotConvergedError, StoppedError
 from fenics_contact.faults import failing_together
 from fenics_contact.gmsh_files import load_body
 from fenics_contact.load_steps import History, solve
+from fenics_contact.local_errors import LocalErrors
 from fenics_contact.mesh import Body
 from fenics_contact.model_words import parameters_of, sides_of, strategy_of
 from fenics_contact.other_answers import OtherAnswers, look_around
@@ -52,6 +57,9 @@ class Run:
         steps: What came out of the load steps so far, as in ``result.json``.
         book: Work and energies along them.
         others: What is known of other answers of the last step.
+        squared: Errors squared of this rank's own cells, where the scene asks for an accuracy;
+            None before the last step (energy).
+        last: What that step is gone on from, likewise.
         timings: Seconds so far.
 
     Args:
@@ -70,6 +78,8 @@ class Run:
         self.scene = scene
         self.solution: Solution | None = None
         self.others = OtherAnswers()
+        self.squared: NDArray[np.float64] | None = None
+        self.last: Unknowns | None = None
         self.steps: list[dict[str, Any]] = []
         self._announce: Callable[[int, dict[str, Any]], None] = _log_step
         self.timings = Timings()
@@ -124,6 +134,7 @@ class Run:
         stopped: Callable[[], bool] | None = None,
         announce: Callable[[int, dict[str, Any]], None] | None = None,
         accepted: Callable[[], None] | None = None,
+        guess: Unknowns | None = None,
     ) -> Result:
         """Solve and evaluate; collective. Failure to converge is a result, too.
 
@@ -134,9 +145,10 @@ class Run:
             announce: Called with number and record of every accepted step; by default it is
                 logged, where there are several.
             accepted: Called when a load step has been added to ``steps``; collective.
+            guess: Where the first load step is thought to end.
         """
         with failing_together(self.problem.comm):
-            return self._solve(state, saved, stopped, announce, accepted)
+            return self._solve(state, saved, stopped, announce, accepted, guess)
 
     def _solve(
         self,
@@ -145,6 +157,7 @@ class Run:
         stopped: Callable[[], bool] | None,
         announce: Callable[[int, dict[str, Any]], None] | None,
         accepted: Callable[[], None] | None,
+        guess: Unknowns | None,
     ) -> Result:
         """As ``solve``."""
         if state is not None:
@@ -157,6 +170,7 @@ class Run:
 
         def begin(history: History) -> None:
             self._history = history
+            history.guess = guess
             if saved is not None:
                 self._measure(history.resume(saved.last, saved.pace, saved.forces))
                 self.book.resume(saved.energy, self.forces, self._reactions)
@@ -174,6 +188,8 @@ class Run:
         def end(history: History) -> None:
             with self.timings.phase("output"):
                 self.others = look_around(history)
+            if self.scene.accuracy is not None:
+                self._find_errors(history)
 
         try:
             solve(self.problem, self.timings, record, self.choice, begin, keep, stopped, end)
@@ -182,6 +198,15 @@ class Run:
         except StoppedError:
             return self._interrupted()
         return self._evaluate()
+
+    def _find_errors(self, history: History) -> None:
+        """Of the cells, at the end of the history, which is there again afterwards; collective."""
+        assert history.last is not None
+        with self.timings.phase("errors"):
+            history.go_back()
+            errors = LocalErrors(self.problem)
+            errors.solve(self.forces, history.time)
+            self.squared, self.last = errors.squared, history.last.unknowns
 
     def _measure(self, solution: Solution) -> dict[str, Any]:
         """Forces and quantities of a load step, before slip is counted anew."""

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from mpi4py import MPI
 
-PHASES = ("mesh", "compile", "assemble", "factorise", "solve", "output")
+PHASES = ("mesh", "compile", "assemble", "factorise", "solve", "errors", "output")
 
 
 class Timings:
