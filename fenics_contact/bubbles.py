@@ -36,9 +36,7 @@ def bubble_space(spaces: Spaces) -> Any:
     if cell == basix.CellType.hexahedron:
         combinations = _along_lines(combinations, degree)
     element = _element(cell, degree + 1, np.ascontiguousarray(combinations.T))
-    return fem.functionspace(
-        mesh, basix.ufl.blocked_element(element, shape=(spaces.components,))
-    )
+    return fem.functionspace(mesh, basix.ufl.blocked_element(element, shape=(spaces.components,)))
 
 
 def _legendre(cell: Any, degree: int, points: Array) -> Array:

@@ -17,6 +17,7 @@ from fenics_contact.mesh import Body
 from fenics_contact.mesh_refinement import refined
 from fenics_contact.mesh_sizes import Cells, SizeField, next_sizes
 from fenics_contact.parallel import on_root
+from fenics_contact.problem import Problem
 from fenics_contact.scene import Scene
 
 Array = NDArray[np.float64]
@@ -55,14 +56,12 @@ def hindrance(scene: Scene, body: Body, is_own: bool) -> str:
     return ""
 
 
-def next_mesh(
-    scene: Scene, body: Body, squared: Array, number: float, is_own: bool
-) -> Body:
+def next_mesh(scene: Scene, problem: Problem, squared: Array, number: float, is_own: bool) -> Body:
     """A mesh of about so many cells whose errors are about equal; collective.
 
     Args:
         scene: With its meshes.
-        body: The last mesh, which nothing hinders.
+        problem: On the last mesh, which nothing hinders.
         squared: Errors squared of this rank's own cells (energy).
         number: Of cells wanted.
         is_own: Whether the first mesh was passed in place of the scene's.
@@ -70,8 +69,8 @@ def next_mesh(
     Raises:
         InputError: Gmsh cannot make it, or it is unsound.
     """
-    comm, order = body.mesh.comm, scene.discretisation.degree
-    rows = _own_cells(scene, body, squared)
+    body, comm, order = problem.body, problem.comm, problem.spaces.degree
+    rows = _own_cells(scene, body, _of_a_section(problem, squared))
     gathered = comm.gather(rows)
     if not _is_meshed_again(scene, is_own):
         marked: list[NDArray[np.bool_]] = []  # stay on rank 0
@@ -80,6 +79,18 @@ def next_mesh(
     fields: list[SizeField] = []  # stay on rank 0
     on_root(comm, lambda: fields.extend(_fields(_joined(body, gathered), order, number)))
     return load_body(scene.mesh, scene.dimension, comm, fields, curved=True)
+
+
+def _of_a_section(problem: Problem, squared: Array) -> Array:
+    """Of axisymmetric bodies, errors a length around: cells at the axis are no less important.
+
+    A peak pressure often stands there, and over the whole circle they would count for nothing.
+    """
+    if problem.spaces.kinematics != "axisymmetric":
+        return squared
+    mesh = problem.body.mesh
+    nodes = compat.geometry_nodes(mesh)[: len(squared)]
+    return np.asarray(squared / (2 * np.pi * mesh.geometry.x[nodes][:, :, 0].mean(axis=1)))
 
 
 def _is_meshed_again(scene: Scene, is_own: bool) -> bool:

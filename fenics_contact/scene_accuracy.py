@@ -44,9 +44,7 @@ class Accuracy:
 
     def __post_init__(self) -> None:
         if not any(getattr(self, name) for name in QUANTITIES) and self.main is None:
-            raise ValueError(
-                f"accuracy: ask for that of main or of any of {', '.join(QUANTITIES)}"
-            )
+            raise ValueError(f"accuracy: ask for that of main or of any of {', '.join(QUANTITIES)}")
 
     def asked(self, present: Mapping[str, Any]) -> dict[str, float]:
         """Quantities asked for, each with the relative error that it may have.

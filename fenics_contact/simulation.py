@@ -7,9 +7,8 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
-from mpi4py import MPI
-
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fenics_contact import compat, verdict
@@ -92,7 +91,8 @@ class Run:
             if not scene.mesh:
                 raise InputError("mesh: the scene names no mesh and no body was passed")
             with self.timings.phase("mesh"):
-                body = load_body(scene.mesh, scene.dimension, comm)
+                curved = scene.accuracy is not None and scene.discretisation.degree > 1
+                body = load_body(scene.mesh, scene.dimension, comm, curved=curved)
         self.problem = Problem(scene, body, self.timings)
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)
@@ -356,22 +356,3 @@ def _log_step(number: int, step: dict[str, Any]) -> None:
 
 def _say_nothing(number: int, step: dict[str, Any]) -> None:
     """Of a run of a single step, its result says it all."""
-
-
-def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None) -> Result:
-    """Solve a scene; collective.
-
-    Args:
-        scene: What to solve.
-        comm: Communicator.
-        body: The mesh, if not the one the scene names.
-
-    Returns:
-        Global numbers, the same on every rank and any number of ranks.
-
-    Raises:
-        InputError: The scene or its mesh cannot be used, or has no equilibrium.
-
-    What goes wrong on one rank alone ends all ranks, with a message and ``MPI_Abort``.
-    """
-    return Run(scene, comm, body).solve()
