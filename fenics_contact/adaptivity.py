@@ -29,7 +29,7 @@ from fenics_contact.errors import FenicsContactError, InputError, StoppedError
 from fenics_contact.mesh import Body
 from fenics_contact.next_mesh import hindrance, next_mesh
 from fenics_contact.parallel import total
-from fenics_contact.relative_errors import Errors, is_met, relative_errors
+from fenics_contact.relative_errors import Errors, is_met, others_than_mesh, relative_errors
 from fenics_contact.result import Result
 from fenics_contact.scene import Scene
 from fenics_contact.scene_accuracy import Accuracy
@@ -45,6 +45,8 @@ _MARGIN = 1.2
 # Share of the accuracy that penalty, regularisation and iteration may take, and what they are
 # brought down to once they take more.
 _SHARE, _AIM = 0.2, 0.1
+# Share that is left to the mesh whatever others take: they are to become smaller, too.
+_LEFT = 0.3
 # By at most so many times from one level to the next.
 _SMALLER = 100.0
 # Of the dofs allowed: what Gmsh makes of sizes is about so many, not just so many.
@@ -136,9 +138,9 @@ class AdaptiveRun:
         if missing:
             return f"the error of {', '.join(missing)} could not be estimated"
         for name, found in errors.items():
-            fixed = {s: v for s, v in found.items() if s not in ("mesh", "total") and v}
-            kept = {s: v for s, v in fixed.items() if not self._can_reduce(s)}
-            if sum(kept.values()) >= self.asked[name] and found["mesh"] < sum(kept.values()):
+            kept = {s: v for s, v in others_than_mesh(found).items() if not self._can_reduce(s)}
+            mesh = found["mesh"] or 0.0
+            if sum(kept.values()) >= self.asked[name] and mesh < sum(kept.values()):
                 source = max(kept, key=lambda source: kept[source])
                 return (
                     f"of the error of {name}, {kept[source]:.1e} is of the {source}, which no mesh "
@@ -163,8 +165,8 @@ class AdaptiveRun:
         """The mesh's error over what is left to it, the largest of all quantities."""
         ratios = [0.0]
         for name, found in errors.items():
-            others = sum(v for s, v in found.items() if s not in ("mesh", "total") and v)
-            left = max(self.asked[name] - others, 0.3 * self.asked[name])
+            others = sum(others_than_mesh(found).values())
+            left = max(self.asked[name] - others, _LEFT * self.asked[name])
             ratios.append((found["mesh"] or 0.0) / left)
         return max(ratios)
 
@@ -192,7 +194,7 @@ class AdaptiveRun:
         growth = _MARGIN * self._mesh_ratio(errors) ** (1 / order)
         wanted = cells * float(np.clip(growth, _LEAST, _MOST))
         used_up = _UsedUpError(
-            f"the accuracy.max_dofs = {self._accuracy.max_dofs} would not be enough for a finer mesh"
+            f"the accuracy.max_dofs = {self._accuracy.max_dofs} do not suffice for a finer mesh"
         )
         if _LEAST * cells > most:
             raise used_up

@@ -224,7 +224,10 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 
 
 # Files of a run and of its report, and nothing else that may lie in the folder.
-_PICTURES = r"(deformed|mesh|axis_stress|surface_displacement|history_\w+|contact_\d+)\.png|animation_\d+\.gif"
+_PICTURES = (
+    r"(deformed|mesh|axis_stress|surface_displacement|history_\w+|contact_\d+)\.png"
+    r"|animation_\d+\.gif"
+)
 # Those that say how a run ended, which is not true any more when it goes on.
 _OF_THE_END = rf"result\.json|contact\.csv|report\.html|{_PICTURES}"
 _LEVEL = "next_level"  # folder of a level that is not whole yet

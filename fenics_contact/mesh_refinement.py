@@ -82,7 +82,9 @@ def gathered(body: Body) -> Simplices | None:
     )
     if rows is None:
         return None
-    cells, points, cell_tags, facets, tags = (np.concatenate(part) for part in zip(*rows))
+    cells, points, cell_tags, facets, tags = (
+        np.concatenate(part) for part in zip(*rows, strict=True)
+    )
     known, first, inverse = np.unique(cells, return_index=True, return_inverse=True)
     return Simplices(
         mesh.topology.cell_name(),

@@ -98,7 +98,7 @@ def _is_meshed_again(scene: Scene, is_own: bool) -> bool:
 
 
 def _own_cells(scene: Scene, body: Body, squared: Array) -> dict[str, Any]:
-    """This rank's own cells: their vertices by number and place, errors, and which mesh it is of."""
+    """This rank's cells: numbers and places of their vertices, errors, and which mesh each is of."""
     mesh = body.mesh
     cells = mesh.topology.index_map(body.dimension).size_local
     corners = _CORNERS[mesh.topology.cell_name()]

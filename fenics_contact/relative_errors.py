@@ -23,10 +23,11 @@ def relative_errors(result: Result, asked: Mapping[str, float], run: Run) -> Err
         asked: The quantities.
         run: Of the result; collective.
     """
-    found = {}
+    found: dict[str, dict[str, float | None]] = {}
     for name in asked:
         size = float(np.linalg.norm(result.quantities[MEASURED_BY.get(name, name)]))
         if not result.errors:
+            assert run.squared is not None
             squared = total(run.problem.comm, run.squared.sum())
             energy = float(squared / (2 * result.quantities["strain_energy"]))
             factor = {"normal_force": 1, "strain_energy": 1}.get(name, 10)
@@ -34,6 +35,11 @@ def relative_errors(result: Result, asked: Mapping[str, float], run: Run) -> Err
             continue
         found[name] = {source: _over(v, size) for source, v in result.errors[name].items()}
     return found
+
+
+def others_than_mesh(found: Mapping[str, float | None]) -> dict[str, float]:
+    """A quantity's errors by the other sources, of those that it has."""
+    return {s: v for s, v in found.items() if s not in ("mesh", "total") and v}
 
 
 def _over(error: float | None, size: float) -> float | None:

@@ -144,7 +144,7 @@ class Result:
 
     @property
     def exit_code(self) -> int:
-        """0 passed, 3 not converged, or not to the accuracy asked for, 4 a check failed, 130 interrupted."""
+        """0 passed, 3 not converged (or not to an accuracy), 4 a check failed, 130 interrupted."""
         if self.interrupted:
             return StoppedError.exit_code
         if not (self.converged and self.is_accurate):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Collection
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -11,7 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from fenics_contact.scene_values import CLOSED, Integer, Number
 
-_Asked = Annotated[Number | None, Field(gt=0, lt=1)]
+_Asked = Annotated[Number, Field(gt=0, lt=1)] | None
 # Of a scene that says but one number; in each, those that it has.
 MAIN = ("normal_force", "max_contact_pressure", "contact_area", "stick_area")
 
@@ -46,7 +46,7 @@ class Accuracy:
         if not any(getattr(self, name) for name in QUANTITIES) and self.main is None:
             raise ValueError(f"accuracy: ask for that of main or of any of {', '.join(QUANTITIES)}")
 
-    def asked(self, present: Mapping[str, Any]) -> dict[str, float]:
+    def asked(self, present: Collection[str]) -> dict[str, float]:
         """Quantities asked for, each with the relative error that it may have.
 
         Args:
