@@ -213,7 +213,7 @@ class Problem:
             contact.set_time(time)
         self.prescribed = self.supports.at(time)
         if self.far_field is not None:
-            values = np.zeros(len(self.far_field.dofs))
+            values = self.far_field.beyond.copy()
             for number, contact in enumerate(self.contacts):
                 values += (contact.force or 0.0) * self.far_field.columns[number]
             order = np.argsort(np.concatenate([self.supports.dofs, self.far_field.dofs]))

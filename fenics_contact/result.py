@@ -106,6 +106,9 @@ class Result:
         branches: All answers that were found, where the scene asks for others.
         levels: Meshes on the way, where the scene asks for an accuracy.
         accuracy: What it asked for, whether that was reached and, if not, why.
+        errors: Quantity → source → estimated absolute error, and their ``total``; None where it
+            was not estimated.
+        error_notes: Sentences that say what was not, and why.
         points: The rows of ``contact.csv``; None if no load step was accepted.
         interrupted: Whether the user stopped the run; not among the keys.
     """
@@ -123,6 +126,7 @@ class Result:
     errors: Mapping[str, Any] = field(default_factory=dict)
     levels: list[dict[str, Any]] = field(default_factory=list)
     accuracy: Mapping[str, Any] = field(default_factory=dict)
+    error_notes: list[str] = field(default_factory=list)
     timings: Mapping[str, float] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     points: ContactPoints | None = None
@@ -166,6 +170,7 @@ class Result:
             "branches": self.branches,
             "errors": dict(self.errors),
             **({"levels": self.levels, "accuracy": dict(self.accuracy)} if self.accuracy else {}),
+            "error_notes": self.error_notes,
             "timings": dict(self.timings),
             "versions": dict(self.versions),
         }
@@ -195,3 +200,30 @@ def branch_rows(branches: list[dict[str, Any]]) -> list[list[Any]]:
 def motion_words(motion: dict[str, Any]) -> str:
     """A rigid motion of ``model.rigid_motions``, and what may resist it."""
     return f"{motion['motion']}: resisted by {', '.join(motion['resisted_by']) or 'nothing'}"
+
+
+def error_bar(row: Mapping[str, float | None] | None) -> str:
+    """The total of a row of ``errors``; without one, what is known and that it is not all.
+
+    Args:
+        row: Source → error, and ``total``; None for a quantity that has none.
+    """
+    if row is None:
+        return ""
+    total = row["total"]
+    if total is not None:
+        return f"{total:.1e}"
+    missing = [source for source, value in row.items() if value is None and source != "total"]
+    return f"? (without {', '.join(missing)})"
+
+
+def error_rows(errors: Mapping[str, Mapping[str, float | None]]) -> list[list[str]]:
+    """A table of estimated errors by source, its head first; empty where there are none."""
+    if not errors:
+        return []
+    sources = list(next(iter(errors.values())))
+    rows = [["quantity", *sources]]
+    for name, row in errors.items():
+        cells = ["?" if value is None else f"{value:.1e}" for value in row.values()]
+        rows.append([name.replace("_", " "), *cells])
+    return rows

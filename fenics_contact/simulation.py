@@ -17,6 +17,7 @@ from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
 from fenics_contact.energy_book import EnergyBook
 from fenics_contact.equilibrium import FreeMotion, require_equilibrium
+from fenics_contact.error_budget import ErrorBudget, error_budget
 from fenics_contact.errors import InputError, NotConvergedError, StoppedError
 from fenics_contact.faults import failing_together
 from fenics_contact.gmsh_files import load_body
@@ -34,7 +35,7 @@ from fenics_contact.quantities import (
     global_quantities,
     support_reactions,
 )
-from fenics_contact.result import Result
+from fenics_contact.result import Check, Result
 from fenics_contact.scene import Scene
 from fenics_contact.solution import Solution
 from fenics_contact.solver_choice import SolverChoice, choose_solver
@@ -59,6 +60,7 @@ class Run:
         squared: Errors squared of this rank's own cells, where the scene asks for an accuracy;
             None before the last step (energy).
         last: What that step is gone on from, likewise.
+        budget: Estimated errors of its quantities.
         timings: Seconds so far.
 
     Args:
@@ -79,6 +81,7 @@ class Run:
         self.others = OtherAnswers()
         self.squared: NDArray[np.float64] | None = None
         self.last: Unknowns | None = None
+        self.budget = ErrorBudget()
         self.steps: list[dict[str, Any]] = []
         self._announce: Callable[[int, dict[str, Any]], None] = _log_step
         self.timings = Timings()
@@ -166,6 +169,8 @@ class Run:
         self.steps = [] if saved is None else list(saved.steps)
         self.book = EnergyBook(self.problem)
         self.others = OtherAnswers()
+        self.budget = ErrorBudget()
+        self._checks: dict[str, Check] = {}
         self._announce = announce or (_log_step if self.scene.steps.several else _say_nothing)
 
         def begin(history: History) -> None:
@@ -186,10 +191,15 @@ class Run:
                     state.save(history, self.steps, self.book.sums)
 
         def end(history: History) -> None:
+            self._checks = self._run_checks()  # before other answers move the contacts about
             with self.timings.phase("output"):
                 self.others = look_around(history)
             if self.scene.accuracy is not None:
                 self._find_errors(history)
+            with self.timings.phase("errors"):
+                times = [step["load_factor"] for step in self.steps]
+                defect = self.steps[-1]["quantities"].get("energy_defect")
+                self.budget = error_budget(history, times, defect)
 
         try:
             solve(self.problem, self.timings, record, self.choice, begin, keep, stopped, end)
@@ -255,9 +265,20 @@ class Run:
                 "parameters": parameters_of(contact),
                 **self.others.limit(contact.label),
                 "quantities": found,
+                **self.budget.of_contact(number),
             }
-            for contact, found in zip(self.problem.contacts, quantities, strict=True)
+            for number, (contact, found) in enumerate(
+                zip(self.problem.contacts, quantities, strict=True)
+            )
         ]
+
+    def _run_checks(self) -> dict[str, Check]:
+        """Of the last load step; collective."""
+        with self.timings.phase("output"):
+            checks = run_checks(self.forces, self._reactions, len(self.steps))
+            balance = self.book.check(self.steps[-1]["quantities"])
+            checks |= {} if balance is None else {"energy_balance": balance}
+        return checks
 
     def _evaluate(self) -> Result:
         """Of the last load step; collective."""
@@ -265,9 +286,7 @@ class Run:
         assert solution is not None
         with self.timings.phase("output"):
             quantities = self.steps[-1]["quantities"]
-            checks = run_checks(self.forces, self._reactions, len(self.steps))
-            balance = self.book.check(quantities)
-            checks |= {} if balance is None else {"energy_balance": balance}
+            checks = self._checks or self._run_checks()
             points = contact_points(problem, solution)
         return Result(
             title=self.scene.title,
@@ -288,6 +307,8 @@ class Run:
             steps=self.steps,
             checks=checks,
             branches=self.others.branches,
+            errors=self.budget.quantities,
+            error_notes=self.budget.notes,
             timings=self.timings.summary(problem.comm),
             versions=compat.versions(),
             points=points,
