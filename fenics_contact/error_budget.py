@@ -16,6 +16,8 @@ from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.condensed_system import CondensedSystem
 from fenics_contact.domain_errors import domain_errors
 from fenics_contact.load_steps import History
+from fenics_contact.local_errors import LocalErrors
+from fenics_contact.mesh_errors import mesh_errors
 from fenics_contact.parameter_errors import (
     iteration_errors,
     penalty_errors,
@@ -60,11 +62,13 @@ class ErrorBudget:
         quantities: Quantity → source → error, and ``total``; None where it was not estimated.
         contacts: The same of every contact, in scene order.
         notes: Sentences that say what was not estimated, and why.
+        local: Errors of the cells, where those by the mesh were estimated.
     """
 
     quantities: dict[str, Row] = field(default_factory=dict)
     contacts: list[dict[str, Row]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    local: LocalErrors | None = None
 
     def of_contact(self, number: int) -> dict[str, Any]:
         """``errors`` of a contact for ``result.json``, where there are any."""
@@ -87,7 +91,8 @@ def error_budget(history: History, times: Sequence[float], defect: float | None)
         return ErrorBudget()
     measure = _Measure(history)
     answer = measure(history.last.solution)
-    found, notes = _Estimates(history, measure, times).all()
+    estimates = _Estimates(history, measure, times)
+    found, notes = estimates.all()
     rows = {key: _row(key, found) for key in answer}
     every = {key: row for key, row in rows.items() if isinstance(key, str)}
     if len(times) > 1:
@@ -98,7 +103,7 @@ def error_budget(history: History, times: Sequence[float], defect: float | None)
         {key[1]: row for key, row in rows.items() if isinstance(key, tuple) and key[0] == number}
         for number in range(len(problem.contacts))
     ]
-    return ErrorBudget(every, contacts, notes)
+    return ErrorBudget(every, contacts, notes, estimates.local)
 
 
 class _Measure:
@@ -132,7 +137,11 @@ class _Measure:
 
 
 class _Estimates:
-    """The estimate of each source, where the scene has it and it is to be made."""
+    """The estimate of each source, where the scene has it and it is to be made.
+
+    Attributes:
+        local: Of the cells, once the error by the mesh has been estimated.
+    """
 
     def __init__(self, history: History, measure: _Measure, times: Sequence[float]) -> None:
         self._history, self._measure, self._times = history, measure, times
@@ -142,6 +151,7 @@ class _Estimates:
         self._is_cheap = isinstance(system, CondensedSystem)
         self._solver = system.name
         self._notes: list[str] = []
+        self.local: LocalErrors | None = None
 
     def all(self) -> tuple[dict[str, Errors], list[str]]:
         """Of all sources by name, with {} for one that the scene does not have; and notes."""
@@ -167,9 +177,6 @@ class _Estimates:
     def _of(self, source: str) -> Errors:
         if not self._has(source):
             return {}
-        if source == "mesh":
-            self._notes.append("The error by the mesh was not estimated.")
-            return None
         again = self._times if self._takes_history(source) else ()
         if len(again) > _SHORT and not self._wants_all:
             note = (
@@ -181,6 +188,7 @@ class _Estimates:
             return None
         history, measure = self._history, self._measure
         estimate: dict[str, Callable[[], Errors]] = {
+            "mesh": self._of_mesh,
             "penalty": lambda: penalty_errors(history, measure, again),
             "regularisation": lambda: regularisation_errors(history, measure, again),
             "iteration": lambda: iteration_errors(history, measure),
@@ -188,10 +196,27 @@ class _Estimates:
             "domain": lambda: domain_errors(history, measure),
         }
         found = estimate[source]()
-        if found is None:
+        if found is None and not self._is_mixed(source):
             self._notes.append(
                 f"The error by {_WORDS[source]} was not estimated: solving again with less of it "
                 "did not converge."
+            )
+        return found
+
+    def _is_mixed(self, source: str) -> bool:
+        """Whether the mesh has no estimate, as the mean stress is an unknown of its own."""
+        return source == "mesh" and self._problem.elastic.mixed is not None
+
+    def _of_mesh(self) -> Errors:
+        found, self.local = mesh_errors(self._history, self._measure)
+        if self._is_mixed("mesh"):
+            self._notes.append(
+                "The error by the mesh is not estimated of nearly incompressible bodies."
+            )
+        elif found is not None and "max_contact_pressure" not in found:
+            self._notes.append(
+                "The largest contact pressure has no error bar: it seems to grow with every "
+                "refinement, as under an edge or a corner of an obstacle."
             )
         return found
 
