@@ -11,11 +11,12 @@ from __future__ import annotations
 import dataclasses
 import logging
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
+from numpy.typing import NDArray
 
 from fenics_contact.accepted_step import Unknowns
 from fenics_contact.accuracy_words import (
@@ -25,10 +26,12 @@ from fenics_contact.accuracy_words import (
     reached,
     source_advice,
 )
+from fenics_contact.contact_area import edges
 from fenics_contact.errors import FenicsContactError, InputError, StoppedError
+from fenics_contact.local_errors import LocalErrors
 from fenics_contact.mesh import Body
-from fenics_contact.next_mesh import hindrance, next_mesh
-from fenics_contact.parallel import total
+from fenics_contact.mesh_sizes import FINER
+from fenics_contact.next_mesh import Wish, hindrance, next_mesh
 from fenics_contact.relative_errors import Errors, is_met, others_than_mesh, relative_errors
 from fenics_contact.result import Result
 from fenics_contact.scene import Scene
@@ -36,15 +39,21 @@ from fenics_contact.scene_accuracy import Accuracy
 from fenics_contact.simulation import Run
 from fenics_contact.transfer import moved_over
 
+Array = NDArray[np.float64]
+
 logger = logging.getLogger(__name__)
 
 # Of the cells, from one level to the next: at least and at most so many times as many.
-_LEAST, _MOST = 1.3, 4.0
+_LEAST, _MOST = 1.2, 4.0
 # Of the cells that an error of the order of the elements asks for.
 _MARGIN = 1.2
 # Share of the accuracy that penalty, regularisation and iteration may take, and what they are
 # brought down to once they take more.
 _SHARE, _AIM = 0.2, 0.1
+# Quantities that are as wrong as the edge of contact, or of stick, is far from its place.
+_AREAS = (("contact_area", "slip_area"), ("stick_area", "slip_area"))
+# Meshes in a row on which an error may be unknown; and what it is then, over what is allowed.
+_PATIENCE, _UNKNOWN = 3, 2.0
 # Share that is left to the mesh whatever others take: they are to become smaller, too.
 _LEFT = 0.3
 # By at most so many times from one level to the next.
@@ -96,7 +105,7 @@ class AdaptiveRun:
             result = solve_level(run, guess)
             if not result.converged:
                 return self._failed(result, last)
-            errors = relative_errors(result, self.asked, run)
+            errors = relative_errors(result, self.asked)
             self._note(run, result, errors)
             self.run, last = run, result
             if is_met(errors, self.asked):
@@ -112,20 +121,19 @@ class AdaptiveRun:
                 raise
             except FenicsContactError as error:
                 return self._with_levels(last, f"the next mesh failed: {error}")
-            if not run.scene.steps.several and self.run.last is not None:
+            if not run.scene.steps.several:
                 guess = moved_over(self.run.problem, run.problem, self.run.last)
 
     def _note(self, run: Run, result: Result, errors: Errors) -> None:
         for phase, seconds in result.timings.items():
             self._seconds[phase] = self._seconds.get(phase, 0.0) + seconds
-        squared = total(run.problem.comm, 0.0 if run.squared is None else run.squared.sum())
-        energy = result.quantities["strain_energy"]
+        local, energy = run.budget.local, result.quantities["strain_energy"]
         self.levels.append(
             {
                 "dofs": result.model["dofs"],
                 "cells": result.model["cells"],
                 "seconds": result.timings["total"] + self._between,
-                "energy_error": float(np.sqrt(squared / (2 * energy))) if energy > 0 else None,
+                "energy_error": None if local is None else _over_energy(local, energy),
                 "errors": {name: found["total"] for name, found in errors.items()},
                 "sources": errors,
             }
@@ -134,9 +142,9 @@ class AdaptiveRun:
 
     def _reason_to_stop(self, errors: Errors) -> str:
         """Why no further level can help, or nothing."""
-        missing = [name for name, found in errors.items() if found["total"] is None]
-        if missing:
-            return f"the error of {', '.join(missing)} could not be estimated"
+        unknown = self._not_estimated(errors)
+        if unknown:
+            return unknown
         for name, found in errors.items():
             kept = {s: v for s, v in others_than_mesh(found).items() if not self._can_reduce(s)}
             mesh = found["mesh"] or 0.0
@@ -146,10 +154,29 @@ class AdaptiveRun:
                     f"of the error of {name}, {kept[source]:.1e} is of the {source}, which no mesh "
                     f"changes: {source_advice(source)}"
                 )
-        if self._hindrance and self._mesh_ratio(errors) > 0:
+        if self._hindrance:
             return self._hindrance
         if len(self.levels) >= self._accuracy.max_levels:
             return f"the accuracy.max_levels = {self._accuracy.max_levels} meshes are used up"
+        return ""
+
+    def _not_estimated(self, errors: Errors) -> str:
+        """What is not known and will not be on another mesh, or nothing."""
+        unknown = {
+            name: [s for s, v in found.items() if v is None and s != "total"]
+            for name, found in errors.items()
+            if found["total"] is None
+        }
+        for name, sources in unknown.items():
+            if self.run.budget.local is None or sources != ["mesh"]:
+                return f"the error of {name} by {' and '.join(sources)} could not be estimated"
+        last = [level["errors"] for level in self.levels[-_PATIENCE:]]
+        for name in unknown:
+            if len(last) == _PATIENCE and all(level[name] is None for level in last):
+                return (
+                    f"the error of {name} could not be estimated on {_PATIENCE} meshes; under a "
+                    "corner the pressure has no bound"
+                )
         return ""
 
     def _can_reduce(self, source: str) -> bool:
@@ -161,13 +188,34 @@ class AdaptiveRun:
             return any(contact.regularisation_parameter == "auto" for contact in scene.contact)
         return False
 
-    def _mesh_ratio(self, errors: Errors) -> float:
-        """The mesh's error over what is left to it, the largest of all quantities."""
+    def _edges(self, errors: Errors) -> Array:
+        """Sizes that cells at edges of contact and stick are not to exceed, on this rank.
+
+        An area is as wrong as a share of the pieces that its edge passes through: the error goes
+        with their size.
+        """
+        run = self.run
+        assert run.solution is not None
+        finer = [
+            max((self._mesh_ratio(errors, (name,)) for name in names if name in errors), default=0)
+            for names in _AREAS
+        ]
+        rows = [np.zeros((0, 4))]
+        for contact, state in zip(run.problem.contacts, run.solution.states, strict=True):
+            for ratio, found in zip(finer, edges(contact, state), strict=True):
+                if ratio > 0:
+                    share = float(np.clip(1 / (_MARGIN * ratio), 1 / FINER, 1.0))
+                    rows.append(found * [1, 1, 1, share])
+        return np.concatenate(rows)
+
+    def _mesh_ratio(self, errors: Errors, names: Sequence[str]) -> float:
+        """The mesh's error over what is left to it, the largest of some quantities."""
         ratios = [0.0]
-        for name, found in errors.items():
+        for name in names:
+            found = errors[name]
             others = sum(others_than_mesh(found).values())
             left = max(self.asked[name] - others, _LEFT * self.asked[name])
-            ratios.append((found["mesh"] or 0.0) / left)
+            ratios.append(_UNKNOWN if found["mesh"] is None else found["mesh"] / left)
         return max(ratios)
 
     def _next_run(self, errors: Errors, result: Result) -> Run:
@@ -187,11 +235,13 @@ class AdaptiveRun:
             _UsedUpError: That is more than allowed.
         """
         run = self.run
-        assert run.squared is not None  # the level was solved
+        assert run.budget.local is not None  # else it would have ended
+        squared, at_edges = run.budget.local.squared, self._edges(errors)
         cells, dofs = self.levels[-1]["cells"], self.levels[-1]["dofs"]
         most = cells * self._accuracy.max_dofs / dofs
         order = run.problem.spaces.degree / run.problem.body.dimension
-        growth = _MARGIN * self._mesh_ratio(errors) ** (1 / order)
+        others = [name for name in errors if name not in {*_AREAS[0], *_AREAS[1]}]
+        growth = _MARGIN * self._mesh_ratio(errors, others) ** (1 / order)
         wanted = cells * float(np.clip(growth, _LEAST, _MOST))
         used_up = _UsedUpError(
             f"the accuracy.max_dofs = {self._accuracy.max_dofs} do not suffice for a finer mesh"
@@ -200,7 +250,8 @@ class AdaptiveRun:
             raise used_up
         wanted = min(wanted, _FILLED * most)
         for _ in range(_TRIES):
-            body = next_mesh(run.scene, run.problem, run.squared, wanted, self._has_own_body)
+            wish = Wish(wanted, squared, at_edges)
+            body = next_mesh(run.scene, run.problem, wish, self._has_own_body)
             found = body.mesh.topology.index_map(body.dimension).size_global
             if found <= most:
                 return body
@@ -227,6 +278,11 @@ class AdaptiveRun:
         )
 
 
+def _over_energy(local: LocalErrors, energy: float) -> float | None:
+    """Error of the displacement over it, in the energy norm."""
+    return float(local.total / np.sqrt(2 * energy)) if energy > 0 else None
+
+
 class _UsedUpError(Exception):
     """What the scene allows does not suffice for another level."""
 
@@ -248,6 +304,8 @@ def asked_of(run: Run) -> dict[str, float]:
     """
     accuracy, contacts = run.scene.accuracy, run.problem.contacts
     assert accuracy is not None
+    if run.scene.solver.errors == "none":
+        raise InputError('solver.errors = "none": accuracy needs the errors; leave one of them out')
     if run.problem.elastic.mixed is not None:
         raise InputError(
             "accuracy: errors of nearly incompressible bodies are not estimated; leave it out"

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import cKDTree
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -137,6 +138,21 @@ def next_sizes(cells: Cells, squared: Array, order: int, number: float) -> Array
             break
         wanted *= number / found
     return sizes
+
+
+def finer_at(cells: Cells, sizes: Array, places: Array, wanted: Array) -> Array:
+    """Sizes at the vertices that are no larger than wanted at some places, and grow from there.
+
+    Args:
+        cells: Of the last mesh.
+        sizes: At the vertices (length).
+        places: Such as those that an edge of contact passes, (places, dimension) (length).
+        wanted: At each place (length).
+    """
+    if len(places) == 0:
+        return sizes
+    away, nearest = cKDTree(places).query(cells.points)
+    return np.minimum(sizes, wanted[nearest] + _SLOPE * away)
 
 
 def expected_number(cells: Cells, sizes: Array) -> float:

@@ -6,6 +6,7 @@ already are cut in two, and again, where their errors are large; their corners s
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from fenics_contact import compat
 from fenics_contact.gmsh_files import is_geometry, load_body
 from fenics_contact.mesh import Body
 from fenics_contact.mesh_refinement import refined
-from fenics_contact.mesh_sizes import Cells, SizeField, next_sizes
+from fenics_contact.mesh_sizes import Cells, SizeField, finer_at, graded, next_sizes
 from fenics_contact.parallel import on_root
 from fenics_contact.problem import Problem
 from fenics_contact.scene import Scene
@@ -56,28 +57,48 @@ def hindrance(scene: Scene, body: Body, is_own: bool) -> str:
     return ""
 
 
-def next_mesh(scene: Scene, problem: Problem, squared: Array, number: float, is_own: bool) -> Body:
-    """A mesh of about so many cells whose errors are about equal; collective.
+@dataclass(frozen=True, eq=False)
+class Wish:
+    """What the next mesh is to be.
+
+    Attributes:
+        number: Of cells, apart from those that ``edges`` ask for.
+        squared: Errors squared of this rank's own cells of the last one (energy).
+        edges: Rows of x, y, z and a size that cells there are not to exceed, of this rank (length).
+    """
+
+    number: float
+    squared: Array
+    edges: Array
+
+
+def next_mesh(scene: Scene, problem: Problem, wish: Wish, is_own: bool) -> Body:
+    """A mesh whose cells have errors that are about equal; collective.
 
     Args:
         scene: With its meshes.
         problem: On the last mesh, which nothing hinders.
-        squared: Errors squared of this rank's own cells (energy).
-        number: Of cells wanted.
+        wish: How fine.
         is_own: Whether the first mesh was passed in place of the scene's.
 
     Raises:
         InputError: Gmsh cannot make it, or it is unsound.
     """
-    body, comm, order = problem.body, problem.comm, problem.spaces.degree
-    rows = _own_cells(scene, body, _of_a_section(problem, squared))
+    body, comm = problem.body, problem.comm
+    rows = _own_cells(scene, body, _of_a_section(problem, wish.squared)) | {"edges": wish.edges}
     gathered = comm.gather(rows)
+
+    def found() -> tuple[_All, Array]:
+        assert gathered is not None  # on rank 0
+        every = _All(body.mesh.topology.cell_name(), gathered)
+        return every, _sizes(every, problem.spaces.degree, wish.number)
+
     if not _is_meshed_again(scene, is_own):
         marked: list[NDArray[np.bool_]] = []  # stay on rank 0
-        on_root(comm, lambda: marked.append(_marked(_joined(body, gathered), order, number)))
+        on_root(comm, lambda: marked.append(_marked(*found(), wish.number)))
         return refined(body, marked[0] if marked else None)
     fields: list[SizeField] = []  # stay on rank 0
-    on_root(comm, lambda: fields.extend(_fields(_joined(body, gathered), order, number)))
+    on_root(comm, lambda: fields.extend(_fields(*found())))
     return load_body(scene.mesh, scene.dimension, comm, fields, curved=True)
 
 
@@ -98,7 +119,7 @@ def _is_meshed_again(scene: Scene, is_own: bool) -> bool:
 
 
 def _own_cells(scene: Scene, body: Body, squared: Array) -> dict[str, Any]:
-    """This rank's cells: numbers and places of their vertices, errors, and which mesh each is of."""
+    """This rank's cells: number and place of the vertices, errors, and which mesh each is of."""
     mesh = body.mesh
     cells = mesh.topology.index_map(body.dimension).size_local
     corners = _CORNERS[mesh.topology.cell_name()]
@@ -123,19 +144,22 @@ class _All:
     def __init__(self, cell: str, gathered: list[dict[str, Any]]) -> None:
         joined = {name: np.concatenate([rows[name] for rows in gathered]) for name in gathered[0]}
         self.squared, self.sources = joined["squared"], joined["sources"]
+        self.edges = joined["edges"]
         _, first, vertices = np.unique(joined["vertices"], return_index=True, return_inverse=True)
         points = joined["points"].reshape(-1, joined["points"].shape[2])[first]
         self.cells = Cells(cell, points, vertices.reshape(joined["vertices"].shape))
 
 
-def _joined(body: Body, gathered: list[dict[str, Any]] | None) -> _All:
-    assert gathered is not None  # on rank 0
-    return _All(body.mesh.topology.cell_name(), gathered)
+def _sizes(found: _All, order: int, number: float) -> Array:
+    """At the vertices of all cells, graded (length)."""
+    cells = found.cells
+    sizes = next_sizes(cells, found.squared, order, number)
+    places, wanted = found.edges[:, : cells.dimension], found.edges[:, 3]
+    return graded(cells.points, cells.edges(), finer_at(cells, sizes, places, wanted))
 
 
-def _fields(found: _All, order: int, number: float) -> list[SizeField]:
+def _fields(found: _All, sizes: Array) -> list[SizeField]:
     """Sizes for every mesh of the scene; all cells together are so many."""
-    sizes = next_sizes(found.cells, found.squared, order, number)
     fields = []
     for source in range(int(found.sources.max(initial=0)) + 1):
         part, used = found.cells.part(found.sources == source)
@@ -143,12 +167,11 @@ def _fields(found: _All, order: int, number: float) -> list[SizeField]:
     return fields
 
 
-def _marked(found: _All, order: int, number: float) -> NDArray[np.bool_]:
+def _marked(found: _All, sizes: Array, number: float) -> NDArray[np.bool_]:
     """Cells that are to be cut, in the order of ranks: those that should become the smallest.
 
     Cutting makes four cells of a triangle, and eight of a tetrahedron.
     """
-    sizes = next_sizes(found.cells, found.squared, order, number)
     ratio = np.log(sizes)[found.cells.vertices].mean(axis=1) - np.log(found.cells.sizes())
     most = max(int((number - len(ratio)) / (2**found.cells.dimension - 1)), 1)
     limit = np.sort(ratio)[min(most, len(ratio)) - 1]

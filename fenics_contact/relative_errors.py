@@ -6,33 +6,23 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fenics_contact.parallel import total
 from fenics_contact.result import Result
 from fenics_contact.scene_accuracy import MEASURED_BY
-from fenics_contact.simulation import Run
 
 # By quantity, then by source, with their total; None where it is not estimated.
 Errors = Mapping[str, Mapping[str, float | None]]
 
 
-def relative_errors(result: Result, asked: Mapping[str, float], run: Run) -> Errors:
+def relative_errors(result: Result, asked: Mapping[str, float]) -> Errors:
     """Of the quantities asked for, by source.
 
     Args:
         result: With ``errors``.
         asked: The quantities.
-        run: Of the result; collective.
     """
     found: dict[str, dict[str, float | None]] = {}
     for name in asked:
         size = float(np.linalg.norm(result.quantities[MEASURED_BY.get(name, name)]))
-        if not result.errors:
-            assert run.squared is not None
-            squared = total(run.problem.comm, run.squared.sum())
-            energy = float(squared / (2 * result.quantities["strain_energy"]))
-            factor = {"normal_force": 1, "strain_energy": 1}.get(name, 10)
-            found[name] = {"mesh": factor * energy, "total": factor * energy}
-            continue
         found[name] = {source: _over(v, size) for source, v in result.errors[name].items()}
     return found
 

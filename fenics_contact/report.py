@@ -114,7 +114,6 @@ def _page(result: dict[str, Any], pictures: list[Path]) -> str:
         checks=_table(checks),
         branches=_branches(result),
         levels=_levels(result),
-        quantities=_table(_rows(result["quantities"])),
         quantities=_table(_with_bars(result)),
         errors=_errors(result),
         supports=_table(_reactions(result["supports"])),
@@ -138,6 +137,8 @@ def _levels(result: dict[str, Any]) -> str:
     """Meshes and estimated errors on the way to an accuracy."""
     rows = level_rows(result.get("levels", []), result.get("accuracy", {}))
     return f"<h2>Meshes and estimated errors</h2>\n{_table(rows)}" if rows else ""
+
+
 def _with_bars(found: dict[str, Any]) -> list[list[str]]:
     """Quantities of a result or a contact, each with its error bar where there are some."""
     errors, rows = found.get("errors"), _rows(found["quantities"])

@@ -7,9 +7,7 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
 from fenics_contact import compat, verdict
 from fenics_contact.accepted_step import Unknowns
@@ -22,7 +20,6 @@ from fenics_contact.errors import InputError, NotConvergedError, StoppedError
 from fenics_contact.faults import failing_together
 from fenics_contact.gmsh_files import load_body
 from fenics_contact.load_steps import History, solve
-from fenics_contact.local_errors import LocalErrors
 from fenics_contact.mesh import Body
 from fenics_contact.model_words import parameters_of, sides_of, strategy_of
 from fenics_contact.other_answers import OtherAnswers, look_around
@@ -57,9 +54,6 @@ class Run:
         steps: What came out of the load steps so far, as in ``result.json``.
         book: Work and energies along them.
         others: What is known of other answers of the last step.
-        squared: Errors squared of this rank's own cells, where the scene asks for an accuracy;
-            None before the last step (energy).
-        last: What that step is gone on from, likewise.
         budget: Estimated errors of its quantities.
         timings: Seconds so far.
 
@@ -79,8 +73,6 @@ class Run:
         self.scene = scene
         self.solution: Solution | None = None
         self.others = OtherAnswers()
-        self.squared: NDArray[np.float64] | None = None
-        self.last: Unknowns | None = None
         self.budget = ErrorBudget()
         self.steps: list[dict[str, Any]] = []
         self._announce: Callable[[int, dict[str, Any]], None] = _log_step
@@ -100,6 +92,12 @@ class Run:
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)
         self.choice: SolverChoice = choose_solver(self.problem)
+
+    @property
+    def last(self) -> Unknowns:
+        """What the last step that was solved is gone on from."""
+        assert self._history.last is not None
+        return self._history.last.unknowns
 
     @property
     def model(self) -> dict[str, Any]:
@@ -194,8 +192,6 @@ class Run:
             self._checks = self._run_checks()  # before other answers move the contacts about
             with self.timings.phase("output"):
                 self.others = look_around(history)
-            if self.scene.accuracy is not None:
-                self._find_errors(history)
             with self.timings.phase("errors"):
                 times = [step["load_factor"] for step in self.steps]
                 defect = self.steps[-1]["quantities"].get("energy_defect")
@@ -208,15 +204,6 @@ class Run:
         except StoppedError:
             return self._interrupted()
         return self._evaluate()
-
-    def _find_errors(self, history: History) -> None:
-        """Of the cells, at the end of the history, which is there again afterwards; collective."""
-        assert history.last is not None
-        with self.timings.phase("errors"):
-            history.go_back()
-            errors = LocalErrors(self.problem)
-            errors.solve(self.forces, history.time)
-            self.squared, self.last = errors.squared, history.last.unknowns
 
     def _measure(self, solution: Solution) -> dict[str, Any]:
         """Forces and quantities of a load step, before slip is counted anew."""
