@@ -32,6 +32,7 @@ from fenics_contact.local_errors import LocalErrors
 from fenics_contact.mesh import Body
 from fenics_contact.mesh_sizes import FINER
 from fenics_contact.next_mesh import Wish, hindrance, next_mesh
+from fenics_contact.parallel import total
 from fenics_contact.relative_errors import Errors, is_met, others_than_mesh, relative_errors
 from fenics_contact.result import Result
 from fenics_contact.scene import Scene
@@ -45,6 +46,8 @@ logger = logging.getLogger(__name__)
 
 # Of the cells, from one level to the next: at least and at most so many times as many.
 _LEAST, _MOST = 1.2, 4.0
+# Likewise, at least, where the edges of contact or stick get smaller ones.
+_FEWER = 0.5
 # Of the cells that an error of the order of the elements asks for.
 _MARGIN = 1.2
 # Share of the accuracy that penalty, regularisation and iteration may take, and what they are
@@ -239,10 +242,8 @@ class AdaptiveRun:
         squared, at_edges = run.budget.local.squared, self._edges(errors)
         cells, dofs = self.levels[-1]["cells"], self.levels[-1]["dofs"]
         most = cells * self._accuracy.max_dofs / dofs
-        order = run.problem.spaces.degree / run.problem.body.dimension
-        others = [name for name in errors if name not in {*_AREAS[0], *_AREAS[1]}]
-        growth = _MARGIN * self._mesh_ratio(errors, others) ** (1 / order)
-        wanted = cells * float(np.clip(growth, _LEAST, _MOST))
+        has_edges = total(run.problem.comm, len(at_edges)) > 0
+        wanted = cells * self._growth(errors, has_edges)
         used_up = _UsedUpError(
             f"the accuracy.max_dofs = {self._accuracy.max_dofs} do not suffice for a finer mesh"
         )
@@ -257,6 +258,26 @@ class AdaptiveRun:
                 return body
             wanted *= _FILLED * most / found
         raise used_up
+
+    def _growth(self, errors: Errors, has_edges: bool) -> float:
+        """How many times as many cells the errors ask for, but for those of areas, at edges."""
+        order = self.run.problem.spaces.degree / self.run.problem.body.dimension
+        growth = 0.0
+        for name in errors:
+            if not has_edges or name not in {*_AREAS[0], *_AREAS[1]}:
+                observed = float(np.clip(self._observed_order(name), order, 2 * order))
+                growth = max(growth, self._mesh_ratio(errors, (name,)) ** (1 / observed))
+        return float(np.clip(_MARGIN * growth, _FEWER if has_edges else _LEAST, _MOST))
+
+    def _observed_order(self, name: str) -> float:
+        """Of a quantity's error in the number of cells, between the last two levels; 0 at first."""
+        if len(self.levels) < 2:
+            return 0.0
+        before, now = (level["sources"][name]["mesh"] for level in self.levels[-2:])
+        more = self.levels[-1]["cells"] / self.levels[-2]["cells"]
+        if not (before and now) or more < _LEAST:
+            return 0.0
+        return float(np.log(before / now) / np.log(more))
 
     def _failed(self, result: Result, last: Result | None) -> Result:
         """A level that did not converge, or was interrupted: the one before stands."""

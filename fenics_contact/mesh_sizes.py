@@ -30,6 +30,15 @@ FINER, COARSER = 4.0, 2.0
 _SLOPE = 0.4
 # Rounds in which the cells lost or won by that are made up for.
 _ROUNDS = 6
+
+
+def _parts(*parts: tuple[tuple[int, int], ...]) -> Array:
+    """From pairs of corners, in the middle of which each part has a corner."""
+    number = len(parts[0])
+    unit = np.eye(number)
+    return np.array([[(unit[a] + unit[b]) / 2 for a, b in part] for part in parts])
+
+
 # Vertices of a cell in dolfinx's order, around it where it is flat, and its edges.
 _AROUND = {"triangle": (0, 1, 2), "quadrilateral": (0, 1, 3, 2), "tetrahedron": (0, 1, 2, 3)}
 _EDGES = {
@@ -39,6 +48,35 @@ _EDGES = {
 }
 # Measure of the equilateral cell with edges of length 1.
 _UNIT = {"triangle": np.sqrt(3) / 4, "quadrilateral": 1.0, "tetrahedron": np.sqrt(2) / 12}
+
+
+# Corners of the parts that a cell is cut into, by the cell's: (parts, corners, corners of the cell).
+_SPLIT = {
+    "triangle": _parts(
+        ((0, 0), (0, 1), (0, 2)),
+        ((0, 1), (1, 1), (1, 2)),
+        ((0, 2), (1, 2), (2, 2)),
+        ((0, 1), (1, 2), (0, 2)),
+    ),
+    "quadrilateral": _parts(
+        ((0, 0), (0, 1), (0, 2), (0, 3)),
+        ((0, 1), (1, 1), (1, 2), (0, 2)),
+        ((0, 2), (1, 2), (2, 2), (2, 3)),
+        ((0, 3), (0, 2), (2, 3), (3, 3)),
+    ),
+    "tetrahedron": _parts(
+        ((0, 0), (0, 1), (0, 2), (0, 3)),
+        ((0, 1), (1, 1), (1, 2), (1, 3)),
+        ((0, 2), (1, 2), (2, 2), (2, 3)),
+        ((0, 3), (1, 3), (2, 3), (3, 3)),
+        ((0, 1), (0, 2), (0, 3), (1, 3)),
+        ((0, 1), (0, 2), (1, 2), (1, 3)),
+        ((0, 2), (0, 3), (1, 3), (2, 3)),
+        ((0, 2), (1, 2), (1, 3), (2, 3)),
+    ),
+}
+# How often, and how far below the mean of the corners a size in the middle has to be for it.
+_CUTS, _LINEAR = 4, 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +142,33 @@ class SizeField:
         points = np.zeros((*around.shape, 3))
         points[:, :, : cells.dimension] = cells.points[around]
         return SizeField(cells.cell, points, sizes[around])
+
+    def finer_at(self, places: Array, wanted: Array) -> SizeField:
+        """One that follows smaller sizes at places also inside the cells, which it cuts there.
+
+        Args:
+            places: (places, dimension) (length).
+            wanted: At each place; sizes grow from there (length).
+        """
+        if len(places) == 0:
+            return self
+        tree = cKDTree(places)
+
+        def at(points: Array) -> Array:
+            away, nearest = tree.query(points[..., : places.shape[1]])
+            return np.asarray(wanted[nearest] + _SLOPE * away)
+
+        points, sizes = self.points, np.minimum(self.sizes, at(self.points))
+        for _ in range(_CUTS):
+            middle = points.mean(axis=1)
+            cut = at(middle) < _LINEAR * sizes.mean(axis=1)
+            children = np.einsum("kij,njx->nkix", _SPLIT[self.cell], points[cut])
+            between = np.einsum("kij,nj->nki", _SPLIT[self.cell], sizes[cut])
+            shape = (-1, *points.shape[1:])
+            points = np.concatenate([points[~cut], children.reshape(shape)])
+            between = np.minimum(between, at(children)).reshape(-1, points.shape[1])
+            sizes = np.concatenate([sizes[~cut], between])
+        return SizeField(self.cell, points, sizes)
 
     def as_bytes(self) -> bytes:
         """An ``.npz`` for ``gmsh_process``."""

@@ -160,10 +160,11 @@ def _sizes(found: _All, order: int, number: float) -> Array:
 
 def _fields(found: _All, sizes: Array) -> list[SizeField]:
     """Sizes for every mesh of the scene; all cells together are so many."""
+    places, wanted = found.edges[:, : found.cells.dimension], found.edges[:, 3]
     fields = []
     for source in range(int(found.sources.max(initial=0)) + 1):
         part, used = found.cells.part(found.sources == source)
-        fields.append(SizeField.of(part, sizes[used]))
+        fields.append(SizeField.of(part, sizes[used]).finer_at(places, wanted))
     return fields
 
 
