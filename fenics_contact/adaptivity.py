@@ -30,7 +30,6 @@ from fenics_contact.contact_area import edges
 from fenics_contact.errors import FenicsContactError, InputError, StoppedError
 from fenics_contact.local_errors import LocalErrors
 from fenics_contact.mesh import Body
-from fenics_contact.mesh_sizes import FINER
 from fenics_contact.next_mesh import Wish, hindrance, next_mesh
 from fenics_contact.parallel import total
 from fenics_contact.relative_errors import Errors, is_met, others_than_mesh, relative_errors
@@ -47,12 +46,17 @@ logger = logging.getLogger(__name__)
 # Of the cells, from one level to the next: at least and at most so many times as many.
 _LEAST, _MOST = 1.2, 4.0
 # Likewise, at least, where the edges of contact or stick get smaller ones.
-_FEWER = 0.5
+_FEWER = 0.7
+# Order of a quantity's error over that of the energy norm's, before there are two levels.
+_FIRST_ORDER = 1.4
 # Of the cells that an error of the order of the elements asks for.
 _MARGIN = 1.2
 # Share of the accuracy that penalty, regularisation and iteration may take, and what they are
 # brought down to once they take more.
 _SHARE, _AIM = 0.2, 0.1
+# What an area's error is to become over what is allowed: cells at an edge are few, and it varies by
+# chance. And by how much these become smaller at the most, at once.
+_EDGE_AIM, _EDGE_LEAST = 0.5, 0.1
 # Quantities that are as wrong as the edge of contact, or of stick, is far from its place.
 _AREAS = (("contact_area", "slip_area"), ("stick_area", "slip_area"))
 # Meshes in a row on which an error may be unknown; and what it is then, over what is allowed.
@@ -207,7 +211,7 @@ class AdaptiveRun:
         for contact, state in zip(run.problem.contacts, run.solution.states, strict=True):
             for ratio, found in zip(finer, edges(contact, state), strict=True):
                 if ratio > 0:
-                    share = float(np.clip(1 / (_MARGIN * ratio), 1 / FINER, 1.0))
+                    share = float(np.clip(_EDGE_AIM / ratio, _EDGE_LEAST, 1.0))
                     rows.append(found * [1, 1, 1, share])
         return np.concatenate(rows)
 
@@ -265,18 +269,21 @@ class AdaptiveRun:
         growth = 0.0
         for name in errors:
             if not has_edges or name not in {*_AREAS[0], *_AREAS[1]}:
-                observed = float(np.clip(self._observed_order(name), order, 2 * order))
+                observed = float(np.clip(self._observed_order(name, order), order, 2 * order))
                 growth = max(growth, self._mesh_ratio(errors, (name,)) ** (1 / observed))
         return float(np.clip(_MARGIN * growth, _FEWER if has_edges else _LEAST, _MOST))
 
-    def _observed_order(self, name: str) -> float:
-        """Of a quantity's error in the number of cells, between the last two levels; 0 at first."""
+    def _observed_order(self, name: str, order: float) -> float:
+        """Of a quantity's error in the number of cells, between the last two levels.
+
+        At first it is taken to be between that of the energy norm and twice that.
+        """
         if len(self.levels) < 2:
-            return 0.0
+            return _FIRST_ORDER * order
         before, now = (level["sources"][name]["mesh"] for level in self.levels[-2:])
         more = self.levels[-1]["cells"] / self.levels[-2]["cells"]
         if not (before and now) or more < _LEAST:
-            return 0.0
+            return _FIRST_ORDER * order
         return float(np.log(before / now) / np.log(more))
 
     def _failed(self, result: Result, last: Result | None) -> Result:

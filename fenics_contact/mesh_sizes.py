@@ -50,7 +50,7 @@ _EDGES = {
 _UNIT = {"triangle": np.sqrt(3) / 4, "quadrilateral": 1.0, "tetrahedron": np.sqrt(2) / 12}
 
 
-# Corners of the parts that a cell is cut into, by the cell's: (parts, corners, corners of the cell).
+# Corners of the parts that a cell is cut into, by its own: (parts, corners, corners of the cell).
 _SPLIT = {
     "triangle": _parts(
         ((0, 0), (0, 1), (0, 2)),
