@@ -46,7 +46,7 @@ logger = logging.getLogger(__name__)
 # Of the cells, from one level to the next: at least and at most so many times as many.
 _LEAST, _MOST = 1.2, 4.0
 # Likewise, at least, where the edges of contact or stick get smaller ones.
-_FEWER = 0.7
+_FEWER = 0.5
 # Order of a quantity's error over that of the energy norm's, before there are two levels.
 _FIRST_ORDER = 1.4
 # Of the cells that an error of the order of the elements asks for.

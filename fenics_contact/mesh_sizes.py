@@ -27,7 +27,7 @@ Integers = NDArray[np.int64]
 # A cell becomes at most so many times smaller, or larger, from one mesh to the next.
 FINER, COARSER = 4.0, 2.0
 # Largest slope of the sizes: neighbours then differ by less than half.
-_SLOPE = 0.4
+_SLOPE = 0.5
 # Rounds in which the cells lost or won by that are made up for.
 _ROUNDS = 6
 
