@@ -266,12 +266,15 @@ class AdaptiveRun:
     def _growth(self, errors: Errors, has_edges: bool) -> float:
         """How many times as many cells the errors ask for, but for those of areas, at edges."""
         order = self.run.problem.spaces.degree / self.run.problem.body.dimension
-        growth = 0.0
-        for name in errors:
-            if not has_edges or name not in {*_AREAS[0], *_AREAS[1]}:
-                observed = float(np.clip(self._observed_order(name, order), order, 2 * order))
-                growth = max(growth, self._mesh_ratio(errors, (name,)) ** (1 / observed))
-        return float(np.clip(_MARGIN * growth, _FEWER if has_edges else _LEAST, _MOST))
+        areas = {*_AREAS[0], *_AREAS[1]} if has_edges else set()
+        growths = [
+            self._mesh_ratio(errors, (name,))
+            ** (1 / np.clip(self._observed_order(name, order), order, 2 * order))
+            for name in errors
+            if name not in areas
+        ]
+        least = _FEWER if has_edges and growths else _LEAST
+        return float(np.clip(_MARGIN * max(growths, default=0.0), least, _MOST))
 
     def _observed_order(self, name: str, order: float) -> float:
         """Of a quantity's error in the number of cells, between the last two levels.
