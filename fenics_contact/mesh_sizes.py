@@ -6,8 +6,9 @@ the same (as many cells as C's d/(2p + d)-th power says), so the sizes are
 
     h_new = h (t/η²)^(1/(2p + d))
 
-with the error squared η² of each cell, and one number t from the cells wanted. At singular points
-the error falls slower: they are found again on the next mesh. Arrays only, on one rank.
+with the error squared η² of each cell, and one number t from the cells wanted. Where the error is
+far above the mean, it is taken for that at a singular point, which falls slower with the size.
+Arrays only, on one rank.
 """
 
 from __future__ import annotations
@@ -25,7 +26,10 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 # A cell becomes at most so many times smaller, or larger, from one mesh to the next.
-FINER, COARSER = 4.0, 2.0
+FINER, COARSER = 16.0, 2.0
+# Cells with an error squared of so many times the mean are taken to be at a singular point of
+# displacements r^λ, with the λ of a bonded edge or a crack: there η² ~ h^(2λ).
+_SINGULAR, _EXPONENT = 4.0, 0.5
 # Largest slope of the sizes: neighbours then differ by less than half.
 _SLOPE = 0.5
 # Rounds in which the cells lost or won by that are made up for.
@@ -193,6 +197,8 @@ def next_sizes(cells: Cells, squared: Array, order: int, number: float) -> Array
     exponent = 1 / (2 * order + cells.dimension)
     floor = 1e-12 * max(float(squared.max(initial=0.0)), np.finfo(float).tiny)
     shares = np.maximum(squared, floor) ** -exponent
+    excess = np.maximum(squared / (_SINGULAR * max(squared.mean(), floor)), 1.0)
+    shares *= excess ** (exponent - 1 / (2 * _EXPONENT))
     edges, wanted = cells.edges(), number
     sizes = np.zeros(len(cells.points))
     for _ in range(_ROUNDS):
