@@ -30,6 +30,7 @@ from fenics_contact.contact_area import edges
 from fenics_contact.errors import FenicsContactError, InputError, StoppedError
 from fenics_contact.local_errors import LocalErrors
 from fenics_contact.mesh import Body
+from fenics_contact.mesh_sizes import SINGULAR
 from fenics_contact.next_mesh import Wish, hindrance, next_mesh
 from fenics_contact.parallel import total
 from fenics_contact.relative_errors import Errors, is_met, others_than_mesh, relative_errors
@@ -45,6 +46,8 @@ logger = logging.getLogger(__name__)
 
 # Of the cells, from one level to the next: at least and at most so many times as many.
 _LEAST, _MOST = 1.2, 4.0
+# Likewise, at most, while few cells make most of the error: more of the others would not help.
+_MOST_AT_POINTS = 2.0
 # Likewise, at least, where the edges of contact or stick get smaller ones.
 _FEWER = 0.5
 # Order of a quantity's error over that of the energy norm's, before there are two levels.
@@ -274,7 +277,16 @@ class AdaptiveRun:
             if name not in areas
         ]
         least = _FEWER if has_edges and growths else _LEAST
-        return float(np.clip(_MARGIN * max(growths, default=0.0), least, _MOST))
+        most = _MOST_AT_POINTS if self._is_at_points() else _MOST
+        return float(np.clip(_MARGIN * max(growths, default=0.0), least, most))
+
+    def _is_at_points(self) -> bool:
+        """Whether few cells, as those at singular points, make most of the error."""
+        assert self.run.budget.local is not None
+        squared, comm = self.run.budget.local.squared, self.run.problem.comm
+        whole = total(comm, squared.sum())
+        large = squared > SINGULAR * whole / self.levels[-1]["cells"]
+        return bool(total(comm, squared[large].sum()) > 0.5 * whole)
 
     def _observed_order(self, name: str, order: float) -> float:
         """Of a quantity's error in the number of cells, between the last two levels.
