@@ -46,7 +46,14 @@ def create_mesh(
         shape=(points.shape[1],),
     )
     # By keywords: the order of the arguments differs between the versions.
-    return dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=ufl.Mesh(element))
+    # Fluxes between cells of two ranks need both of them on each.
+    facets_of_two = () if DOLFINX_VERSION < (0, 10) else (2,)
+    ghosts = dolfinx.mesh.create_cell_partitioner(
+        dolfinx.mesh.GhostMode.shared_facet, *facets_of_two
+    )
+    return dolfinx.mesh.create_mesh(
+        comm, cells=cells, x=points, e=ufl.Mesh(element), partitioner=ghosts
+    )
 
 
 def distributed_tags(

@@ -26,6 +26,10 @@ from fenics_contact.supports import Supports
 Array = NDArray[np.float64]
 
 _FLAT = 1e-6
+# Places around half a revolution that stand for a ring: moments up to twice their number are right.
+_ON_A_RING = 4
+# Pairs of points and forces at once.
+_AT_ONCE = 200_000
 
 
 def outer_dofs(described: HalfSpace | None, spaces: Spaces) -> NDArray[np.int64]:
@@ -54,6 +58,8 @@ class FarField:
         columns: Number of a contact → displacement of the dofs over its force.
         sideways: Number of a contact → unit vectors (components,) along which it may exert a
             force on the surface, each with the displacement of the dofs over it.
+        beyond: Displacement of the dofs beyond that of the resultants: none, but where it is to be
+            seen what that leaves out (length).
     """
 
     def __init__(
@@ -71,8 +77,11 @@ class FarField:
         self._supports = supports
         self._modulus, self._ratio = _homogeneous(scene)
         self.dofs = np.setdiff1d(outer, supports.dofs)
+        self.beyond = np.zeros(len(self.dofs))
         self.columns: dict[int, Array] = {}
         self.sideways: dict[int, list[tuple[Array, Array]]] = {}
+        self._feet: dict[int, Array] = {}
+        self._inward: dict[int, Array] = {}
         for number, contact in enumerate(contacts):
             self._place(number, contact)
         if supports.parallel_planes:
@@ -86,6 +95,7 @@ class FarField:
         inward = np.zeros(3)
         inward[:components] = contact.kinematics.direction
         foot = self._foot(contact, inward, f"contact[{number}]")
+        self._feet[number], self._inward[number] = foot, inward
         self.columns[number] = self._column(foot, inward, None)
         self.sideways[number] = [
             (along[:components], self._column(foot, inward, along))
@@ -95,24 +105,70 @@ class FarField:
 
     def _column(self, foot: Array, inward: Array, along: Array | None) -> Array:
         """Displacement of the dofs over a force into the half-space or along its surface."""
-        spaces = self._spaces
-        constants = inward, self._modulus, self._ratio
-        points = spaces.coordinates[self.dofs // spaces.components]
-        reach = largest(spaces.comm, np.linalg.norm(points - foot, axis=1))
+        points, reach = self._points(), self._reach(foot)
         column = np.zeros_like(points)
         for image, signs in self._images(foot):
-            arms = points - image
-            if spaces.kinematics == "plane strain":
-                column += (
-                    flamant(arms, *constants, reach)
-                    if along is None
-                    else flamant_along(arms, signs * along, *constants, reach)
-                )
-            elif along is None:
-                column += boussinesq(arms, *constants)
-            else:
-                column += cerruti(arms, signs * along, *constants)
-        return column[np.arange(len(self.dofs)), self.dofs % spaces.components]
+            turned = None if along is None else signs * along
+            column += self._unit_field(points - image, inward, turned, reach)
+        return self._at_dofs(column)
+
+    def _unit_field(self, arms: Array, inward: Array, along: Array | None, reach: float) -> Array:
+        """Displacement over a force, into the half-space or along its surface, (points, 3)."""
+        constants = inward, self._modulus, self._ratio
+        if self._spaces.kinematics == "plane strain":
+            if along is None:
+                return flamant(arms, *constants, reach)
+            return flamant_along(arms, along, *constants, reach)
+        return boussinesq(arms, *constants) if along is None else cerruti(arms, along, *constants)
+
+    def _points(self) -> Array:
+        """Where the dofs are, (dofs, 3)."""
+        return self._spaces.coordinates[self.dofs // self._spaces.components]
+
+    def _reach(self, foot: Array) -> float:
+        """Distance of the outer boundary's farthest point; collective."""
+        return largest(self._spaces.comm, np.linalg.norm(self._points() - foot, axis=1))
+
+    def _at_dofs(self, displacement: Array) -> Array:
+        """The component of each dof out of displacements of shape (dofs, 3)."""
+        return displacement[np.arange(len(self.dofs)), self.dofs % self._spaces.components]
+
+    def left_out(self, number: int, places: Array, forces: Array) -> Array:
+        """Displacement of the dofs by a contact's forces where they act, less by their resultant.
+
+        Collective.
+
+        Args:
+            number: Of the contact, in scene order.
+            places: Of all forces of it, on every rank, (places, 3) (length).
+            forces: On the body; in axisymmetric models of a full revolution, (places, 3) (force).
+
+        Returns:
+            Of shape (dofs,) (length).
+        """
+        components = self._spaces.components
+        foot, inward = self._feet[number], self._inward[number]
+        reach, points = self._reach(foot), self._points()
+        found = -self.columns[number] * (forces @ inward).sum()
+        for along, column in self.sideways[number]:
+            found -= column * (forces[:, :components] @ along).sum()
+        if self._spaces.kinematics == "axisymmetric":
+            places, forces = _around(places, forces)
+        moved = np.zeros_like(points)
+        ways = [None, *np.linalg.svd(inward[None])[2][1:]]  # into the surface, and along it
+        if self._spaces.kinematics == "plane strain":
+            ways = [None, *self._tangents(inward)]
+        size = max(1, _AT_ONCE // max(1, len(points)))
+        for begin in range(0, len(places), size):
+            here = slice(begin, begin + size)
+            for image, signs in self._images(places[here]):
+                arms = (points[:, None] - image).reshape(-1, 3)
+                for way in ways:
+                    turned = None if way is None else signs * way
+                    part = forces[here] @ (inward if way is None else way)
+                    field = self._unit_field(arms, inward, turned, reach)
+                    moved += np.einsum("ijk,j->ik", field.reshape(len(points), -1, 3), part)
+        return found + self._at_dofs(moved)
 
     def _tangents(self, inward: Array) -> list[Array]:
         """Unit vectors along the surface, along axes where it is, (3,) each.
@@ -128,13 +184,13 @@ class FarField:
         return [first, np.cross(inward, first)][: components - 1]
 
     def _images(self, foot: Array) -> Iterator[tuple[Array, Array]]:
-        """A point and its mirror images, each with the signs of a mirrored vector's components."""
+        """Points (…, 3) and their mirror images, each with the signs of mirrored components."""
         planes = self._supports.planes
         for mirrored in product((False, True), repeat=len(planes)):
             image, signs = foot.copy(), np.ones(3)
             for plane, is_mirrored in zip(planes, mirrored, strict=True):
                 if is_mirrored:
-                    image[plane.axis] = 2 * plane.at - image[plane.axis]
+                    image[..., plane.axis] = 2 * plane.at - image[..., plane.axis]
                     signs[plane.axis] = -1.0
             yield image, signs
 
@@ -205,6 +261,18 @@ class FarField:
                 f"{key}.obstacle.position: its force on the half_space would act at ({where}), "
                 "which must lie on the contact surface and well inside the outer boundary"
             )
+
+
+def _around(places: Array, forces: Array) -> tuple[Array, Array]:
+    """Rings as places around half of each; the other half mirrors it, in the plane of the model."""
+    angles = np.pi * (np.arange(_ON_A_RING) + 0.5) / _ON_A_RING
+
+    def turned(vectors: Array) -> Array:
+        radial, along = vectors[:, None, 0], np.tile(vectors[:, None, 1], len(angles))
+        rows = radial * np.cos(angles), along, radial * np.sin(angles)
+        return np.stack(rows, axis=-1).reshape(-1, 3)
+
+    return turned(places), turned(forces) / _ON_A_RING
 
 
 def _homogeneous(scene: Scene) -> tuple[float, float]:

@@ -14,12 +14,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from fenics_contact.accepted_step import AcceptedStep, Unknowns, contact_change
-from fenics_contact.contact_memory import recall, recall_pairing, remember
+from fenics_contact.contact_memory import ContactMemory, recall, recall_pairing, remember
 from fenics_contact.errors import NotConvergedError, StoppedError
 from fenics_contact.load_paths import knots
 from fenics_contact.newton import Newton
 from fenics_contact.pace import AutomaticPace, FixedPace
 from fenics_contact.problem import Problem
+from fenics_contact.scene import Steps
 from fenics_contact.solution import Solution
 from fenics_contact.solver_choice import SolverChoice, choose_solver, create_system
 from fenics_contact.strategy import solve_step
@@ -112,6 +113,26 @@ class History:
         self.last = dataclasses.replace(last, solution=solution)
         self.go_back()
         return solution
+
+    def afresh(self, times: Sequence[float]) -> History:
+        """Another history over the same system, from the start; collective.
+
+        Args:
+            times: Pseudo-times of its steps, increasing.
+
+        Returns:
+            That history, with every ε as it is now, however it was found. This one is to be gone
+            back to before it is used again.
+        """
+        assert self.last is not None
+        self._recall(self._untouched)
+        for contact, memory in zip(self.problem.contacts, self.last.contacts, strict=True):
+            contact.is_scaled = memory.is_scaled
+            if contact.friction is not None:
+                contact.friction.regularisation_parameter = memory.regularisation_parameter
+        other = History(self.newton)
+        other.pace = FixedPace(Steps(times=tuple(times)))
+        return other
 
     def _take(self, time: float) -> None:
         """Try a step, and accept it or cut it; collective."""
@@ -209,20 +230,23 @@ class History:
         problem = self.problem
         self._has_moved_on = False
         if self.last is None:
-            for contact, memory in zip(problem.contacts, self._untouched, strict=True):
-                recall(contact, memory)
+            self._recall(self._untouched)
             return
-        unknowns, memories = self.last.unknowns, self.last.contacts
+        unknowns = self.last.unknowns
         problem.set_time(unknowns.time)
-        pairs = list(zip(problem.contacts, memories, strict=True))
-        if any([recall_pairing(contact, memory) for contact, memory in pairs]):
-            self.newton.follow_pairing()
-        for contact, memory in pairs:
-            recall(contact, memory)
+        self._recall(self.last.contacts)
         self._place(unknowns)
         problem.displacement.x.array[:] = unknowns.displacement.reshape(-1)
         for contact in problem.contacts:  # also of those that exert no forces
             contact.kinematics.move(contact.kinematics.relative(unknowns.displacement))
+
+    def _recall(self, memories: list[ContactMemory]) -> None:
+        """Take the contacts back to what is kept of them, and their pairing; collective."""
+        pairs = list(zip(self.problem.contacts, memories, strict=True))
+        if any([recall_pairing(contact, memory) for contact, memory in pairs]):
+            self.newton.follow_pairing()
+        for contact, memory in pairs:
+            recall(contact, memory)
 
     def _place(self, unknowns: Unknowns) -> None:
         mixed = self.problem.elastic.mixed

@@ -1,133 +1,148 @@
 """Errors by what the method adds to the problem: penalty, regularisation, and the solver's rest.
 
 Quantities depend on ε₁ and on ε smoothly, at first order where these are small (paper, Section 4;
-Theorem 2.4): Q(ε) = Q + c ε + …. So |Q(2ε) − Q(ε)| is the error of Q(ε), at leading order. The
-answer with twice the parameter is one or two Newton steps away.
+Theorem 2.4): Q(ε) = Q + c ε + …. The answer with a small part of the parameter is a few Newton
+steps away, and nearly all of the error is gone there. So the difference is the error, also where
+ε is so large that the leading order says little: where most points only creep, say.
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import Any
-
-import numpy as np
+from collections.abc import Hashable, Sequence
 
 from fenics_contact.errors import NotConvergedError
 from fenics_contact.load_steps import History
 from fenics_contact.problem import Problem
-from fenics_contact.solution import Solution
+from fenics_contact.solving_again import (
+    Change,
+    Measure,
+    Quantities,
+    begin_at_answer,
+    differences,
+    history_again,
+    last_step_again,
+    newton_again,
+)
 
 logger = logging.getLogger(__name__)
 
+# The part of ε₁ and ε that is left: enough less for what is left of the error to be small, also
+# beyond the leading order, and not so little that round-off of forces, gap over ε₁, shows.
+_LEFT = 1 / 32
 # Of the solver's tolerance, for what its rest makes.
 _SHARPER = 1e-3
 
-Quantities = Mapping[str, Any]
+Errors = dict[Hashable, float]
 
 
-def parameter_errors(
-    history: History, measure: Callable[[Solution], Quantities]
-) -> dict[str, dict[str, float]]:
-    """Estimated errors of the last load step's quantities by each source; collective.
-
-    Left out are sources that the scene does not have or, over several load steps with the
-    incremental law, whose errors come from earlier ones, too.
+def penalty_errors(
+    history: History, measure: Measure, times: Sequence[float] = ()
+) -> Errors | None:
+    """Estimated errors by the penalties ε₁; foundations are as they are; collective.
 
     Args:
         history: At its end; it is there again afterwards.
-        measure: Global quantities of a solution, called in its state; collective.
+        measure: Quantities of a solution, called in its state; collective.
+        times: Pseudo-times of the load steps where all are to be solved again; else the last is.
 
     Returns:
-        By source (``penalty``, ``regularisation``, ``iteration``), then by quantity: absolute, of
-        vectors the length of the difference.
+        By quantity: absolute, of vectors the length of the difference; None where the answer with
+        another ε₁ was not found.
+    """
+    return _parameter_errors(history, measure, times, _stiffen)
+
+
+def regularisation_errors(
+    history: History, measure: Measure, times: Sequence[float] = ()
+) -> Errors | None:
+    """Estimated errors by the ε of friction; all else as of ``penalty_errors``."""
+    return _parameter_errors(history, measure, times, _regularise_less)
+
+
+def iteration_errors(history: History, measure: Measure) -> Errors | None:
+    """Estimated errors by the accepted imbalance and by the loop on the pressure; collective.
+
+    Newton's method goes on from the answer, with a sharper tolerance, on contact and friction
+    together: that also finds what a loop has left. Where it fails, one more pass of the loop is
+    made, and what further ones would add follows from the loop's contraction.
+
+    Args:
+        history: At its end; it is there again afterwards.
+        measure: As of ``penalty_errors``.
+
+    Returns:
+        As ``penalty_errors``.
     """
     assert history.last is not None
     answer = measure(history.last.solution)
-    found = {}
-    for source, changed in (
-        ("penalty", _softened),
-        ("regularisation", _more_regularised),
-        ("iteration", _as_it_is),
-    ):
-        if source != "iteration" and not _applies(history.problem, source):
-            continue
-        history.go_back()  # sets ε, too, so before that is changed
-        with changed(history.problem):
-            other = _solved_again(history, measure, _SHARPER if source == "iteration" else 1.0)
-        if other is not None:
-            found[source] = _differences(answer, other)
-    history.go_back()
-    return found
-
-
-def _applies(problem: Problem, source: str) -> bool:
-    remembers = any(contact.law == "incremental" for contact in problem.contacts)
-    if problem.scene.steps.several and remembers:
-        return False
-    if source == "penalty":
-        return any(contact.has_penalty for contact in problem.contacts)
-    return bool(problem.frictional)
-
-
-@contextmanager
-def _softened(problem: Problem) -> Iterator[None]:
-    """Twice the ε₁ of every penalty; foundations are as they are."""
-    terms = [contact.normal for contact in problem.contacts if contact.has_penalty]
-    for term in terms:
-        assert term is not None
-        term.soften(2.0)
-    try:
-        yield
-    finally:
-        for term in terms:
-            assert term is not None
-            term.soften(1.0)
-
-
-@contextmanager
-def _more_regularised(problem: Problem) -> Iterator[None]:
-    """Twice the ε of every contact."""
-    terms = [contact.friction for contact in problem.frictional]
-    for term in terms:
-        assert term is not None
-        term.regularisation_parameter *= 2
-    try:
-        yield
-    finally:
-        for term in terms:
-            assert term is not None
-            term.regularisation_parameter /= 2
-
-
-@contextmanager
-def _as_it_is(problem: Problem) -> Iterator[None]:
-    yield
-
-
-def _solved_again(
-    history: History, measure: Callable[[Solution], Quantities], sharper: float
-) -> Quantities | None:
-    """Quantities of the last step solved again from its answer; None where that fails."""
-    newton, problem = history.newton, history.problem
-    newton.forget()
-    for contact in problem.coulomb:
-        assert contact.friction is not None
-        contact.friction.mode = "coupled"
-    newton.continue_start()
-    search = None if not problem.coulomb else False
-    try:
-        newton.run(search, tolerance=sharper * problem.scene.solver.tolerance)
-    except NotConvergedError as error:
-        logger.debug("  errors of parameters: %s", error)
+    found = _sharper(history, measure)
+    if found is not None:
+        return differences(answer, found)
+    contraction = history.last.solution.contraction
+    if contraction is None or contraction >= 1:
         return None
-    return measure(newton.solution())
+    return differences(answer, _one_more_pass(history, measure), 1 / (1 - contraction))
 
 
-def _differences(answer: Quantities, other: Quantities) -> dict[str, float]:
-    return {
-        name: float(np.linalg.norm(np.subtract(other[name], value)))
-        for name, value in answer.items()
-        if name in other
-    }
+def _parameter_errors(
+    history: History, measure: Measure, times: Sequence[float], change: Change
+) -> Errors | None:
+    assert history.last is not None
+    answer = measure(history.last.solution)
+    if times:
+        other = history_again(history, measure, times, change)
+    else:
+        other = last_step_again(history, measure, change)
+    return differences(answer, other, 1 / (1 - _LEFT))
+
+
+def _stiffen(problem: Problem) -> None:
+    for contact in problem.contacts:
+        if contact.has_penalty:
+            assert contact.normal is not None
+            contact.normal.soften(_LEFT)
+
+
+def _regularise_less(problem: Problem) -> None:
+    for contact in problem.frictional:
+        assert contact.friction is not None
+        contact.friction.regularisation_parameter *= _LEFT
+
+
+def _sharper(history: History, measure: Measure) -> Quantities | None:
+    """Of the answer after more of Newton's method; None where that leads away; collective."""
+    assert history.last is not None
+    newton = history.newton
+    begin_at_answer(history)
+    newton.continue_start()
+    try:
+        try:
+            solution = newton_again(history, _SHARPER * history.problem.scene.solver.tolerance)
+        except NotConvergedError as error:
+            logger.debug("  a sharper tolerance: %s", error)
+            # Round-off may let it come no nearer: so it is as near as can be.
+            if not newton.history or newton.history[-1] > history.last.solution.imbalance_limit:
+                return None
+            solution = newton.solution()
+        return measure(solution)
+    finally:
+        history.go_back()
+
+
+def _one_more_pass(history: History, measure: Measure) -> Quantities | None:
+    """Of contact and friction with the bound of the answer's pressure; collective."""
+    newton = history.newton
+    begin_at_answer(history)
+    newton.continue_start()
+    try:
+        for contact in history.problem.coulomb:
+            assert contact.friction is not None
+            contact.friction.set_bound(contact.friction.bound_of(contact.pressure()))
+        newton.run(False)
+        return measure(newton.solution())
+    except NotConvergedError as error:
+        logger.debug("  one more pass: %s", error)
+        return None
+    finally:
+        history.go_back()

@@ -34,11 +34,16 @@ from fenics_contact.timings import Timings
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """One energy term: its name, the forms compiled for it, and its path if it has one."""
+    """One energy term: its name, the forms compiled for it, and of a load its path and work.
+
+    Attributes:
+        work: That of the load on a displacement, in UFL, as it is where the path is 1.
+    """
 
     name: str
     forms: tuple[Any, ...]
     path: Callable[[float], float] | None = None
+    work: Callable[[Any], Any] | None = None
 
     @property
     def integrals(self) -> list[str]:
@@ -211,7 +216,7 @@ class Problem:
             contact.set_time(time)
         self.prescribed = self.supports.at(time)
         if self.far_field is not None:
-            values = np.zeros(len(self.far_field.dofs))
+            values = self.far_field.beyond.copy()
             for number, contact in enumerate(self.contacts):
                 values += (contact.force or 0.0) * self.far_field.columns[number]
             order = np.argsort(np.concatenate([self.supports.dofs, self.far_field.dofs]))
@@ -304,15 +309,18 @@ class Problem:
         )
         if self.comm.allreduce(int(np.count_nonzero(nodal))) == 0:
             return []
-        test = ufl.TestFunction(spaces.displacement_space)
         if kind == "pressure":
-            pressure = spaces.coefficient(nodal[:, 0], nodes)
-            work = -pressure * ufl.dot(ufl.FacetNormal(self.body.mesh), test)
+            force = -spaces.coefficient(nodal[:, 0], nodes) * ufl.FacetNormal(self.body.mesh)
         else:
-            work = ufl.dot(spaces.coefficient(nodal, nodes), test)
+            force = spaces.coefficient(nodal, nodes)
+
+        def work(displacement: Any) -> Any:
+            return spaces.weight * ufl.dot(force, displacement) * measure
+
+        form = fem.form(work(ufl.TestFunction(spaces.displacement_space)))
         name = f"{kind.replace('_', ' ')} on {load.on}"
         path = KeyedPath(load.path, f"{key}.path")
-        return [Term(name, (fem.form(spaces.weight * work * measure),), path)]
+        return [Term(name, (form,), path, work)]
 
     def _assemble_pressures(self) -> list[tuple[NDArray[np.float64], Callable[[float], float]]]:
         """Nodal forces of every contact pressure that is given, with their paths."""

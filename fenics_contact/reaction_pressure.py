@@ -15,6 +15,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
 from fenics_contact.contact import ContactSurface
+from fenics_contact.surface_space import SurfaceSpace
 
 Array = NDArray[np.float64]
 
@@ -26,26 +27,30 @@ def reaction_pressure(contact: ContactSurface, needed: Array) -> Array:
         contact: The contact.
         needed: Forces that the bulk needs from it at its nodes, (nodes, components) (force).
     """
-    surface, comm = contact.trace.surface, contact.spaces.comm
     normals = contact.trace.normals[: len(contact.nodes)]
-    forces = np.zeros(len(surface.coordinates))
-    forces[contact.trace.numbers] = -np.einsum("ij,ij->i", needed, normals)
-    function = surface.scalar_function(forces)
-    owned = surface.scalar_space.dofmap.index_map.size_local
+    forces = np.zeros((len(contact.trace.all_nodes), 1))
+    forces[contact.trace.numbers, 0] = -np.einsum("ij,ij->i", needed, normals)
+    return traction_of(contact.trace.surface, forces)[:, 0]
+
+
+def traction_of(surface: SurfaceSpace, forces: Array) -> Array:
+    """Tractions t with ∫ t N_i = f_i for nodal forces on a surface, (nodes, columns); collective.
+
+    Args:
+        surface: The surface.
+        forces: At all of its nodes, (nodes, columns) (force).
+    """
     # Only contact unknowns are gathered; the one small system is solved on every rank.
-    rows, columns, values = (np.concatenate(comm.allgather(part)) for part in _mass(contact))
-    entries = np.concatenate(comm.allgather(function.x.array[:owned]))
+    comm = surface.comm
+    rows, columns, values = (np.concatenate(comm.allgather(part)) for part in _mass(surface))
+    entries = surface.gathered_scalars(forces)
     matrix = coo_matrix((values, (rows, columns)), shape=(len(entries),) * 2).tocsc()
-    found = comm.bcast(spsolve(matrix, entries))
-    start = surface.scalar_space.dofmap.index_map.local_range[0]
-    function.x.array[:owned] = found[start : start + owned]
-    function.x.scatter_forward()
-    return surface.scalars(function)
+    found = comm.bcast(spsolve(matrix, entries)).reshape(entries.shape)
+    return surface.scattered_scalars(found)
 
 
-def _mass(contact: ContactSurface) -> tuple[Any, Any, Array]:
+def _mass(surface: SurfaceSpace) -> tuple[Any, Any, Array]:
     """∫ N_i N_j over the surface: global rows and columns, and values, of owned nodes."""
-    surface = contact.trace.surface
     space = surface.scalar_space
     matrix = fem.assemble_matrix(surface.mass)
     matrix.scatter_reverse()

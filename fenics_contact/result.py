@@ -104,6 +104,9 @@ class Result:
 
     Attributes:
         branches: All answers that were found, where the scene asks for others.
+        errors: Quantity → source → estimated absolute error, and their ``total``; None where it
+            was not estimated.
+        error_notes: Sentences that say what was not, and why.
         points: The rows of ``contact.csv``; None if no load step was accepted.
         interrupted: Whether the user stopped the run; not among the keys.
     """
@@ -119,6 +122,7 @@ class Result:
     supports: list[dict[str, Any]] = field(default_factory=list)
     branches: list[dict[str, Any]] = field(default_factory=list)
     errors: Mapping[str, Any] = field(default_factory=dict)
+    error_notes: list[str] = field(default_factory=list)
     timings: Mapping[str, float] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     points: ContactPoints | None = None
@@ -152,6 +156,7 @@ class Result:
             "checks": {name: check.as_dict() for name, check in self.checks.items()},
             "branches": self.branches,
             "errors": dict(self.errors),
+            "error_notes": self.error_notes,
             "timings": dict(self.timings),
             "versions": dict(self.versions),
         }

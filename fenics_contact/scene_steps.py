@@ -126,6 +126,14 @@ class SolverSettings:
             "starts: with a large coefficient Coulomb's friction may have several"
         ),
     ] = False
+    errors: Annotated[
+        Literal["auto", "all", "none"],
+        Field(
+            description="whether to estimate the errors of the results: `auto` with the condensed "
+            "solver, where it takes little, without what friction that remembers its path asks for "
+            "after more than four load steps, the whole history again; `all` estimates these too"
+        ),
+    ] = "auto"
     outer_tolerance: Annotated[
         Number,
         Field(gt=0, lt=1e-2, description="change of the pressure in a pass, over its peak"),

@@ -14,6 +14,7 @@ from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
 from fenics_contact.energy_book import EnergyBook
 from fenics_contact.equilibrium import FreeMotion, require_equilibrium
+from fenics_contact.error_budget import ErrorBudget, error_budget
 from fenics_contact.errors import InputError, NotConvergedError, StoppedError
 from fenics_contact.faults import failing_together
 from fenics_contact.gmsh_files import load_body
@@ -52,6 +53,7 @@ class Run:
         steps: What came out of the load steps so far, as in ``result.json``.
         book: Work and energies along them.
         others: What is known of other answers of the last step.
+        budget: Estimated errors of its quantities.
         timings: Seconds so far.
 
     Args:
@@ -70,6 +72,7 @@ class Run:
         self.scene = scene
         self.solution: Solution | None = None
         self.others = OtherAnswers()
+        self.budget = ErrorBudget()
         self.steps: list[dict[str, Any]] = []
         self._announce: Callable[[int, dict[str, Any]], None] = _log_step
         self.timings = Timings()
@@ -153,6 +156,7 @@ class Run:
         self.steps = [] if saved is None else list(saved.steps)
         self.book = EnergyBook(self.problem)
         self.others = OtherAnswers()
+        self.budget = ErrorBudget()
         self._announce = announce or (_log_step if self.scene.steps.several else _say_nothing)
 
         def begin(history: History) -> None:
@@ -174,6 +178,10 @@ class Run:
         def end(history: History) -> None:
             with self.timings.phase("output"):
                 self.others = look_around(history)
+            with self.timings.phase("errors"):
+                times = [step["load_factor"] for step in self.steps]
+                defect = self.steps[-1]["quantities"].get("energy_defect")
+                self.budget = error_budget(history, times, defect)
 
         try:
             solve(self.problem, self.timings, record, self.choice, begin, keep, stopped, end)
@@ -230,8 +238,11 @@ class Run:
                 "parameters": parameters_of(contact),
                 **self.others.limit(contact.label),
                 "quantities": found,
+                **self.budget.of_contact(number),
             }
-            for contact, found in zip(self.problem.contacts, quantities, strict=True)
+            for number, (contact, found) in enumerate(
+                zip(self.problem.contacts, quantities, strict=True)
+            )
         ]
 
     def _evaluate(self) -> Result:
@@ -263,6 +274,8 @@ class Run:
             steps=self.steps,
             checks=checks,
             branches=self.others.branches,
+            errors=self.budget.quantities,
+            error_notes=self.budget.notes,
             timings=self.timings.summary(problem.comm),
             versions=compat.versions(),
             points=points,

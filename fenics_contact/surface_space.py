@@ -141,6 +141,23 @@ class SurfaceSpace:
         """A scalar function's values at all nodes."""
         return np.asarray(function.x.array[self._scalar_of_node])
 
+    def gathered_scalars(self, nodal: Array) -> Array:
+        """Columns of values at the nodes, by the scalar space's numbers over all ranks; collective.
+
+        Args:
+            nodal: (nodes, columns).
+        """
+        ordered = np.empty_like(nodal)
+        ordered[self._scalar_of_node] = nodal
+        owned = self.scalar_space.dofmap.index_map.size_local
+        return np.concatenate(self.comm.allgather(ordered[:owned]))
+
+    def scattered_scalars(self, values: Array) -> Array:
+        """At this rank's nodes, from ``gathered_scalars``."""
+        index_map = self.scalar_space.dofmap.index_map
+        local = np.arange(len(self._scalar_of_node), dtype=np.int32)
+        return np.asarray(values[index_map.local_to_global(local)][self._scalar_of_node])
+
     def vector_function(self, values: Array, name: str = "values") -> Any:
         """A vector function with values (nodes, components)."""
         function = fem.Function(self.space, name=name)

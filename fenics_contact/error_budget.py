@@ -1,0 +1,245 @@
+"""How far from the truth every number may be, by source: the error budget of a run.
+
+Sources are the mesh, the penalties ε₁, the regularisation ε, what the iterations leave, the load
+steps, and the piece of a half-space that is meshed. Each is estimated on its own; what all may make
+together is taken to be their sum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from fenics_contact.body_kinematics import BodyKinematics
+from fenics_contact.bulk_forces import BulkForces
+from fenics_contact.condensed_system import CondensedSystem
+from fenics_contact.domain_errors import domain_errors
+from fenics_contact.load_steps import History
+from fenics_contact.parameter_errors import (
+    iteration_errors,
+    penalty_errors,
+    regularisation_errors,
+)
+from fenics_contact.problem import Problem
+from fenics_contact.quantities import contact_quantities, global_quantities, support_reactions
+from fenics_contact.solution import Solution
+from fenics_contact.step_errors import step_errors
+
+SOURCES = ("mesh", "penalty", "regularisation", "iteration", "step", "domain")
+# Quantities that have a true value to be apart from; others count points, or say how a run went.
+_ESTIMATED = (
+    "normal_force",
+    "friction_force",
+    "reaction",
+    "indentation",
+    "max_contact_pressure",
+    "max_penetration",
+    "contact_area",
+    "stick_area",
+    "slip_area",
+    "max_slip",
+    "strain_energy",
+    "external_work",
+    "friction_work",
+    "penalty_energy",
+)
+# Histories of at most so many steps are solved again without being asked for.
+_SHORT = 4
+
+Row = dict[str, float | None]
+# None where a source was not estimated.
+Errors = Mapping[Hashable, float] | None
+
+
+@dataclass(frozen=True)
+class ErrorBudget:
+    """Estimated absolute errors, of vectors the length of the difference.
+
+    Attributes:
+        quantities: Quantity → source → error, and ``total``; None where it was not estimated.
+        contacts: The same of every contact, in scene order.
+        notes: Sentences that say what was not estimated, and why.
+    """
+
+    quantities: dict[str, Row] = field(default_factory=dict)
+    contacts: list[dict[str, Row]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def of_contact(self, number: int) -> dict[str, Any]:
+        """``errors`` of a contact for ``result.json``, where there are any."""
+        return {"errors": self.contacts[number]} if self.contacts else {}
+
+
+def error_budget(history: History, times: Sequence[float], defect: float | None) -> ErrorBudget:
+    """Estimate the errors of the last load step's quantities; collective.
+
+    Args:
+        history: At its end; it is there again afterwards.
+        times: Pseudo-times of all load steps as they were accepted.
+        defect: The ``energy_defect`` that these leave, if there is one.
+
+    Returns:
+        Nothing where the scene has ``solver.errors = "none"``.
+    """
+    problem = history.problem
+    if problem.scene.solver.errors == "none" or history.last is None:
+        return ErrorBudget()
+    measure = _Measure(history)
+    answer = measure(history.last.solution)
+    found, notes = _Estimates(history, measure, times).all()
+    rows = {key: _row(key, found) for key in answer}
+    every = {key: row for key, row in rows.items() if isinstance(key, str)}
+    if len(times) > 1:
+        every |= _of_work(every, defect)
+    contacts = [
+        {key[1]: row for key, row in rows.items() if isinstance(key, tuple) and key[0] == number}
+        for number in range(len(problem.contacts))
+    ]
+    return ErrorBudget(every, contacts, notes)
+
+
+class _Measure:
+    """Quantities of a solution, called in its state; of a contact by its number and the name."""
+
+    def __init__(self, history: History) -> None:
+        assert history.last is not None
+        self._problem = history.problem
+        self._answer = history.last.solution
+        self._of_answer: dict[Hashable, Any] = {}
+
+    def __call__(self, solution: Solution) -> dict[Hashable, Any]:
+        """Of a solution; collective."""
+        if solution is not self._answer:
+            return self._measured(solution)
+        if not self._of_answer:
+            self._of_answer = self._measured(solution)
+        return self._of_answer
+
+    def _measured(self, solution: Solution) -> dict[Hashable, Any]:
+        problem = self._problem
+        forces = BulkForces(problem, solution)
+        reactions, _ = support_reactions(forces)
+        contacts = [contact_quantities(problem, solution, i) for i in range(len(problem.contacts))]
+        every = global_quantities(forces, reactions, contacts)
+        found: dict[Hashable, Any] = {name: every[name] for name in _ESTIMATED if name in every}
+        for number, of_contact in enumerate(contacts):
+            names = [name for name in _ESTIMATED if name in of_contact]
+            found |= {(number, name): of_contact[name] for name in names}
+        return found
+
+
+class _Estimates:
+    """The estimate of each source, where the scene has it and it is to be made."""
+
+    def __init__(self, history: History, measure: _Measure, times: Sequence[float]) -> None:
+        self._history, self._measure, self._times = history, measure, times
+        self._problem = history.problem
+        system = history.newton.system
+        self._wants_all = self._problem.scene.solver.errors == "all"
+        self._is_cheap = isinstance(system, CondensedSystem)
+        self._solver = system.name
+        self._notes: list[str] = []
+
+    def all(self) -> tuple[dict[str, Errors], list[str]]:
+        """Of all sources by name, with {} for one that the scene does not have; and notes."""
+        if not (self._is_cheap or self._wants_all):
+            note = (
+                f"Errors were not estimated, which with the {self._solver} solver takes about as "
+                'long as the run: solver.errors = "all" does it.'
+            )
+            return {source: None if self._has(source) else {} for source in SOURCES}, [note]
+        return {source: self._of(source) for source in SOURCES}, self._notes
+
+    def _has(self, source: str) -> bool:
+        problem = self._problem
+        return {
+            "mesh": True,
+            "penalty": any(contact.has_penalty for contact in problem.contacts),
+            "regularisation": bool(problem.frictional),
+            "iteration": True,
+            "step": _remembers(problem),
+            "domain": problem.far_field is not None,
+        }[source]
+
+    def _of(self, source: str) -> Errors:
+        if not self._has(source):
+            return {}
+        if source == "mesh":
+            self._notes.append("The error by the mesh was not estimated.")
+            return None
+        again = self._times if self._takes_history(source) else ()
+        if len(again) > _SHORT and not self._wants_all:
+            note = (
+                "Errors by penalty, regularisation and load steps were not estimated, as friction "
+                'remembers its path: solver.errors = "all" solves the whole history again.'
+            )
+            if note not in self._notes:
+                self._notes.append(note)
+            return None
+        history, measure = self._history, self._measure
+        estimate: dict[str, Callable[[], Errors]] = {
+            "penalty": lambda: penalty_errors(history, measure, again),
+            "regularisation": lambda: regularisation_errors(history, measure, again),
+            "iteration": lambda: iteration_errors(history, measure),
+            "step": lambda: step_errors(history, measure, again),
+            "domain": lambda: domain_errors(history, measure),
+        }
+        found = estimate[source]()
+        if found is None:
+            self._notes.append(
+                f"The error by {_WORDS[source]} was not estimated: solving again with less of it "
+                "did not converge."
+            )
+        return found
+
+    def _takes_history(self, source: str) -> bool:
+        """Whether an estimate takes all load steps again, not the last one alone."""
+        several = len(self._times) > 1 and _remembers(self._problem)
+        return source == "step" or (several and source in ("penalty", "regularisation"))
+
+
+_WORDS = {
+    "mesh": "the mesh",
+    "penalty": "the penalty",
+    "regularisation": "the regularisation",
+    "iteration": "the iterations",
+    "step": "the load steps",
+    "domain": "the piece of the half-space",
+}
+
+
+def _remembers(problem: Problem) -> bool:
+    """Whether the answer depends on load steps: by friction, or by bodies that are paired anew."""
+    if any(contact.law == "incremental" for contact in problem.contacts):
+        return True
+    pairs = [c.kinematics for c in problem.contacts if isinstance(c.kinematics, BodyKinematics)]
+    return any(kinematics.paired_at is not None for kinematics in pairs)
+
+
+def _row(key: Hashable, found: Mapping[str, Errors]) -> Row:
+    """Errors of a quantity by source, and their sum; a source that is not there makes none."""
+    row: Row = {}
+    for source, errors in found.items():
+        row[source] = None if errors is None else (errors.get(key) if errors else 0.0)
+    return row | {"total": _sum(list(row.values()))}
+
+
+def _sum(values: Sequence[float | None]) -> float | None:
+    """None where one is."""
+    known = [value for value in values if value is not None]
+    return sum(known) if len(known) == len(values) else None
+
+
+def _of_work(rows: Mapping[str, Row], defect: float | None) -> dict[str, Row]:
+    """Of the work along a path: it went into energies and friction, so it is as wrong as these.
+
+    Args:
+        rows: Of other quantities.
+        defect: What the steps leave open of that balance; None where it is not kept.
+    """
+    parts = [rows[name] for name in ("strain_energy", "penalty_energy", "friction_work")]
+    row = {source: _sum([part[source] for part in parts]) for source in SOURCES}
+    step = row["step"]
+    row["step"] = None if step is None or defect is None else step + abs(defect)
+    return {"external_work": row | {"total": _sum(list(row.values()))}}
