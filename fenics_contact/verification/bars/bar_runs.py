@@ -6,6 +6,7 @@ import dataclasses
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from mpi4py import MPI
@@ -104,7 +105,7 @@ def words_of(setting: Setting) -> str:
     )
 
 
-def _solved(model: Model, errors: str) -> Result:
+def _solved(model: Model, errors: Literal["all", "none"]) -> Result:
     """A result that converged, whatever the checks say of large parameters."""
     settings = dataclasses.replace(model.scene.solver, errors=errors)
     scene = dataclasses.replace(model.scene, solver=settings)

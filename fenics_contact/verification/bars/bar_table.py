@@ -18,15 +18,15 @@ _INTRODUCTION = """\
 # Error bars against true errors
 
 Written by `fenics-contact verify --errors --table docs/error_bars.md`; do not edit. `verify
---errors` without the last two words prints the same; names choose cases, `--quick` takes about a minute,
-`--json FILE` writes every row. Exit code 4 says that the bars do not hold as asked for.
+--errors` without the last two words prints the same; names choose cases, `--quick` takes about a
+minute, `--json FILE` writes every row. Exit code 4 says that the bars do not hold as asked for.
 
 Every case is run on three meshes of each element, with three ε and ε₁ on each of these, from the
 automatic ones on. The *true error* of a quantity is its distance from a formula that is exact for
 what is modelled, or from the same model on much finer meshes (and of a larger domain, with more
-load steps), with the automatic, that is the smallest, parameters. The *bar* is `errors.QUANTITY.total`
-of `result.json`. A bar *holds* if the true error is no larger; the *ratio* is that of bar and true
-error. Asked for: 95 % of the bars hold, with a median ratio of 5 at the most.
+load steps), with the automatic parameters, which are small. The *bar* is `errors.QUANTITY.total` of
+`result.json`. A bar *holds* if the true error is no larger; the *ratio* is bar over true error.
+Asked for: 95 % of the bars hold, with a median ratio of 5 at the most.
 
 Left out are quantities that are given, or vanish by symmetry, so that neither true error nor bar
 exceeds round-off; and those of which the reference is not known to a tenth of the true error or of

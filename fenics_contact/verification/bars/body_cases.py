@@ -37,10 +37,10 @@ def _finer_blocks(level: int, load: float) -> Model:
     return _blocks("Q2", (10, 16)[level], load)
 
 
-def _cylinders(element: Element, cells: int, load: float) -> Model:
+def cylinders(element: Element, cells: int, load: float) -> Model:
     """Halves of two equal cylinders of radius 50; the contact's half-width is about 1."""
     scene = dataclasses.replace(pressed_scene("plane strain"), steps=Steps(1))
-    return Model(of_element(_cushioned(scene, 2 * cells, 6 * cells + 6), element))
+    return Model(of_element(_cushioned(scene, 4 * cells, 12 * cells), element))
 
 
 def _cushioned(scene: Scene, cells: int, cells_outside: int) -> Scene:
@@ -54,7 +54,8 @@ def _cushioned(scene: Scene, cells: int, cells_outside: int) -> Scene:
     return dataclasses.replace(scene, mesh=tuple(resized(mesh) for mesh in scene.mesh))
 
 
-def _finer_cylinders(level: int, load: float) -> Model:
+def finer_cylinders(level: int, load: float) -> Model:
+    """Their reference."""
     scene = dataclasses.replace(pressed_scene("plane strain"), steps=Steps(1))
     return Model(_cushioned(scene, (24, 40)[level], (36, 48)[level]))
 
@@ -100,10 +101,11 @@ CASES: tuple[BarCase, ...] = (
         summary="two cylinders",
         source=FINER,
         role="tested",
-        model=_cylinders,
+        model=cylinders,
         elements=("Q2", "Q1"),
         parameters=(Parameters(), Parameters(None, 1e-6), Parameters(None, 1e-5)),
-        finer=_finer_cylinders,
+        cells={1: (1, 2, 4), 2: (1, 2, 4)},
+        finer=finer_cylinders,
     ),
     BarCase(
         name="pad",

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.scene import Discretisation, MeshSource, Point, Scene, Support
+from fenics_contact.scene import Discretisation, Point, Scene, Support
 from fenics_contact.scene_contact import Contact, Obstacle
 from fenics_contact.scene_material import Material
 from fenics_contact.verification import formulas
@@ -22,7 +22,6 @@ from fenics_contact.verification.bars.bar_case import (
     Parameters,
     of_element,
 )
-from fenics_contact.verification.case import mesh_file
 from fenics_contact.verification.friction_cases import with_friction
 from fenics_contact.verification.hard.bodies import Points, box
 from fenics_contact.verification.point_cases import MODULUS
@@ -40,14 +39,16 @@ def _with_mesh(scene: Scene, **parameters: float) -> Scene:
     return dataclasses.replace(scene, mesh=(changed,))
 
 
-def _slab(element: Element, cells: int, load: float) -> Model:
+def slab(element: Element, cells: int, load: float) -> Model:
+    """The paper's example 1, ``cells`` across."""
     scene = slab_scene(load, cells=(8 * cells, cells))
     scene = dataclasses.replace(scene, point=(Point("end", (8.0, 0.5)),))
     return Model(of_element(scene, element))
 
 
-def _finer_slab(level: int, load: float) -> Model:
-    return _slab("Q2", (24, 40)[level], load)
+def finer_slab(level: int, load: float) -> Model:
+    """Its reference."""
+    return slab("Q2", (24, 40)[level], load)
 
 
 def _winkler(element: Element, cells: int, load: float) -> Model:
@@ -112,7 +113,8 @@ def _under_the_punch(points: Points) -> NDArray[np.bool_]:
     return np.asarray(points[:, 0] < 1.0)
 
 
-def _punch(coefficient: float, element: Element, cells: int, load: float) -> Model:
+def punch(coefficient: float, element: Element, cells: int, load: float) -> Model:
+    """Its mesh is uniform, with ``4 * cells`` in depth."""
     body = box(
         (8 * cells, 4 * cells),
         (2, 1),
@@ -131,7 +133,8 @@ def _towards_the_edge(points: Points) -> Points:
     return moved
 
 
-def _finer_punch(coefficient: float, level: int, load: float) -> Model:
+def finer_punch(coefficient: float, level: int, load: float) -> Model:
+    """Its reference, on cells that shrink towards the edge."""
     cells = (32, 56)[level]
     body = box(
         (2 * cells, cells),
@@ -145,7 +148,7 @@ def _finer_punch(coefficient: float, level: int, load: float) -> Model:
 _INNER, _OUTER, _HEIGHT, _PUSHED = 1.0, 2.0, 0.5, 1e-3
 
 
-def _cylinder(element: Element, cells: int, load: float) -> Model:
+def cylinder(element: Element, cells: int, load: float) -> Model:
     """A thick cylinder in plane strain that a smooth rigid bolt widens by ``_PUSHED``."""
     scene = Scene(
         kinematics="axisymmetric",
@@ -164,7 +167,7 @@ def _cylinder(element: Element, cells: int, load: float) -> Model:
     return Model(scene, body)
 
 
-def _lame(load: float) -> Mapping[str, Any]:
+def lame(load: float) -> Mapping[str, Any]:
     """u_r = A r + B/r with u_r(1) given and no stress at r = 2."""
     lame_lambda, shear_modulus = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU)
     # σ_rr = 2 (λ + G) A − 2 G B / r² vanishes at the outside.
@@ -174,6 +177,7 @@ def _lame(load: float) -> Mapping[str, Any]:
     pressure = -2 * (lame_lambda + shear_modulus) * a + 2 * shear_modulus * b / _INNER**2
     area = 2 * pi * _INNER * _HEIGHT
     return {
+        "normal_force": pressure * area,
         "max_contact_pressure": pressure,
         "contact_area": area,
         "strain_energy": pressure * area * _PUSHED / 2,
@@ -231,10 +235,10 @@ CASES: tuple[BarCase, ...] = (
         summary="thick cylinder widened by a bolt",
         source="G. Lamé; S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, 1970, section 28",
         role="tested",
-        model=_cylinder,
+        model=cylinder,
         elements=("Q2", "P2", "Q1", "P1"),
         parameters=(_AUTOMATIC, Parameters(None, 1e-7), Parameters(None, 1e-6)),
-        exact=_lame,
+        exact=lame,
         quick=True,
     ),
     BarCase(
@@ -242,11 +246,11 @@ CASES: tuple[BarCase, ...] = (
         summary="paper's example 1, three end loads",
         source=FINER,
         role="tested",
-        model=_slab,
+        model=slab,
         elements=("Q2", "P2", "Q1", "P1"),
         parameters=(_AUTOMATIC, Parameters(1e-4), Parameters(1e-3)),
         loads=(300.0, 400.0, 600.0),
-        finer=_finer_slab,
+        finer=finer_slab,
         quick=True,
     ),
     BarCase(
@@ -288,10 +292,10 @@ CASES: tuple[BarCase, ...] = (
             summary=f"flat punch on a block, μ = {coefficient:g}",
             source=f"{FINER}, graded towards its edge",
             role="tested",
-            model=partial(_punch, coefficient),
+            model=partial(punch, coefficient),
             elements=elements,  # type: ignore[arg-type]
             parameters=(_AUTOMATIC, Parameters(1e-6, 1e-7), Parameters(1e-5, 1e-6)),
-            finer=partial(_finer_punch, coefficient),
+            finer=partial(finer_punch, coefficient),
             left_out=("max_contact_pressure", "max_penetration"),  # infinite at its edge
         )
         for coefficient, elements in ((0.0, ("Q2", "P1")), (0.2, ("Q2",)))
