@@ -47,10 +47,27 @@ class _Zone:
 def contact_area(contact: ContactSurface, state: ContactState) -> float:
     """Area in contact (full revolution, per thickness, … like all areas); collective."""
     closed = state.status != OPEN
-    if contact.contact.kind in ("prescribed", "bonded") or contact.normal is None:
+    if not _may_open(contact):
         return float(contact.trace.integral(closed * 1.0))
     depth = np.where(closed, -state.gap, 0.0)
     return _area(contact, _Zone(closed, state.contact_pressure, state.gap, depth))
+
+
+def _may_open(contact: ContactSurface) -> bool:
+    return contact.contact.kind not in ("prescribed", "bonded") and contact.normal is not None
+
+
+def cut_areas(contact: ContactSurface, state: ContactState) -> tuple[float, float]:
+    """Areas of the pieces that the edges of contact and of stick pass through; collective."""
+    pieces = contact.trace.pieces
+    areas = pieces.areas * pieces.weights.mean(axis=1)
+    zones = [state.status != OPEN, state.status == STICK]
+    zones[0] = zones[0] if _may_open(contact) else np.ones_like(zones[0])
+    zones[1] = zones[1] if contact.friction is not None else np.ones_like(zones[1])
+    inside = [zone[pieces.points] for zone in zones]
+    cut = [areas[found.any(axis=1) & ~found.all(axis=1)].sum() for found in inside]
+    touching, sticking = total(contact.trace.spaces.comm, np.array(cut))
+    return float(touching), float(sticking)
 
 
 def stick_area(contact: ContactSurface, state: ContactState) -> float:

@@ -46,6 +46,7 @@ class LocalErrors:
         self._error = fem.Function(self._space)
         self._test = ufl.TestFunction(self._space)
         self._inverse = np.linalg.inv(self._stiffnesses())
+        self._squared_by_block = np.zeros(self._cells)
         self._held = _held_facets(problem)
         self._traction = fem.Function(spaces.displacement_space)
         self._residual = self._compile(problem.displacement, self._test)
@@ -73,7 +74,7 @@ class LocalErrors:
             self._set_traction(trace, _nodal_forces(forces, contact, trace))
             right += self._assembled(form)
         found = np.einsum("cij,cj->ci", self._inverse, right)
-        self.squared_by_block = np.einsum("ci,ci->c", found, right)
+        self._squared_by_block = np.einsum("ci,ci->c", found, right)
         self._error.x.array[: found.size] = found.reshape(-1)
         self._error.x.scatter_forward()
 
@@ -81,7 +82,12 @@ class LocalErrors:
     def squared(self) -> Array:
         """a_K(e, e) of this rank's own cells, (cells,) (energy)."""
         first = self._space.dofmap.list[: self._cells, 0]
-        return self.squared_by_block[first // self._space.dofmap.list.shape[1]]
+        return self._squared_by_block[first // self._space.dofmap.list.shape[1]]
+
+    @property
+    def total(self) -> float:
+        """Energy norm of the error of the whole body (√energy); collective."""
+        return float(np.sqrt(total(self._problem.comm, self.squared.sum())))
 
     def forces(self) -> Array:
         """Nodal forces that move the solution as its errors do, (nodes, components); collective.
@@ -159,11 +165,6 @@ class LocalErrors:
     def _set_traction(self, trace: Trace, nodal: Array) -> None:
         traction = trace.surface.on_body(traction_of(trace.surface, nodal))
         self._traction.x.array[:] = traction.reshape(-1)
-
-
-def total_error(errors: LocalErrors, problem: Problem) -> float:
-    """Energy norm of the error of the whole body (√energy); collective."""
-    return float(np.sqrt(total(problem.comm, errors.squared.sum())))
 
 
 def _nodal_forces(forces: BulkForces, contact: ContactSurface, trace: Trace) -> Array:

@@ -1,0 +1,123 @@
+"""Errors of a run's quantities by its mesh.
+
+Three things make them. The elements cannot follow the exact displacement: local problems tell by
+how much (``local_errors``), and forces that move the solution likewise tell what that does to each
+quantity. The edges of contact and stick lie somewhere inside elements: as the load changes they
+move through them, and quantities scatter about smooth functions of the load. And a peak of the
+contact pressure lies between what the penalty makes of gaps and what the bulk needs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.bulk_forces import BulkForces
+from fenics_contact.contact_area import cut_areas
+from fenics_contact.load_scatter import load_scatter
+from fenics_contact.load_steps import History
+from fenics_contact.local_errors import LocalErrors
+from fenics_contact.parallel import largest
+from fenics_contact.problem import Problem
+from fenics_contact.solution import Solution
+from fenics_contact.solving_again import Measure, Quantities, differences, last_step_again
+
+Array = NDArray[np.float64]
+
+# Found with the paraboloid on a half-space of demos/sphere.toml, μ = 0, .1, .6, with Q2 cells of
+# .07 … .28 half widths, and the annulus of demos/annulus.toml; tested on other scenes
+# (``fenics-contact verify --errors``).
+_LOCAL = 2.0  # of what local problems give, which see nothing beyond one degree more
+_SCATTER = 2.5  # of the scatter over loads, to be beyond most of it
+_PEAK = 2.5  # of the distance between the two pressures at their peaks
+_EDGE = 0.15  # of the pieces that an edge passes through, to which its place is found
+# Distance of the two peaks, of the peak itself, from which it may have no bound at all: under
+# corners of obstacles it grows with every refinement.
+_UNBOUNDED = 0.2
+
+# Where cells are long and thin the forces leave waves, of no account but for their energy.
+# What the local errors' energy ½ a(e, e) does to them, at the most.
+_ENERGIES = {"strain_energy": 1.0, "external_work": 2.0}
+
+
+def mesh_errors(
+    history: History, measure: Measure
+) -> tuple[dict[Hashable, float] | None, LocalErrors | None]:
+    """Estimated errors of the last load step's quantities by the mesh; collective.
+
+    Args:
+        history: At its end; it is there again afterwards.
+        measure: Quantities of a solution, called in its state; of a contact by its number and
+            the name; collective.
+
+    Returns:
+        By those keys: absolute, of vectors the length of the difference; without peaks of pressure
+        that may have no bound. And the local errors they come from. None for both with a mean
+        stress as an unknown, for which there are no local problems here; None for the first where
+        a solve for it failed.
+    """
+    problem = history.problem
+    if problem.elastic.mixed is not None or history.last is None:
+        return None, None
+    solution = history.last.solution
+    history.go_back()
+    answer = measure(solution)
+    local = LocalErrors(problem)
+    local.solve(BulkForces(problem, solution), history.time)
+    changes = differences(answer, _moved_by(history, local.forces(), measure))
+    scatter = load_scatter(history, measure, answer)
+    if changes is None or scatter is None:
+        return None, local
+    energy = 0.5 * local.total**2
+    changes |= {name: part * energy for name, part in _ENERGIES.items() if name in answer}
+    found = {key: _LOCAL * changes[key] + _SCATTER * scatter[key] for key in answer}
+    for key, addition in _at_contacts(problem, solution).items():
+        if addition is None:
+            found.pop(key, None)
+        elif key in found:
+            found[key] += addition
+    return found, local
+
+
+def _moved_by(history: History, forces: Array, measure: Measure) -> Quantities | None:
+    """Quantities under additional nodal forces; collective."""
+
+    def add(problem: Problem) -> None:
+        problem.load = problem.load + forces
+
+    return last_step_again(history, measure, add)
+
+
+def _at_contacts(problem: Problem, solution: Solution) -> dict[Hashable, float | None]:
+    """What is added for areas and peaks of pressure, at each contact and in all; collective.
+
+    None for peaks that may have no bound.
+    """
+    forces = BulkForces(problem, solution)
+    areas = {"contact_area": 0.0, "stick_area": 0.0, "slip_area": 0.0}
+    added: dict[Hashable, float | None] = {}
+    peaks: list[float | None] = []
+    for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
+        touching, sticking = (_EDGE * cut for cut in cut_areas(contact, state))
+        cuts = {"contact_area": touching, "stick_area": sticking, "slip_area": touching + sticking}
+        for name, cut in cuts.items():
+            added[number, name] = cut
+            areas[name] += cut
+        peaks.append(_peak_error(forces, number))
+        added[number, "max_contact_pressure"] = peaks[-1]
+    known = [peak for peak in peaks if peak is not None]
+    of_all = max(known, default=0.0) if len(known) == len(peaks) else None
+    return added | areas | {"max_contact_pressure": of_all}
+
+
+def _peak_error(forces: BulkForces, number: int) -> float | None:
+    """Of the largest pressure of a contact, None if it may have no bound; collective."""
+    problem, contact = forces.problem, forces.problem.contacts[number]
+    if contact.normal is None:  # the pressure is given
+        return 0.0
+    peak = largest(problem.comm, forces.solution.states[number].contact_pressure)
+    needed = largest(problem.comm, forces.pressure(number)[contact.trace.numbers])
+    apart = abs(peak - needed)
+    return None if apart > _UNBOUNDED * peak else _PEAK * apart
