@@ -46,7 +46,7 @@ def test_smooth_solution(element, pressure):
     if element != "P2":  # its error changes sign on the way
         assert found["displacement_outside"] == pytest.approx(2 * degree, abs=0.2)
     if pressure:  # at the points of Q2 it is better than its order, and changes sign
-        assert found["max_contact_pressure"] == pytest.approx(pressure, abs=0.15)
+        assert found["max_contact_pressure"] == pytest.approx(pressure, abs=0.25)
 
 
 @pytest.mark.parametrize("element", ["P1", "Q2"])
