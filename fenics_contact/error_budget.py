@@ -16,6 +16,8 @@ from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.condensed_system import CondensedSystem
 from fenics_contact.domain_errors import domain_errors
 from fenics_contact.load_steps import History
+from fenics_contact.local_errors import LocalErrors
+from fenics_contact.mesh_errors import mesh_errors
 from fenics_contact.parameter_errors import (
     iteration_errors,
     penalty_errors,
@@ -60,11 +62,13 @@ class ErrorBudget:
         quantities: Quantity → source → error, and ``total``; None where it was not estimated.
         contacts: The same of every contact, in scene order.
         notes: Sentences that say what was not estimated, and why.
+        local: Errors of the cells, where those by the mesh were estimated.
     """
 
     quantities: dict[str, Row] = field(default_factory=dict)
     contacts: list[dict[str, Row]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    local: LocalErrors | None = None
 
     def of_contact(self, number: int) -> dict[str, Any]:
         """``errors`` of a contact for ``result.json``, where there are any."""
@@ -87,16 +91,19 @@ def error_budget(history: History, times: Sequence[float], defect: float | None)
         return ErrorBudget()
     measure = _Measure(history)
     answer = measure(history.last.solution)
-    found, notes = _Estimates(history, measure, times).all()
+    estimates = _Estimates(history, measure, times)
+    found, notes = estimates.all()
     rows = {key: _row(key, found) for key in answer}
     every = {key: row for key, row in rows.items() if isinstance(key, str)}
     if len(times) > 1:
-        every |= _of_work(every, defect)
+        del every["external_work"]  # what is measured is that of the last forces alone
+        if defect is not None:
+            every["external_work"] = _of_work(every, defect)
     contacts = [
         {key[1]: row for key, row in rows.items() if isinstance(key, tuple) and key[0] == number}
         for number in range(len(problem.contacts))
     ]
-    return ErrorBudget(every, contacts, notes)
+    return ErrorBudget(every, contacts, notes, estimates.local)
 
 
 class _Measure:
@@ -131,7 +138,11 @@ class _Measure:
 
 
 class _Estimates:
-    """The estimate of each source, where the scene has it and it is to be made."""
+    """The estimate of each source, where the scene has it and it is to be made.
+
+    Attributes:
+        local: Of the cells, once the error by the mesh has been estimated.
+    """
 
     def __init__(self, history: History, measure: _Measure, times: Sequence[float]) -> None:
         self._history, self._measure, self._times = history, measure, times
@@ -141,6 +152,7 @@ class _Estimates:
         self._is_cheap = isinstance(system, CondensedSystem)
         self._solver = system.name
         self._notes: list[str] = []
+        self.local: LocalErrors | None = None
 
     def all(self) -> tuple[dict[str, Errors], list[str]]:
         """Of all sources by name, with {} for one that the scene does not have; and notes."""
@@ -166,9 +178,6 @@ class _Estimates:
     def _of(self, source: str) -> Errors:
         if not self._has(source):
             return {}
-        if source == "mesh":
-            self._notes.append("The error by the mesh was not estimated.")
-            return None
         again = self._times if self._takes_history(source) else ()
         if len(again) > _SHORT and not self._wants_all:
             note = (
@@ -180,6 +189,7 @@ class _Estimates:
             return None
         history, measure = self._history, self._measure
         estimate: dict[str, Callable[[], Errors]] = {
+            "mesh": self._of_mesh,
             "penalty": lambda: penalty_errors(history, measure, again),
             "regularisation": lambda: regularisation_errors(history, measure, again),
             "iteration": lambda: iteration_errors(history, measure),
@@ -187,10 +197,27 @@ class _Estimates:
             "domain": lambda: domain_errors(history, measure),
         }
         found = estimate[source]()
-        if found is None:
+        if found is None and not self._is_mixed(source):
             self._notes.append(
                 f"The error by {_WORDS[source]} was not estimated: solving again with less of it "
                 "did not converge."
+            )
+        return found
+
+    def _is_mixed(self, source: str) -> bool:
+        """Whether the mesh has no estimate, as the mean stress is an unknown of its own."""
+        return source == "mesh" and self._problem.elastic.mixed is not None
+
+    def _of_mesh(self) -> Errors:
+        found, self.local = mesh_errors(self._history, self._measure)
+        if self._is_mixed("mesh"):
+            self._notes.append(
+                "The error by the mesh is not estimated of nearly incompressible bodies."
+            )
+        elif found is not None and "max_contact_pressure" not in found:
+            self._notes.append(
+                "The largest contact pressure has no error bar: it seems to grow with every "
+                "refinement, as under an edge or a corner of an obstacle."
             )
         return found
 
@@ -232,15 +259,14 @@ def _sum(values: Sequence[float | None]) -> float | None:
     return sum(known) if len(known) == len(values) else None
 
 
-def _of_work(rows: Mapping[str, Row], defect: float | None) -> dict[str, Row]:
+def _of_work(rows: Mapping[str, Row], defect: float) -> Row:
     """Of the work along a path: it went into energies and friction, so it is as wrong as these.
 
     Args:
         rows: Of other quantities.
-        defect: What the steps leave open of that balance; None where it is not kept.
+        defect: What the steps leave open of that balance.
     """
     parts = [rows[name] for name in ("strain_energy", "penalty_energy", "friction_work")]
     row = {source: _sum([part[source] for part in parts]) for source in SOURCES}
-    step = row["step"]
-    row["step"] = None if step is None or defect is None else step + abs(defect)
-    return {"external_work": row | {"total": _sum(list(row.values()))}}
+    row["step"] = _sum([row["step"], abs(defect)])
+    return row | {"total": _sum(list(row.values()))}

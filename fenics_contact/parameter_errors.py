@@ -2,20 +2,21 @@
 
 Quantities depend on ε₁ and on ε smoothly, at first order where these are small (paper, Section 4;
 Theorem 2.4): Q(ε) = Q + c ε + …. The answer with a small part of the parameter is a few Newton
-steps away, and nearly all of the error is gone there. So the difference is the error, also where
-ε is so large that the leading order says little: where most points only creep, say.
+steps away, and nearly all of the error is gone there. So the difference is the error. Where that is
+large the leading order says little, as where most points only creep, and a still smaller parameter
+is tried.
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
+from functools import partial
 
 from fenics_contact.errors import NotConvergedError
 from fenics_contact.load_steps import History
 from fenics_contact.problem import Problem
 from fenics_contact.solving_again import (
-    Change,
     Measure,
     Quantities,
     begin_at_answer,
@@ -30,10 +31,21 @@ logger = logging.getLogger(__name__)
 # The part of ε₁ and ε that is left: enough less for what is left of the error to be small, also
 # beyond the leading order, and not so little that round-off of forces, gap over ε₁, shows.
 _LEFT = 1 / 32
+# Share from which an error is large; of these quantities, over the second of each pair.
+_LARGE = 1e-2
+_TELLING = (
+    ("normal_force", "normal_force"),
+    ("friction_force", "normal_force"),
+    ("max_contact_pressure", "max_contact_pressure"),
+    ("contact_area", "contact_area"),
+    ("stick_area", "contact_area"),
+    ("strain_energy", "strain_energy"),
+)
 # Of the solver's tolerance, for what its rest makes.
 _SHARPER = 1e-3
 
 Errors = dict[Hashable, float]
+Reduce = Callable[[float, Problem], None]
 
 
 def penalty_errors(
@@ -86,28 +98,36 @@ def iteration_errors(history: History, measure: Measure) -> Errors | None:
 
 
 def _parameter_errors(
-    history: History, measure: Measure, times: Sequence[float], change: Change
+    history: History, measure: Measure, times: Sequence[float], reduce: Reduce
 ) -> Errors | None:
     assert history.last is not None
     answer = measure(history.last.solution)
-    if times:
-        other = history_again(history, measure, times, change)
-    else:
-        other = last_step_again(history, measure, change)
-    return differences(answer, other, 1 / (1 - _LEFT))
+    found = None
+    for left in (_LEFT, _LEFT**2):
+        change = partial(reduce, left)
+        if times:
+            other = history_again(history, measure, times, change)
+        else:
+            other = last_step_again(history, measure, change)
+        if other is None:
+            return found
+        found = differences(answer, other, 1 / (1 - left))
+        if found is None or all(found[a] <= _LARGE * abs(answer[b]) for a, b in _TELLING):
+            break
+    return found
 
 
-def _stiffen(problem: Problem) -> None:
+def _stiffen(left: float, problem: Problem) -> None:
     for contact in problem.contacts:
         if contact.has_penalty:
             assert contact.normal is not None
-            contact.normal.soften(_LEFT)
+            contact.normal.soften(left)
 
 
-def _regularise_less(problem: Problem) -> None:
+def _regularise_less(left: float, problem: Problem) -> None:
     for contact in problem.frictional:
         assert contact.friction is not None
-        contact.friction.regularisation_parameter *= _LEFT
+        contact.friction.regularisation_parameter *= left
 
 
 def _sharper(history: History, measure: Measure) -> Quantities | None:

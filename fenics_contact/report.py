@@ -10,10 +10,21 @@ from typing import Any
 from fenics_contact.check_words import compares
 from fenics_contact.errors import InputError
 from fenics_contact.pictures import draw_pictures
-from fenics_contact.result import branch_rows, motion_words, reactions_by_group
+from fenics_contact.result import (
+    branch_rows,
+    error_bar,
+    error_rows,
+    motion_words,
+    reactions_by_group,
+)
 from fenics_contact.writing import replace_file
 
 _OF_A_CONTACT = ("slave", "master", "slave_reason", "uniqueness_limit")
+_OF_ERRORS = (
+    "Absolute, in the units of the quantities, of vectors the length of the difference, by source: "
+    "mesh, penalty ε₁, regularisation ε, what the iterations leave, load steps, and the piece of a "
+    "half-space that is meshed. A ? was not estimated."
+)
 _PAGE = """<!DOCTYPE html>
 <html lang="en">
 <meta charset="utf-8">
@@ -32,6 +43,7 @@ img {{ max-width: 100%; }}
 {branches}
 <h2>Quantities</h2>
 {quantities}
+{errors}
 <h2>Reactions of supports</h2>
 {supports}
 <h2>Contacts</h2>
@@ -98,7 +110,8 @@ def _page(result: dict[str, Any], pictures: list[Path]) -> str:
         verdict_class="passed" if passed else "failed",
         checks=_table(checks),
         branches=_branches(result),
-        quantities=_table(_rows(result["quantities"])),
+        quantities=_table(_with_bars(result)),
+        errors=_errors(result),
         supports=_table(_reactions(result["supports"])),
         contacts="\n".join(_contact(contact) for contact in result["contacts"]),
         pictures="\n".join(f'<p><img src="{p.name}" alt="{_words(p.stem)}"></p>' for p in pictures),
@@ -116,6 +129,26 @@ def _branches(result: dict[str, Any]) -> str:
     return f"<h2>Answers from other starts</h2>\n{_table(cells)}"
 
 
+def _with_bars(found: dict[str, Any]) -> list[list[str]]:
+    """Quantities of a result or a contact, each with its error bar where there are some."""
+    errors, rows = found.get("errors"), _rows(found["quantities"])
+    if not errors:
+        return rows
+    bars = [
+        f"± {bar}" if (bar := error_bar(errors.get(name))) else "" for name in found["quantities"]
+    ]
+    return [[*row, bar] for row, bar in zip(rows, bars, strict=True)]
+
+
+def _errors(result: dict[str, Any]) -> str:
+    """Where the errors come from."""
+    rows = error_rows(result.get("errors", {}))
+    if not rows:
+        return ""
+    notes = "\n".join(f"<p>{escape(note)}</p>" for note in result.get("error_notes", []))
+    return f"<h2>Estimated errors</h2>\n<p>{escape(_OF_ERRORS)}</p>\n{_table(rows)}\n{notes}"
+
+
 def _model(model: dict[str, Any]) -> dict[str, Any]:
     """The model, with its free rigid motions in words."""
     motions = [motion_words(motion) for motion in model.get("rigid_motions", [])]
@@ -130,7 +163,7 @@ def _contact(contact: dict[str, Any]) -> str:
     """A contact's own parameters and numbers."""
     kind = {"contact": contact["contact"], "friction law": contact["law"]}
     kind |= {key: contact[key] for key in _OF_A_CONTACT if key in contact}
-    rows = _rows({**kind, **contact["parameters"], **contact["quantities"]})
+    rows = [*_rows({**kind, **contact["parameters"]}), *_with_bars(contact)]
     return f"<h3>{escape(contact['name'])}</h3>\n{_table(rows)}"
 
 

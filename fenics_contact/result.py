@@ -186,3 +186,30 @@ def branch_rows(branches: list[dict[str, Any]]) -> list[list[Any]]:
 def motion_words(motion: dict[str, Any]) -> str:
     """A rigid motion of ``model.rigid_motions``, and what may resist it."""
     return f"{motion['motion']}: resisted by {', '.join(motion['resisted_by']) or 'nothing'}"
+
+
+def error_bar(row: Mapping[str, float | None] | None) -> str:
+    """The total of a row of ``errors``; without one, what is known and that it is not all.
+
+    Args:
+        row: Source → error, and ``total``; None for a quantity that has none.
+    """
+    if row is None:
+        return ""
+    total = row["total"]
+    if total is not None:
+        return f"{total:.1e}"
+    missing = [source for source, value in row.items() if value is None and source != "total"]
+    return f"? (without {', '.join(missing)})"
+
+
+def error_rows(errors: Mapping[str, Mapping[str, float | None]]) -> list[list[str]]:
+    """A table of estimated errors by source, its head first; empty where there are none."""
+    if not errors:
+        return []
+    sources = list(next(iter(errors.values())))
+    rows = [["quantity", *sources]]
+    for name, row in errors.items():
+        cells = ["?" if value is None else f"{value:.1e}" for value in row.values()]
+        rows.append([name.replace("_", " "), *cells])
+    return rows

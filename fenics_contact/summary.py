@@ -16,6 +16,7 @@ from fenics_contact.result import (
     Check,
     Result,
     branch_rows,
+    error_bar,
     motion_words,
     reactions_by_group,
 )
@@ -80,12 +81,16 @@ def print_result(result: Result, folder: Path) -> None:
     console = Console()
     console.print(f"\n[bold]{escape(result.title or 'Result')}[/bold]", highlight=False)
     if result.converged:
-        quantities = _table("quantity", "value")
+        bars = ("±",) if result.errors else ()
+        quantities = _table("quantity", "value", *bars)
         for key in _shown(result):
-            quantities.add_row(key.replace("_", " "), _written(result.quantities[key]))
+            row = [key.replace("_", " "), _written(result.quantities[key])]
+            quantities.add_row(*row, *(error_bar(result.errors.get(key)) for _ in bars))
             if key == "reaction":
                 _add_reactions(quantities, result)
         console.print(quantities)
+        for note in result.error_notes:
+            console.print(note, markup=False, highlight=False, soft_wrap=True)
         _print_contacts(console, result.contacts)
         _print_checks(console, result.checks)
         _print_branches(console, result)

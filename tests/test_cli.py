@@ -140,6 +140,7 @@ def test_run_writes_what_the_interface_promises(folder):
         "factorise",
         "solve",
         "output",
+        "errors",
         "total",
     }
     phases = [seconds for phase, seconds in result["timings"].items() if phase != "total"]

@@ -11,13 +11,12 @@ from fenics_contact import (
     Run,
     Scene,
     SolverSettings,
+    Steps,
     Support,
-    simulation,
 )
-from fenics_contact.bulk_forces import BulkForces
-from fenics_contact.other_answers import OtherAnswers
-from fenics_contact.parameter_errors import parameter_errors
-from fenics_contact.quantities import contact_quantities, global_quantities, support_reactions
+from fenics_contact.errors import NotConvergedError
+from fenics_contact.newton import Newton
+from fenics_contact.strategy import _CoulombLoop
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD
@@ -27,9 +26,10 @@ PARABOLA = Obstacle(
 )
 # Automatic ones would be about 2e-9 and 4e-8.
 EPSILON, PENALTY = 1e-6, 1e-7
+NAMES = ("normal_force", "friction_force", "max_contact_pressure", "strain_energy")
 
 
-def solved(epsilon, penalty, law="static", **solver):
+def solved(epsilon=EPSILON, penalty=PENALTY, law="static", steps=1, errors="all", **solver):
     scene = Scene(
         kinematics="plane strain",
         material=Material(1000, 0.3),
@@ -44,46 +44,119 @@ def solved(epsilon, penalty, law="static", **solver):
                 penalty_parameter=penalty,
             ),
         ),
-        solver=SolverSettings(**solver),
+        steps=Steps(number=steps),
+        solver=SolverSettings(errors=errors, **solver),
     )
-    return Run(scene, COMM, BODY)
+    return Run(scene, COMM, BODY).solve()
 
 
-def estimated(monkeypatch, run):
-    """Quantities and errors of a run."""
-    found = {}
+def true_errors(found, exact):
+    return {
+        name: np.linalg.norm(np.subtract(found.quantities[name], exact.quantities[name]))
+        for name in found.errors
+    }
 
-    def look(history):
-        problem = history.problem
 
-        def measure(solution):
-            forces = BulkForces(problem, solution)
-            contacts = [contact_quantities(problem, solution, 0)]
-            return global_quantities(forces, support_reactions(forces)[0], contacts)
-
-        found.update(parameter_errors(history, measure))
-        return OtherAnswers()
-
-    monkeypatch.setattr(simulation, "look_around", look)
-    return run.solve().quantities, found
+def exact(source, **settings):
+    small = {"penalty": 1e-3 * PENALTY} if source == "penalty" else {"epsilon": 1e-3 * EPSILON}
+    return solved(errors="none", **small, **settings)
 
 
 @pytest.mark.parametrize("source", ["penalty", "regularisation"])
-@pytest.mark.parametrize("solver", ["condensed", "full"])
-def test_estimates_are_the_true_errors_at_leading_order(monkeypatch, source, solver):
-    small = (EPSILON, 1e-3 * PENALTY) if source == "penalty" else (1e-3 * EPSILON, PENALTY)
-    exact = solved(*small, solver=solver).solve().quantities
-    quantities, errors = estimated(monkeypatch, solved(EPSILON, PENALTY, solver=solver))
-    for name in ("normal_force", "friction_force", "max_contact_pressure", "strain_energy"):
-        true = np.linalg.norm(np.subtract(quantities[name], exact[name]))
-        assert errors[source][name] == pytest.approx(true, rel=0.1), name
-    assert set(errors) == {"penalty", "regularisation", "iteration"}
+@pytest.mark.parametrize(
+    "settings",
+    [{}, {"solver": "full"}, {"law": "incremental", "steps": 3}],
+    ids=["condensed", "full", "history"],
+)
+def test_estimates_are_the_true_errors(source, settings):
+    found = solved(**settings)
+    true = true_errors(found, exact(source, **settings))
+    for name in NAMES:
+        assert found.errors[name][source] == pytest.approx(true[name], rel=0.1), name
 
 
-def test_the_answer_is_there_again(monkeypatch):
-    run = solved(EPSILON, PENALTY)
-    before = run.solve()
-    estimated(monkeypatch, run)
-    after = run._evaluate()
-    assert after.quantities == before.quantities
-    assert run.contacts()[0]["parameters"] == before.contacts[0]["parameters"]
+def test_what_an_epsilon_makes_in_which_nothing_slips_is_seen():
+    """Doubling it would tell little: it has all the effect that it can have."""
+    huge = 3e-2
+    found = solved(epsilon=huge)
+    assert found.quantities["slip_area"] == 0
+    true = true_errors(found, exact("regularisation"))
+    twice = true_errors(found, solved(epsilon=2 * huge, errors="none"))
+    for name in ("friction_force", "stick_area"):
+        assert found.errors[name]["regularisation"] == pytest.approx(true[name], rel=0.3), name
+        assert twice[name] < 0.6 * true[name], name
+
+
+def test_what_newtons_method_leaves_is_seen():
+    loose = solved(tolerance=9e-4, max_outer_iterations=1, strategy="monolithic")
+    true = true_errors(loose, solved(errors="none", tolerance=1e-12))
+    for name in NAMES:
+        assert loose.errors[name]["iteration"] == pytest.approx(true[name], rel=0.05, abs=1e-9)
+    assert loose.errors["friction_force"]["iteration"] > 1e-6
+    tight = solved()
+    assert tight.errors["friction_force"]["iteration"] < 1e-9
+
+
+def never(*arguments):
+    raise NotConvergedError("made to fail", ())
+
+
+@pytest.mark.parametrize("is_newton_lost", [False, True], ids=["Newton's method", "another pass"])
+def test_what_the_loop_on_the_pressure_leaves_is_seen(monkeypatch, is_newton_lost):
+    """Without a last solve of all together, its tolerance is what it leaves."""
+    monkeypatch.setattr(_CoulombLoop, "_solve_coupled", never)
+    good, run_law = Newton.run, []
+
+    def only_with_the_law(newton, *arguments, **others):
+        if any(contact.friction.mode == "coupled" for contact in newton.problem.coulomb):
+            never()
+        run_law.append(newton)
+        good(newton, *arguments, **others)
+
+    if is_newton_lost:
+        monkeypatch.setattr(Newton, "run", only_with_the_law)
+    loose = solved(strategy="lagged", outer_tolerance=9e-3)
+    assert bool(run_law) == is_newton_lost
+    monkeypatch.undo()
+    true = true_errors(loose, solved(errors="none"))
+    for name in ("normal_force", "friction_force", "friction_work"):
+        estimate = loose.errors[name]["iteration"]
+        assert true[name] > 1e-7 * np.linalg.norm(loose.quantities[name])
+        if is_newton_lost:
+            assert 0.5 * true[name] <= estimate <= 5 * true[name], name
+        else:
+            assert estimate == pytest.approx(true[name], rel=0.01), name
+
+
+def test_the_strategies_of_a_load_step_help_where_newtons_method_fails(monkeypatch):
+    expected = solved().errors
+    good, failed = Newton.run, []
+
+    def fails_at_first(newton, *arguments, **others):
+        softened = float(newton.problem.contacts[0].normal._softness.value) != 1
+        if softened and not failed:
+            failed.append(newton)
+            never()
+        good(newton, *arguments, **others)
+
+    monkeypatch.setattr(Newton, "run", fails_at_first)
+    found = solved().errors
+    assert failed
+    for name in NAMES:
+        assert found[name]["penalty"] == pytest.approx(expected[name]["penalty"], rel=1e-3)
+
+
+def test_a_source_that_cannot_be_solved_again_is_left_open(monkeypatch):
+    good = Newton.run
+
+    def fails(newton, *arguments, **others):
+        if float(newton.problem.contacts[0].normal._softness.value) != 1:
+            never()
+        good(newton, *arguments, **others)
+
+    monkeypatch.setattr(Newton, "run", fails)
+    found = solved()
+    assert found.errors["normal_force"]["penalty"] is None
+    assert found.errors["normal_force"]["total"] is None
+    assert found.errors["normal_force"]["regularisation"] > 0
+    assert any("error by the penalty was not estimated" in note for note in found.error_notes)
