@@ -54,9 +54,9 @@ class LocalErrors:
         self._response = self._compile(test, self._error)
         self._on_contacts = [self._contact_forms(trace, test) for _, trace in self._traces()]
         self._loads = [
-            (fem.form(term.work(self._test)), term.path)
+            (fem.form(work(self._test)), path)
             for term in problem.terms
-            if term.work is not None
+            if (work := term.work) is not None and (path := term.path) is not None
         ]
 
     def solve(self, forces: BulkForces, time: float) -> None:

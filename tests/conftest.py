@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from fenics_contact import compat  # noqa: F401  (loads FEniCSx in the right order)
+from fenics_contact import simulation  # loads FEniCSx in the right order
+from fenics_contact.error_budget import ErrorBudget
 
 from mpi4py import MPI  # isort: skip
 from petsc4py import PETSc  # isort: skip
@@ -52,6 +53,13 @@ def pytest_runtest_teardown(item, nextitem):
     if nextitem is None or nextitem.path != item.path:
         gc.collect()
         PETSc.garbage_cleanup(COMM)
+
+
+@pytest.fixture(autouse=True)
+def _error_budget(request, monkeypatch):
+    """Only tests of errors have them estimated: it takes about as long as a run."""
+    if request.node.get_closest_marker("errors") is None:
+        monkeypatch.setattr(simulation, "error_budget", lambda *history: ErrorBudget())
 
 
 @pytest.fixture

@@ -19,6 +19,8 @@ from fenics_contact.newton import Newton
 from fenics_contact.strategy import _CoulombLoop
 from tests.scenes import box_body
 
+pytestmark = pytest.mark.errors
+
 COMM = MPI.COMM_WORLD
 BODY = box_body((24, 12), (2, 1))
 PARABOLA = Obstacle(
