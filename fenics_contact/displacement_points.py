@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from dolfinx import fem
 from numpy.typing import NDArray
 
 from fenics_contact import compat
@@ -41,6 +42,9 @@ class DisplacementPoints:
         self._comm, self._components = spaces.comm, spaces.components
         self._found = [_find(point, number, spaces) for number, point in enumerate(points)]
         self._names = [f"displacement_{point.name}" for point in points]
+        self._at = np.zeros((len(points), 3))
+        for place, point in zip(self._at, points, strict=True):
+            place[: len(point.at)] = point.at
 
     def quantities(self, displacement: Array) -> dict[str, list[float]]:
         """The displacement at every point, by quantity.
@@ -49,14 +53,24 @@ class DisplacementPoints:
             displacement: At the body's nodes of this rank, (nodes, components) (length).
         """
         values = np.zeros((len(self._found), self._components))
-        for value, (nodes, weights) in zip(values, self._found, strict=True):
+        for value, (_, nodes, weights) in zip(values, self._found, strict=True):
             value += weights @ displacement[nodes]
-        summed = total(self._comm, values)
-        return dict(zip(self._names, summed.tolist(), strict=True))
+        return self._summed(values)
+
+    def of_function(self, function: fem.Function) -> dict[str, list[float]]:
+        """A function of vectors at every point, in the cell that the point counts to."""
+        values = np.zeros((len(self._found), self._components))
+        for value, at, (cell, _, _) in zip(values, self._at, self._found, strict=True):
+            if cell is not None:
+                value += function.eval(at, cell)
+        return self._summed(values)
+
+    def _summed(self, values: Array) -> dict[str, list[float]]:
+        return dict(zip(self._names, total(self._comm, values).tolist(), strict=True))
 
 
-def _find(point: Point, number: int, spaces: Spaces) -> tuple[NDArray[np.int32], Array]:
-    """Nodes and shape functions of a point on the rank that has it, none on the others."""
+def _find(point: Point, number: int, spaces: Spaces) -> tuple[int | None, NDArray[np.int32], Array]:
+    """Cell, nodes and shape functions of a point on the rank that has it, none on the others."""
     mesh = spaces.body.mesh
     at = np.zeros(3)
     at[: len(point.at)] = point.at
@@ -74,8 +88,8 @@ def _find(point: Point, number: int, spaces: Spaces) -> tuple[NDArray[np.int32],
         if original[cell] == first:
             element = spaces.displacement_space.ufl_element().sub_elements[0]
             weights = element.tabulate(0, reference[None])[0].reshape(-1)
-            return spaces.displacement_space.dofmap.cell_dofs(cell), weights
-    return np.zeros(0, dtype=np.int32), np.zeros(0)
+            return cell, spaces.displacement_space.dofmap.cell_dofs(cell), weights
+    return None, np.zeros(0, dtype=np.int32), np.zeros(0)
 
 
 def _cells_with(mesh: Any, dimension: int, at: Array) -> dict[int, Array]:

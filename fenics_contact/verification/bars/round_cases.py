@@ -161,7 +161,7 @@ def _strip(size: float, cells_outside: int, shear_steps: int) -> Scene:
     obstacle = Obstacle(
         "parabola",
         radius=400,
-        force=formulas.line_force(formulas.plane_strain_modulus(1000, 0.49), 400, 1),
+        force=formulas.line_force(formulas.plane_strain_modulus(1000, 0.45), 400, 1),
         displacement=(0.00336, 0),
         displacement_path=Path(time=(1.0, 2.0), factor=(0.0, 1.0)),
     )
@@ -175,7 +175,7 @@ def _strip(size: float, cells_outside: int, shear_steps: int) -> Scene:
                 parameters={"fine": 1.5, "size": size, "cells_outside": cells_outside},
             ),
         ),
-        material=(Material(1000, 0.49),),
+        material=(Material(1000, 0.45),),
         support=(Support("bottom", {"x": 0, "y": 0}),),
         contact=(
             Contact("contact", obstacle=obstacle, friction_coefficient=0.5, law="incremental"),
