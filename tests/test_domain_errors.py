@@ -14,11 +14,13 @@ from fenics_contact import (
     Run,
     Scene,
     SolverSettings,
+    Support,
+    error_budget,
     run,
 )
 from fenics_contact.half_space_fields import boussinesq, cerruti
 from fenics_contact.verification.shear_cases import sheared_scene
-from tests.scenes import ROOT, with_solver
+from tests.scenes import ROOT
 
 E, NU = 1000.0, 0.3
 FORCE = 4 / 3 * E / (1 - NU**2) * 8**0.5  # of Hertz, on a paraboloid of radius 8, 1 deep
@@ -56,6 +58,11 @@ def scene(extent, coefficient=0.0, errors="auto", kinematics="axisymmetric", **o
     )
 
 
+@pytest.fixture(autouse=True)
+def without_those_of_the_mesh(monkeypatch):
+    monkeypatch.setattr(error_budget, "mesh_errors", lambda *arguments: ({}, None))
+
+
 @pytest.mark.parametrize("coefficient", [0.0, 0.6])
 def test_estimate_is_what_a_larger_piece_changes(coefficient):
     """Friction has a moment where it has no resultant: that is of one order less."""
@@ -70,12 +77,12 @@ def test_estimate_is_what_a_larger_piece_changes(coefficient):
     assert order == pytest.approx(3 if coefficient == 0 else 2.5, abs=0.5)
 
 
-def test_hertz_is_within_the_bars_on_a_small_piece():
-    result = run(scene(8))
+def test_hertz_is_within_the_bars_on_a_small_piece(monkeypatch):
+    monkeypatch.undo()
+    result = run(scene(6))
     row = result.errors["normal_force"]
     true = abs(result.quantities["normal_force"] - FORCE)
-    assert row["domain"] < 1.2 * true
-    assert true < row["total"] < 5 * true
+    assert 0.5 * true < row["domain"] and true < row["total"] < 5 * true
 
 
 def test_line_contact_and_a_force():
@@ -88,20 +95,25 @@ def test_line_contact_and_a_force():
         assert large.errors[name]["domain"] < 0.02 * small.errors[name]["domain"]
 
 
-def test_sideways_in_space():
-    """Cerruti's field and mirror images, where the pressures' moments are by the thousand."""
-    errors = {}
-    for extent, cells in ((4, 2), (8, 3)):
-        made = sheared_scene(0.02, extent=extent, cells_outside=cells)
-        result = run(with_solver(made, errors="all"))
-        errors[extent] = result.errors["friction_force"]["domain"]
-        assert errors[extent] < 0.01 * np.linalg.norm(result.quantities["friction_force"])
-    assert 0 < errors[8] < 0.4 * errors[4]
+def test_sideways_in_space(monkeypatch):
+    """Cerruti's field, and mirror images: half of a body is pulled across its plane, too."""
+    monkeypatch.setattr(error_budget, "_remembers", lambda problem: False)
+    small, large = (
+        run(sheared_scene(0.02, extent=extent, cells_outside=cells))
+        for extent, cells in ((4, 2), (8, 3))
+    )
+    forces = [result.quantities["friction_force"] for result in (small, large)]
+    true = np.linalg.norm(np.subtract(*forces))
+    estimates = [result.errors["friction_force"]["domain"] for result in (small, large)]
+    assert estimates[0] == pytest.approx(true, rel=0.1)
+    assert estimates[1] < 0.15 * estimates[0]
+    deeper = small.quantities["indentation"] - large.quantities["indentation"]
+    assert small.errors["indentation"]["domain"] == pytest.approx(deeper, rel=0.1)
 
 
 def test_forces_where_they_act_have_the_right_moments():
     """A few of them, with their images, are the field of these forces one by one."""
-    prepared = Run(sheared_scene(0.02, extent=4, cells_outside=2))
+    prepared = Run(sheared_scene(0.02, size=0.5, extent=4, cells_outside=2))
     far_field = prepared.problem.far_field
     spaces = prepared.problem.spaces
     inward = np.array([0, 0, -1.0])
@@ -127,9 +139,6 @@ def test_forces_where_they_act_have_the_right_moments():
 
 
 def test_a_body_that_is_no_piece_has_none():
-    held = dataclasses.replace(scene(8), half_space=None, symmetry=())
-    from fenics_contact import Support
-
-    held = dataclasses.replace(held, support=(Support("outer", {"x": 0, "y": 0}),))
-    row = run(held).errors["normal_force"]
-    assert row["domain"] == 0 and row["total"] > 0
+    support = Support("outer", {"x": 0, "y": 0})
+    held = dataclasses.replace(scene(8), half_space=None, symmetry=(), support=(support,))
+    assert run(held).errors["normal_force"]["domain"] == 0

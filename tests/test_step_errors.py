@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Run, Steps, run
+from fenics_contact import Run, Steps, error_budget, run
 from fenics_contact.errors import StoppedError
 from fenics_contact.step_errors import _between_turns, _cut, _other_steps
 from tests.histories import dragged, shoved, times, two_blocks
@@ -19,6 +19,11 @@ NAMES = ("normal_force", "friction_force", "max_slip", "friction_work")
 
 def solved(steps, errors="all"):
     return run(with_solver(dragged(steps), errors=errors), COMM, BODY)
+
+
+@pytest.fixture(autouse=True)
+def without_those_of_the_mesh(monkeypatch):
+    monkeypatch.setattr(error_budget, "mesh_errors", lambda *arguments: ({}, None))
 
 
 @pytest.fixture(scope="module")
