@@ -5,6 +5,7 @@ solves it and returns a ``Result``. The names below are the public interface.
 """
 
 from fenics_contact import compat  # noqa: F401  (loads FEniCSx in the right order)
+from fenics_contact.adaptivity import run
 from fenics_contact.cli import main, run_script
 from fenics_contact.errors import (
     FenicsContactError,
@@ -24,13 +25,15 @@ from fenics_contact.scene import (
     Steps,
     Support,
 )
+from fenics_contact.scene_accuracy import Accuracy
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_file import load_scene
 from fenics_contact.scene_material import Material
 from fenics_contact.scene_values import Path, Profile
-from fenics_contact.simulation import Run, run
+from fenics_contact.simulation import Run
 
 __all__ = [
+    "Accuracy",
     "Body",
     "Check",
     "Contact",

@@ -13,11 +13,13 @@ from pathlib import Path
 from mpi4py import MPI
 
 from fenics_contact import files
+from fenics_contact.adaptivity import adaptive_plan
 from fenics_contact.errors import InputError
 from fenics_contact.faults import READER_LEFT, drop_output, explain, failing_together, say
 from fenics_contact.interrupts import Interrupts
 from fenics_contact.parallel import on_root
 from fenics_contact.progress import step_bar
+from fenics_contact.result import Result
 from fenics_contact.scene import Scene
 from fenics_contact.scene_file import load_scene
 from fenics_contact.simulation import Run
@@ -133,8 +135,9 @@ def _scene_command(options: argparse.Namespace) -> int:
         return _solve(scene, folder, options.resume, pictures=False)
     prepared = Run(scene, comm)
     model = prepared.model
+    plan = adaptive_plan(prepared)
     if comm.rank == 0:
-        print_model(scene, model, prepared.contacts())
+        print_model(scene, model, prepared.contacts(), plan)
     return 0
 
 
@@ -142,6 +145,9 @@ def _solve(scene: Scene, folder: Path, resume: bool, pictures: bool) -> int:
     comm = MPI.COMM_WORLD
     files.require_writable(folder, comm)
     prepared = Run(scene, comm)
+    if scene.accuracy is not None:
+        result = _solve_levels(prepared, folder, resume)
+        return _conclude(result, folder, pictures)
     state = StateFile(folder, prepared.problem)
     saved = state.load() if resume else None
     if not resume:
@@ -161,6 +167,25 @@ def _solve(scene: Scene, folder: Path, resume: bool, pictures: bool) -> int:
         result = files.solve_and_write(prepared, folder, state, saved, asked, announce)
     if result.converged:
         state.finish(result.exit_code)
+    return _conclude(result, folder, pictures)
+
+
+def _solve_levels(prepared: Run, folder: Path, resume: bool) -> Result:
+    """A scene that asks for an accuracy."""
+    if resume:
+        raise InputError("--resume: a scene with accuracy begins at its first mesh; leave it out")
+    StateFile(folder, prepared.problem).remove()
+    steps, comm = prepared.scene.steps, prepared.problem.comm
+    with (
+        Interrupts() as interrupts,
+        step_bar(steps, comm) if _shows_steps() else nullcontext() as announce,
+    ):
+        return files.solve_levels_and_write(prepared, folder, interrupts.requested, announce)
+
+
+def _conclude(result: Result, folder: Path, pictures: bool) -> int:
+    """Say what came out, and draw it."""
+    comm = MPI.COMM_WORLD
     if comm.rank == 0 and (logger.isEnabledFor(logging.INFO) or not result.passed):
         print_result(result, folder)
     if pictures and result.converged:

@@ -68,6 +68,29 @@ def distributed_tags(
     )
 
 
+def refined(mesh: Any, cells: NDArray[np.int32], tags: list[Any]) -> tuple[Any, list[Any]]:
+    """A mesh on one rank with all edges of some cells halved, and its tags of cells or facets."""
+    dimension = mesh.topology.dim
+    mesh.topology.create_entities(1)
+    mesh.topology.create_connectivity(dimension, 1)
+    mesh.topology.create_connectivity(1, dimension)
+    edges = dolfinx.mesh.compute_incident_entities(mesh.topology, cells, dimension, 1)
+    option = dolfinx.mesh.RefinementOption.parent_cell_and_facet
+    finer, parents, sides = dolfinx.mesh.refine(mesh, edges, partitioner=None, option=option)
+    for made in (mesh, finer):
+        made.topology.create_connectivity(dimension, dimension - 1)
+        made.topology.create_connectivity(dimension - 1, dimension)
+    return finer, [dolfinx.mesh.transfer_meshtag(t, finer, parents, sides) for t in tags]
+
+
+def nodes_of_entities(mesh: Any, dimension: int, entities: NDArray[np.int32]) -> NDArray[np.int64]:
+    """Numbers of each entity's points in the mesh's geometry, (entities, points)."""
+    mesh.topology.create_connectivity(dimension, mesh.topology.dim)
+    mesh.topology.create_connectivity(mesh.topology.dim, dimension)
+    found = dolfinx.mesh.entities_to_geometry(mesh, dimension, entities.astype(np.int32))
+    return np.asarray(found, dtype=np.int64).reshape(len(entities), -1)
+
+
 def input_nodes(mesh: Any) -> NDArray[np.int64]:
     """Numbers that the geometry nodes of each cell had where the mesh was made, (cells, nodes)."""
     geometry = mesh.geometry

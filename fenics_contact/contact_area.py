@@ -61,13 +61,31 @@ def cut_areas(contact: ContactSurface, state: ContactState) -> tuple[float, floa
     """Areas of the pieces that the edges of contact and of stick pass through; collective."""
     pieces = contact.trace.pieces
     areas = pieces.areas * pieces.weights.mean(axis=1)
+    cut = [areas[found].sum() for found in _cut_pieces(contact, state)]
+    touching, sticking = total(contact.trace.spaces.comm, np.array(cut))
+    return float(touching), float(sticking)
+
+
+def edges(contact: ContactSurface, state: ContactState) -> list[Array]:
+    """Where this rank's edges of contact and of stick are, and how large facets are there.
+
+    Returns:
+        Of either, rows of x, y, z and the length of a facet's side (length).
+    """
+    pieces = contact.trace.pieces
+    dimension = contact.trace.spaces.components
+    sides = (pieces.areas * (1 if dimension == 2 else 2)) ** (1 / (dimension - 1))
+    rows = np.column_stack([pieces.corners.mean(axis=1), sides * contact.trace.spaces.degree])
+    return [rows[found] for found in _cut_pieces(contact, state)]
+
+
+def _cut_pieces(contact: ContactSurface, state: ContactState) -> list[NDArray[np.bool_]]:
+    """Which pieces of this rank the edges of contact and of stick pass through."""
     zones = [state.status != OPEN, state.status == STICK]
     zones[0] = zones[0] if _may_open(contact) else np.ones_like(zones[0])
     zones[1] = zones[1] if contact.friction is not None else np.ones_like(zones[1])
-    inside = [zone[pieces.points] for zone in zones]
-    cut = [areas[found.any(axis=1) & ~found.all(axis=1)].sum() for found in inside]
-    touching, sticking = total(contact.trace.spaces.comm, np.array(cut))
-    return float(touching), float(sticking)
+    inside = [zone[contact.trace.pieces.points] for zone in zones]
+    return [found.any(axis=1) & ~found.all(axis=1) for found in inside]
 
 
 def stick_area(contact: ContactSurface, state: ContactState) -> float:

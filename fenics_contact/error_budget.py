@@ -148,7 +148,8 @@ class _Estimates:
         self._history, self._measure, self._times = history, measure, times
         self._problem = history.problem
         system = history.newton.system
-        self._wants_all = self._problem.scene.solver.errors == "all"
+        scene = self._problem.scene
+        self._wants_all = scene.solver.errors == "all" or scene.accuracy is not None
         self._is_cheap = isinstance(system, CondensedSystem)
         self._solver = system.name
         self._notes: list[str] = []

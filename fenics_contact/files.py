@@ -7,6 +7,7 @@ import io
 import json
 import math
 import re
+import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +17,8 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from fenics_contact.accepted_step import Unknowns
+from fenics_contact.adaptivity import AdaptiveRun
 from fenics_contact.errors import InputError
 from fenics_contact.faults import failing_together
 from fenics_contact.fields import FieldSeries
@@ -64,6 +67,7 @@ def solve_and_write(
     saved: SavedRun | None = None,
     stopped: Callable[[], bool] | None = None,
     announce: Callable[[int, dict[str, Any]], None] | None = None,
+    guess: Unknowns | None = None,
 ) -> Result:
     """Solve, and write the files of a run, those of steps as they are accepted; collective.
 
@@ -77,17 +81,68 @@ def solve_and_write(
         saved: Likewise; then its files are kept.
         stopped: Likewise.
         announce: Likewise.
+        guess: Likewise.
 
     Raises:
         MachineError: A file could not be written; those of before are whole.
     """
     with failing_together(run.problem.comm):
         steps = StepFiles(run, folder, None if saved is None else saved.last.unknowns.time)
-        result = run.solve(state, saved, stopped, announce, steps.add)
+        result = run.solve(state, saved, stopped, announce, steps.add, guess)
         with run.timings.phase("output"):
             steps.complete()
         _finish(run, result, folder)
     return result
+
+
+def solve_levels_and_write(
+    first: Run,
+    folder: Path,
+    stopped: Callable[[], bool] | None = None,
+    announce: Callable[[int, dict[str, Any]], None] | None = None,
+) -> Result:
+    """Solve a scene that asks for an accuracy, and write the files of its last level; collective.
+
+    Each level is written beside those of the one before, and takes their place once it is whole.
+
+    Args:
+        first: Made ready on the first mesh.
+        folder: Where to.
+        stopped: As for ``Run.solve``.
+        announce: Likewise.
+
+    Raises:
+        MachineError: A file could not be written; those of before are whole.
+    """
+    comm, aside = first.problem.comm, folder / _LEVEL
+    levels = AdaptiveRun(first)
+    on_root(comm, lambda: _clear(folder, f"{_OF_THE_END}|{_OF_STEPS}"))
+
+    def solve_level(run: Run, guess: Unknowns | None) -> Result:
+        result = solve_and_write(run, aside, None, None, stopped, announce, guess)
+        if result.converged or not levels.levels:
+            on_root(comm, lambda: _take_place(aside, folder))
+        return result
+
+    with failing_together(comm):
+        result = levels.solve(solve_level)
+        on_root(comm, lambda: _write_level(result, folder, aside))
+    return result
+
+
+def _take_place(aside: Path, folder: Path) -> None:
+    """Files of a level that is whole take the place of those of the one before."""
+    with naming(folder):
+        _clear(folder, f"{_OF_THE_END}|{_OF_STEPS}")
+        for path in sorted(aside.iterdir(), key=lambda path: path.name == "result.json"):
+            path.replace(folder / path.name)
+
+
+def _write_level(result: Result, folder: Path, aside: Path) -> None:
+    """What the last level has become: with all levels, and whether they reached what was asked."""
+    with naming(folder):
+        shutil.rmtree(aside, ignore_errors=True)
+    _write_result(result, folder)
 
 
 def write(run: Run, result: Result, folder: Path) -> None:
@@ -170,10 +225,12 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 
 # Files of a run and of its report, and nothing else that may lie in the folder.
 _PICTURES = (
-    r"(deformed|axis_stress|surface_displacement|history_\w+|contact_\d+)\.png|animation_\d+\.gif"
+    r"(deformed|mesh|axis_stress|surface_displacement|history_\w+|contact_\d+)\.png"
+    r"|animation_\d+\.gif"
 )
 # Those that say how a run ended, which is not true any more when it goes on.
 _OF_THE_END = rf"result\.json|contact\.csv|report\.html|{_PICTURES}"
+_LEVEL = "next_level"  # folder of a level that is not whole yet
 _OF_STEPS = r"steps\.csv|fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
 
 
@@ -189,6 +246,10 @@ def _write_tables(result: Result, folder: Path) -> None:
     if result.points is not None:
         names = [contact["name"] for contact in result.contacts]
         _replace(folder / "contact.csv", _csv_rows(result.points, names))
+    _write_result(result, folder)
+
+
+def _write_result(result: Result, folder: Path) -> None:
     # Last, and in one move: where it exists, the run is complete.
     text = json.dumps(_finite(result.as_dict()), indent=2, ensure_ascii=False, allow_nan=False)
     replace_file(folder / "result.json", f"{text}\n".encode())

@@ -12,6 +12,7 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from fenics_contact.errors import InputError
 from fenics_contact.geometry_script import require_harmless, require_mesh
 from fenics_contact.mesh import Body
 from fenics_contact.mesh_arrays import MeshArrays
+from fenics_contact.mesh_sizes import SizeField
 from fenics_contact.parallel import on_root
 from fenics_contact.scene import MeshSource
 
@@ -37,13 +39,22 @@ _BASE_SECONDS, _SECONDS_PER_BYTE = 60.0, 2e-6
 _STEP_UNITS = {"$": "M", ".MILLI.": "MM", ".CENTI.": "CM", ".KILO.": "KM", ".MICRO.": "UM"}
 
 
-def load_body(sources: MeshSource | Sequence[MeshSource], dimension: int, comm: MPI.Comm) -> Body:
+def load_body(
+    sources: MeshSource | Sequence[MeshSource],
+    dimension: int,
+    comm: MPI.Comm,
+    sizes: Sequence[SizeField] | None = None,
+    curved: bool = False,
+) -> Body:
     """Mesh geometries, or read meshes, put them together and distribute the whole.
 
     Args:
         sources: Files and how to mesh them.
         dimension: Dimension of the model, 2 or 3; the meshes must have the same.
         comm: Communicator; collective.
+        sizes: Of the cells to be made, one field a source; used on rank 0 only. The sources are
+            geometries then, and by default meshed as they say.
+        curved: Whether cells of geometries that are not straight get a geometry of order 2.
 
     Raises:
         InputError: A file is missing, Gmsh refuses it, or its mesh is unsound; or the meshes
@@ -54,7 +65,7 @@ def load_body(sources: MeshSource | Sequence[MeshSource], dimension: int, comm: 
     arrays: list[MeshArrays] = []  # stays on rank 0
 
     def prepare() -> tuple[Any, ...]:
-        made = _load_all(sources, dimension)
+        made = _load_all(sources, dimension, sizes, curved)
         arrays.append(made)
         return made.cell, made.order, made.facets.shape[1], made.groups, made.numbers
 
@@ -79,22 +90,40 @@ def load_body(sources: MeshSource | Sequence[MeshSource], dimension: int, comm: 
     )
 
 
-def _load_all(sources: Sequence[MeshSource], dimension: int) -> MeshArrays:
+def _load_all(
+    sources: Sequence[MeshSource],
+    dimension: int,
+    sizes: Sequence[SizeField] | None,
+    curved: bool,
+) -> MeshArrays:
     """The meshes of all files as one; on rank 0."""
+    keys = [f"mesh[{number}]" for number in range(len(sources))] if len(sources) > 1 else ["mesh"]
+    fields: Sequence[SizeField | None] = sizes or [None] * len(sources)
+    meshes = [
+        _load(key, source, dimension, field, curved)
+        for key, source, field in zip(keys, sources, fields, strict=True)
+    ]
     if len(sources) == 1:
-        return mesh_join.with_name("mesh", sources[0], _load("mesh", sources[0], dimension))
-    keys = [f"mesh[{number}]" for number in range(len(sources))]
-    meshes = [_load(key, source, dimension) for key, source in zip(keys, sources, strict=True)]
+        return mesh_join.with_name("mesh", sources[0], meshes[0])
     return mesh_join.joined(sources, meshes)
 
 
-def _load(key: str, source: MeshSource, dimension: int) -> MeshArrays:
+def is_geometry(source: MeshSource) -> bool:
+    """Whether it can be meshed with other sizes: whether it is no mesh already."""
+    return _KINDS.get(Path(source.file).suffix.lower()) in ("geo", "cad")
+
+
+def _load(
+    key: str, source: MeshSource, dimension: int, sizes: SizeField | None, curved: bool
+) -> MeshArrays:
     """The mesh of a file, examined; on rank 0.
 
     Args:
         key: Of the mesh in the scene, for messages: ``mesh``, or ``mesh[1]``.
         source: The file and how to mesh it.
         dimension: Of the model.
+        sizes: Of its cells, if not those that it asks for.
+        curved: As for ``load_body``.
     """
     where = f"{key}.file = '{source.file}'"
     path = Path(source.file)
@@ -104,7 +133,12 @@ def _load(key: str, source: MeshSource, dimension: int) -> MeshArrays:
     if suffix not in _KINDS:
         raise InputError(f"{where}: must end in {_either(_KINDS)}")
     _check_settings(key, source, _KINDS[suffix])
-    description, read = _run_gmsh(where, _job(key, source, path, suffix, dimension))
+    job = _job(key, source, path, suffix, dimension)
+    if job["kind"] != "msh":
+        job |= {"curved": curved, "sizes": sizes is not None}
+    if sizes is not None:
+        job["cell"] = sizes.cell
+    description, read = _run_gmsh(where, job, b"" if sizes is None else sizes.as_bytes())
     return mesh_arrays.build(read, description, source, dimension, key)
 
 
@@ -158,7 +192,9 @@ def _step_unit(path: Path) -> str:
     return _STEP_UNITS.get(si[1], "") if si is not None else ""
 
 
-def _run_gmsh(where: str, job: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+def _run_gmsh(
+    where: str, job: Mapping[str, Any], sizes: bytes
+) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Run ``gmsh_process`` on a job: the model's description and the mesh's arrays."""
     program = Path(__file__).with_name("gmsh_process.py")
     # -P: the modules of this package must not stand in for those that Gmsh's imports want.
@@ -167,9 +203,12 @@ def _run_gmsh(where: str, job: Mapping[str, Any]) -> tuple[dict[str, Any], dict[
     if job["kind"] == "msh":
         seconds = _BASE_SECONDS + _SECONDS_PER_BYTE * Path(job["file"]).stat().st_size
     try:
-        done = subprocess.run(
-            command, stdin=subprocess.DEVNULL, capture_output=True, check=False, timeout=seconds
-        )
+        with tempfile.TemporaryFile() as file:  # unlike a pipe, it may be left unread
+            file.write(sizes)
+            file.seek(0)
+            done = subprocess.run(
+                command, stdin=file, capture_output=True, check=False, timeout=seconds
+            )
     except subprocess.TimeoutExpired:
         raise InputError(f"{where}: Gmsh cannot read it in {seconds:.0f} s; damaged?") from None
     if done.returncode == -signal.SIGKILL:

@@ -1,18 +1,23 @@
 """The room for Gmsh: a program of its own, which meshes or reads one file.
 
-``fenics_contact.gmsh_files`` starts it with a job (JSON) as its argument and reads
-the mesh as an ``.npz`` from its standard output. A damaged file can crash Gmsh, a
-geometry script can end the process or fill the memory: here that costs one process,
-not the run. It imports nothing of this package, whose import would start MPI.
+``fenics_contact.gmsh_files`` starts it with a job (JSON) as its argument, gives it sizes of
+cells by its standard input, if it has some, and reads the mesh as an ``.npz`` from its standard
+output. A damaged file can crash Gmsh, a geometry script can end the process or fill the memory:
+here that costs one process, not the run. It imports nothing of this package, whose import would
+start MPI.
 """
 
 import contextlib
 import io
 import json
 import os
+import re
 import resource
 import signal
 import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import gmsh
@@ -22,6 +27,26 @@ Job = dict[str, Any]
 Arrays = dict[str, np.ndarray]
 
 _RECOMBINE = {"triangle": 0, "quadrilateral": 1}  # Gmsh's Mesh.RecombineAll
+# Gmsh's letters for elements on which sizes are given.
+_ON_ELEMENTS = {"triangle": "T", "quadrilateral": "Q", "tetrahedron": "S"}
+# Gmsh's Mesh.Algorithm and Mesh.RecombinationAlgorithm by cell, tried in this order: which of
+# them leaves a bad cell depends on the geometry.
+_WAYS = {
+    "triangle": ((6, 1), (5, 1)),
+    "quadrilateral": ((8, 0), (8, 1), (6, 1), (5, 1)),
+    "tetrahedron": ((6, 1), (5, 1)),
+}
+# Least scaled Jacobian of a mesh's cells from which no other way is tried.
+_GOOD = 0.2
+# A statement of such a geometry, and nothing else: names of groups are the script's, which could
+# make a command of one.
+_NUMBERS = r"\s*=?\s*\{[-+.,\s\w]*\}"
+_PLAIN = re.compile(
+    rf"cl__\d+ = [-+.\w]+;|[A-Z][A-Za-z ]*\(\d+\){_NUMBERS}"
+    rf"(?: (?:In|Using|Knots|Order|Plane)[ \w]*(?:{_NUMBERS})?(?: Order \d+)?)?;"
+    rf"|(?:Point|Line|Curve|Surface) ?{_NUMBERS} In (?:Curve|Line|Surface|Volume) ?{_NUMBERS};"
+)
+_UNROLLED = 2**28  # bytes of a geometry as plain statements, at the most
 
 
 class RefusedError(Exception):
@@ -54,7 +79,8 @@ def main() -> None:
 def _restrict(job: Job) -> None:
     """No file may grow from here on, and reading a mesh may not take all the memory."""
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+    # With sizes a file is to be written once the script has run, which cannot raise the limit.
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, _UNROLLED if job.get("sizes") else 0))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     if job["memory"]:
         with contextlib.suppress(ValueError):  # a lower limit is in force already
@@ -121,7 +147,7 @@ def _mesh_cad(job: Job) -> None:
 
 
 def _set_options(job: Job) -> None:
-    if job["cell"] != "as meshed":
+    if job["cell"] in _RECOMBINE:
         gmsh.option.setNumber("Mesh.RecombineAll", _RECOMBINE[job["cell"]])
     gmsh.option.setNumber("Mesh.ElementOrder", job["order"])
     if job["size"] is not None:
@@ -132,8 +158,123 @@ def _set_options(job: Job) -> None:
 
 def _generate(job: Job) -> None:
     """Mesh, if the model has parts of the dimension asked for; the caller sees if not."""
-    if gmsh.model.getDimension() == job["dimension"]:
+    if gmsh.model.getDimension() != job["dimension"]:
+        return
+    if job["curved"] and _is_curved():
+        gmsh.option.setNumber("Mesh.ElementOrder", 2)
+    if job["sizes"]:
+        _mesh_by_sizes(job)
+    else:
         gmsh.model.mesh.generate(job["dimension"])
+
+
+def _is_curved() -> bool:
+    """Whether any part is not straight."""
+    kinds = {gmsh.model.getType(dim, tag) for dim, tag in gmsh.model.getEntities() if dim in (1, 2)}
+    return not kinds <= {"Line", "Plane", "Plane surface"}
+
+
+def _mesh_by_sizes(job: Job) -> None:
+    """Mesh with the sizes that standard input holds; numbers of cells in the file do not count.
+
+    The input is an ``.npz``: ``points`` (cells, vertices, 3), and ``sizes`` at each, (cells,
+    vertices) (length).
+    """
+    with np.load(io.BytesIO(sys.stdin.buffer.read()), allow_pickle=False) as data:
+        points, sizes = data["points"], data["sizes"]
+    cell, dimension = job["cell"], job["dimension"]
+    _lift_constraints(job)
+    # Quadrilaterals are made by cutting each cell of a coarser mesh: no triangle is left then.
+    is_cut = cell == "quadrilateral"
+    values = 2 * sizes if is_cut else sizes
+    rows = np.concatenate([points.transpose(0, 2, 1).reshape(len(points), -1), values], axis=1)
+    view = gmsh.view.add("sizes")
+    gmsh.view.addListData(view, f"S{_ON_ELEMENTS[cell]}", len(rows), rows.reshape(-1))
+    field = gmsh.model.mesh.field.add("PostView")
+    gmsh.model.mesh.field.setNumber(field, "ViewTag", view)
+    gmsh.model.mesh.field.setAsBackgroundMesh(field)
+    for name, value in {
+        "MeshSizeExtendFromBoundary": 0,
+        "MeshSizeFromPoints": 0,
+        "MeshSizeFromCurvature": job["curvature"] or 0,
+        "MeshSizeFactor": 1,
+        "MeshSizeMin": 0,
+        "MeshSizeMax": (job["size"] or 1e22) * (2 if is_cut else 1),
+        "RecombineAll": int(is_cut),
+        "SubdivisionAlgorithm": int(is_cut),
+    }.items():
+        gmsh.option.setNumber(f"Mesh.{name}", value)
+    _mesh_well(_WAYS[cell], dimension)
+
+
+def _mesh_well(ways: Sequence[tuple[int, int]], dimension: int) -> None:
+    """Mesh in the first way that leaves no bad cell, else in the one that leaves the best."""
+    quality: dict[tuple[int, int], float] = {}
+    said: Exception | None = None
+    for way in ways:
+        try:
+            quality[way] = _mesh_in_way(way, dimension)
+        except Exception as error:  # Gmsh raises plain Exceptions; another way may do
+            said = error
+            continue
+        if quality[way] >= _GOOD:
+            return
+    if not quality:
+        assert said is not None
+        raise said
+    _mesh_in_way(max(quality, key=lambda way: quality[way]), dimension)
+
+
+def _mesh_in_way(way: tuple[int, int], dimension: int) -> float:
+    """Mesh anew; the least scaled Jacobian of its cells."""
+    gmsh.model.mesh.clear()
+    gmsh.option.setNumber("Mesh.Algorithm", way[0])
+    gmsh.option.setNumber("Mesh.RecombinationAlgorithm", way[1])
+    gmsh.model.mesh.generate(dimension)
+    _, elements, _ = gmsh.model.mesh.getElements(dimension)
+    found = [gmsh.model.mesh.getElementQualities(tags, "minSICN") for tags in elements]
+    return float(np.min(np.concatenate(found)))
+
+
+def _lift_constraints(job: Job) -> None:
+    """Forget how many cells the file wants, and where.
+
+    Gmsh can drop the constraints of OpenCASCADE's parts. Those of its own kernel come back with
+    the geometry, so that is written out as plain statements and read again without them.
+    """
+    gmsh.model.mesh.clear()
+    if gmsh.model.occ.getEntities():
+        gmsh.model.mesh.removeConstraints()
+        return
+    parts = [entity for entity in gmsh.model.getEntities() if entity[0] >= 1]
+    groups = [
+        (
+            *group,
+            gmsh.model.getEntitiesForPhysicalGroup(*group),
+            gmsh.model.getPhysicalName(*group),
+        )
+        for group in gmsh.model.getPhysicalGroups()
+    ]
+    _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+    with tempfile.TemporaryDirectory() as folder:
+        unrolled, plain = Path(folder) / "all.geo_unrolled", Path(folder) / "plain.geo"
+        gmsh.write(str(unrolled))
+        lines = unrolled.read_text(encoding="latin-1").splitlines()
+        kept = (line for line in lines if _PLAIN.fullmatch(line.strip()))
+        plain.write_text("\n".join(kept), encoding="latin-1")
+        gmsh.model.remove()
+        gmsh.model.add("plain")
+        gmsh.merge(str(plain))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+    if [entity for entity in gmsh.model.getEntities() if entity[0] >= 1] != parts:
+        raise RefusedError(
+            f"{job['key']}.file = '{job['file']}': holds more than a geometry, which cannot be "
+            "meshed with other sizes; leave out accuracy"
+        )
+    gmsh.model.removePhysicalGroups()
+    for dimension, tag, members, name in groups:
+        gmsh.model.addPhysicalGroup(dimension, members, tag, name)
 
 
 _READERS = {"msh": _read_mesh, "geo": _mesh_script, "cad": _mesh_cad}

@@ -37,6 +37,7 @@ class History:
         last: The last accepted step, None before there is one.
         pace: Which step comes next.
         tried: Pseudo-time of the step that was tried last.
+        guess: Where the first step is thought to end, if that is known.
 
     Args:
         newton: Made for the problem, not started.
@@ -60,6 +61,7 @@ class History:
         self._untouched = [remember(contact) for contact in self.problem.contacts]
         self._has_moved_on = False
         self.tried = 0.0
+        self.guess: Unknowns | None = None
 
     @property
     def time(self) -> float:
@@ -167,7 +169,7 @@ class History:
         except NotConvergedError as error:
             if predicted is None:
                 raise
-            logger.debug("  %s; next: from the last load step", error)
+            logger.debug("  %s; next: from the last load step, or from the start", error)
         self.go_back()
         self._begin(time, None)
         return solve_step(newton)
@@ -178,6 +180,9 @@ class History:
         if self.last is None:
             problem.set_time(time)
             newton.start()
+            if predicted is not None:
+                self._place(predicted)
+                newton.continue_start()
             return
         if not self._has_moved_on:
             for contact in problem.contacts:
@@ -197,8 +202,10 @@ class History:
         Not with the static law: its answers do not go on in straight lines, and a step begins
         nearer to its end without it.
         """
+        if self.last is None:
+            return self.guess
         static = any(contact.law == "static" for contact in self.problem.coulomb)
-        if static or self.last is None or self.last.before is None:
+        if static or self.last.before is None:
             return None
         before = self.last.before
         close = 1e-9 * (time - before.time)

@@ -13,6 +13,7 @@ from fenics_contact.contact_table import ContactTable
 from fenics_contact.curves import draw_curves
 from fenics_contact.errors import InputError
 from fenics_contact.history_pictures import draw_history
+from fenics_contact.mesh_picture import draw_mesh
 from fenics_contact.surface_displacement import draw_surface_displacement
 from fenics_contact.surface_maps import draw_maps
 
@@ -26,8 +27,8 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Path]:
 
     Returns:
         The files drawn: one a contact, displacements and stresses along lines of flat models,
-        the deformed body, curves over the load steps where there are several, and animations of
-        the contacts where there are many.
+        the deformed body, the mesh of an adaptive run, curves over the load steps where there are
+        several, and animations of the contacts where there are many.
 
     Raises:
         InputError: matplotlib, pyvista or a display is missing; says what to install.
@@ -44,6 +45,7 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Path]:
         *_contacts(folder, result, table),
         *_along_lines(folder, result, table, body),
         draw_body(body, result, table, folder / "deformed.png"),
+        *_adapted(folder, result, table, body),
         *draw_history(folder, result),
         *_animations(folder, result, table),
     ]
@@ -66,6 +68,13 @@ def _contacts(folder: Path, result: dict[str, Any], table: ContactTable) -> list
             draw_curves(rows, contact, _axes(result), path)
         drawn.append(path)
     return drawn
+
+
+def _adapted(folder: Path, result: dict[str, Any], table: ContactTable, body: Any) -> list[Path]:
+    """The last mesh of an adaptive run; in 3D the deformed body shows it."""
+    if not result.get("levels") or result["model"]["kinematics"] == "3D":
+        return []
+    return [draw_mesh(body, result, table, folder / "mesh.png")]
 
 
 def _animations(folder: Path, result: dict[str, Any], table: ContactTable) -> list[Path]:

@@ -7,6 +7,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from fenics_contact.accuracy_words import level_rows
 from fenics_contact.check_words import compares
 from fenics_contact.errors import InputError
 from fenics_contact.pictures import draw_pictures
@@ -41,6 +42,7 @@ img {{ max-width: 100%; }}
 <h2>Checks</h2>
 {checks}
 {branches}
+{levels}
 <h2>Quantities</h2>
 {quantities}
 {errors}
@@ -104,12 +106,14 @@ def _page(result: dict[str, Any], pictures: list[Path]) -> str:
         row = [_words(name), _written(check["value"]), _written(check["limit"]), verdict]
         checks.append([*row, compares(name)])
     passed = all(check["passed"] for check in result["checks"].values())
+    passed &= result.get("accuracy", {}).get("reached", True)
     return _PAGE.format(
         title=escape(result["title"] or "Result"),
         verdict=escape(result["verdict"]),
         verdict_class="passed" if passed else "failed",
         checks=_table(checks),
         branches=_branches(result),
+        levels=_levels(result),
         quantities=_table(_with_bars(result)),
         errors=_errors(result),
         supports=_table(_reactions(result["supports"])),
@@ -127,6 +131,12 @@ def _branches(result: dict[str, Any]) -> str:
         return ""
     cells = [[_written(cell) for cell in row] for row in rows]
     return f"<h2>Answers from other starts</h2>\n{_table(cells)}"
+
+
+def _levels(result: dict[str, Any]) -> str:
+    """Meshes and estimated errors on the way to an accuracy."""
+    rows = level_rows(result.get("levels", []), result.get("accuracy", {}))
+    return f"<h2>Meshes and estimated errors</h2>\n{_table(rows)}" if rows else ""
 
 
 def _with_bars(found: dict[str, Any]) -> list[list[str]]:

@@ -104,6 +104,8 @@ class Result:
 
     Attributes:
         branches: All answers that were found, where the scene asks for others.
+        levels: Meshes on the way, where the scene asks for an accuracy.
+        accuracy: What it asked for, whether that was reached and, if not, why.
         errors: Quantity → source → estimated absolute error, and their ``total``; None where it
             was not estimated.
         error_notes: Sentences that say what was not, and why.
@@ -122,6 +124,8 @@ class Result:
     supports: list[dict[str, Any]] = field(default_factory=list)
     branches: list[dict[str, Any]] = field(default_factory=list)
     errors: Mapping[str, Any] = field(default_factory=dict)
+    levels: list[dict[str, Any]] = field(default_factory=list)
+    accuracy: Mapping[str, Any] = field(default_factory=dict)
     error_notes: list[str] = field(default_factory=list)
     timings: Mapping[str, float] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
@@ -130,15 +134,24 @@ class Result:
 
     @property
     def passed(self) -> bool:
-        """Whether it converged and every check holds."""
-        return self.converged and all(check.passed for check in self.checks.values())
+        """Whether it converged, to the accuracy asked for, and every check holds."""
+        return (
+            self.is_accurate
+            and self.converged
+            and all(check.passed for check in self.checks.values())
+        )
+
+    @property
+    def is_accurate(self) -> bool:
+        """Whether the accuracy was reached, if one was asked for."""
+        return bool(self.accuracy.get("reached", True))
 
     @property
     def exit_code(self) -> int:
-        """0 passed, 3 not converged, 4 a check failed, 130 interrupted."""
+        """0 passed, 3 not converged (or not to an accuracy), 4 a check failed, 130 interrupted."""
         if self.interrupted:
             return StoppedError.exit_code
-        if not self.converged:
+        if not (self.converged and self.is_accurate):
             return 3
         return 0 if self.passed else 4
 
@@ -156,6 +169,7 @@ class Result:
             "checks": {name: check.as_dict() for name, check in self.checks.items()},
             "branches": self.branches,
             "errors": dict(self.errors),
+            **({"levels": self.levels, "accuracy": dict(self.accuracy)} if self.accuracy else {}),
             "error_notes": self.error_notes,
             "timings": dict(self.timings),
             "versions": dict(self.versions),

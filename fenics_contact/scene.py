@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 from pydantic.dataclasses import dataclass
 
+from fenics_contact.scene_accuracy import Accuracy, as_accuracy
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_material import Material
 from fenics_contact.scene_steps import SolverSettings, Steps
@@ -203,6 +204,14 @@ class Scene:
     ] = ()
     half_space: Annotated[
         HalfSpace | None, Field(description="makes the body a piece of a half-space")
+    ] = None
+    accuracy: Annotated[
+        Accuracy | None,
+        BeforeValidator(as_accuracy),
+        Field(
+            description="makes meshes until estimated errors are below it: a number (`accuracy = "
+            "1e-3`, before the first table) for all main quantities, or a table"
+        ),
     ] = None
     steps: Annotated[Steps, Field(description="load steps, by default one")] = Field(
         default_factory=Steps

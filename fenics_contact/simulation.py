@@ -10,6 +10,7 @@ from typing import Any
 from mpi4py import MPI
 
 from fenics_contact import compat, verdict
+from fenics_contact.accepted_step import Unknowns
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
 from fenics_contact.energy_book import EnergyBook
@@ -85,11 +86,18 @@ class Run:
             if not scene.mesh:
                 raise InputError("mesh: the scene names no mesh and no body was passed")
             with self.timings.phase("mesh"):
-                body = load_body(scene.mesh, scene.dimension, comm)
+                curved = scene.accuracy is not None and scene.discretisation.degree > 1
+                body = load_body(scene.mesh, scene.dimension, comm, curved=curved)
         self.problem = Problem(scene, body, self.timings)
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)
         self.choice: SolverChoice = choose_solver(self.problem)
+
+    @property
+    def last(self) -> Unknowns:
+        """What the last step that was solved is gone on from."""
+        assert self._history.last is not None
+        return self._history.last.unknowns
 
     @property
     def model(self) -> dict[str, Any]:
@@ -127,6 +135,7 @@ class Run:
         stopped: Callable[[], bool] | None = None,
         announce: Callable[[int, dict[str, Any]], None] | None = None,
         accepted: Callable[[], None] | None = None,
+        guess: Unknowns | None = None,
     ) -> Result:
         """Solve and evaluate; collective. Failure to converge is a result, too.
 
@@ -137,9 +146,10 @@ class Run:
             announce: Called with number and record of every accepted step; by default it is
                 logged, where there are several.
             accepted: Called when a load step has been added to ``steps``; collective.
+            guess: Where the first load step is thought to end.
         """
         with failing_together(self.problem.comm):
-            return self._solve(state, saved, stopped, announce, accepted)
+            return self._solve(state, saved, stopped, announce, accepted, guess)
 
     def _solve(
         self,
@@ -148,6 +158,7 @@ class Run:
         stopped: Callable[[], bool] | None,
         announce: Callable[[int, dict[str, Any]], None] | None,
         accepted: Callable[[], None] | None,
+        guess: Unknowns | None,
     ) -> Result:
         """As ``solve``."""
         if state is not None:
@@ -162,6 +173,7 @@ class Run:
 
         def begin(history: History) -> None:
             self._history = history
+            history.guess = guess
             if saved is not None:
                 self._measure(history.resume(saved.last, saved.pace, saved.forces))
                 self.book.resume(saved.energy, self.forces, self._reactions)
@@ -352,22 +364,3 @@ def _log_step(number: int, step: dict[str, Any]) -> None:
 
 def _say_nothing(number: int, step: dict[str, Any]) -> None:
     """Of a run of a single step, its result says it all."""
-
-
-def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None) -> Result:
-    """Solve a scene; collective.
-
-    Args:
-        scene: What to solve.
-        comm: Communicator.
-        body: The mesh, if not the one the scene names.
-
-    Returns:
-        Global numbers, the same on every rank and any number of ranks.
-
-    Raises:
-        InputError: The scene or its mesh cannot be used, or has no equilibrium.
-
-    What goes wrong on one rank alone ends all ranks, with a message and ``MPI_Abort``.
-    """
-    return Run(scene, comm, body).solve()

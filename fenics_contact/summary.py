@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from fenics_contact.accuracy_words import level_rows
 from fenics_contact.check_words import compares
 from fenics_contact.result import (
     Check,
@@ -50,7 +51,9 @@ _PARAMETERS = (
 )
 
 
-def print_model(scene: Scene, model: Mapping[str, Any], contacts: list[dict[str, Any]]) -> None:
+def print_model(
+    scene: Scene, model: Mapping[str, Any], contacts: list[dict[str, Any]], plan: str = ""
+) -> None:
     """Say what would be modelled: ``fenics-contact check``."""
     console = Console()
     table = _table("", "")
@@ -64,6 +67,8 @@ def print_model(scene: Scene, model: Mapping[str, Any], contacts: list[dict[str,
         console.print(f"  {term}", markup=False)
     _print_motions(console, model["rigid_motions"])
     _print_contacts(console, contacts)
+    if plan:
+        console.print(plan, markup=False, highlight=False, soft_wrap=True)
     console.print("The scene can be run: supports and contacts can hold the loads.")
 
 
@@ -94,6 +99,7 @@ def print_result(result: Result, folder: Path) -> None:
         _print_contacts(console, result.contacts)
         _print_checks(console, result.checks)
         _print_branches(console, result)
+        _print_levels(console, result)
     console.print(result.verdict, markup=False, highlight=False)
     console.print(
         f"{result.timings['total']:.2f} s, {result.steps[-1]['newton_iterations']} Newton steps. "
@@ -126,6 +132,16 @@ def _print_branches(console: Console, result: Result) -> None:
         table = _table(*rows[0])
         for row in rows[1:]:
             table.add_row(*(_written(cell) for cell in row))
+        console.print(table)
+
+
+def _print_levels(console: Console, result: Result) -> None:
+    """Meshes and estimated errors on the way to an accuracy."""
+    rows = level_rows(result.levels, result.accuracy)
+    if rows:
+        table = _table(*rows[0])
+        for row in rows[1:]:
+            table.add_row(*row)
         console.print(table)
 
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fenics_contact.adaptivity import run
 from fenics_contact.errors import FenicsContactError
 from fenics_contact.result import Result
 from fenics_contact.scene import Scene
-from fenics_contact.simulation import run
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 

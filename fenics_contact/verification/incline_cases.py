@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import atan, cos, hypot, sin
 
+from fenics_contact.adaptivity import run
 from fenics_contact.errors import NoEquilibriumError
 from fenics_contact.scene import Load, Scene, SolverSettings, Support
 from fenics_contact.scene_contact import Contact
 from fenics_contact.scene_material import Material
-from fenics_contact.simulation import run
 from fenics_contact.verification.block_pair import LOWER, UPPER, block
 from fenics_contact.verification.case import Case, Finding, solved
 

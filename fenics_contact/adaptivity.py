@@ -1,0 +1,404 @@
+"""Mesh after mesh, until the estimated errors are those that a scene allows.
+
+Mesh, solve, estimate, find sizes: each level starts from the answer of the last one, where there
+is a single load step; histories are run anew. Penalties and regularisations that the scene left to
+the program are made smaller where it is they that decide; what the scene has set stays, and is
+named as the reason where the accuracy is not reached for it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import logging
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from fenics_contact.accepted_step import Unknowns
+from fenics_contact.accuracy_words import (
+    level_line,
+    not_reached,
+    plan,
+    reached,
+    source_advice,
+)
+from fenics_contact.contact_area import edges
+from fenics_contact.errors import FenicsContactError, InputError, StoppedError
+from fenics_contact.local_errors import LocalErrors
+from fenics_contact.mesh import Body
+from fenics_contact.next_mesh import Wish, hindrance, next_mesh
+from fenics_contact.parallel import total
+from fenics_contact.relative_errors import Errors, is_met, others_than_mesh, relative_errors
+from fenics_contact.result import Result
+from fenics_contact.scene import Scene
+from fenics_contact.scene_accuracy import Accuracy
+from fenics_contact.simulation import Run
+from fenics_contact.transfer import moved_over
+
+Array = NDArray[np.float64]
+
+logger = logging.getLogger(__name__)
+
+# Of the cells, from one level to the next: at least and at most so many times as many.
+_LEAST, _MOST = 1.2, 4.0
+# Likewise, at least, where the edges of contact or stick get smaller ones.
+_FEWER = 0.5
+# Order of a quantity's error over that of the energy norm's, before there are two levels.
+_FIRST_ORDER = 1.4
+# Of the cells that an error of the order of the elements asks for.
+_MARGIN = 1.2
+# Share of the accuracy that penalty, regularisation and iteration may take, and what they are
+# brought down to once they take more.
+_SHARE, _AIM = 0.2, 0.1
+# What an area's error is to become over what is allowed: cells at an edge are few, and it varies by
+# chance. And by how much these become smaller at the most, at once.
+_EDGE_AIM, _EDGE_LEAST = 0.5, 0.1
+# Quantities that are as wrong as the edge of contact, or of stick, is far from its place.
+_AREAS = (("contact_area", "slip_area"), ("stick_area", "slip_area"))
+# Meshes in a row on which an error may be unknown; and what it is then, over what is allowed.
+_PATIENCE, _UNKNOWN = 3, 2.0
+# Share that is left to the mesh whatever others take: they are to become smaller, too.
+_LEFT = 0.3
+# By at most so many times from one level to the next.
+_SMALLER = 100.0
+# Of the dofs allowed: what Gmsh makes of sizes is about so many, not just so many.
+_FILLED = 0.9
+_TRIES = 3
+
+SolveLevel = Callable[[Run, Unknowns | None], Result]
+
+
+class AdaptiveRun:
+    """The levels of a scene that asks for an accuracy.
+
+    Attributes:
+        run: That of the result: of the last level that was solved.
+        levels: What came out of each, as in ``result.json``.
+
+    Args:
+        first: The scene made ready on its first mesh.
+        has_own_body: Whether its mesh was passed, and is not the scene's.
+
+    Raises:
+        InputError: The scene has nothing of what it asks for, or it cannot be estimated.
+    """
+
+    def __init__(self, first: Run, has_own_body: bool = False) -> None:
+        assert first.scene.accuracy is not None
+        self.run = first
+        self.levels: list[dict[str, Any]] = []
+        self._accuracy: Accuracy = first.scene.accuracy
+        self._has_own_body = has_own_body
+        self._seconds: dict[str, float] = {}
+        self._between = 0.0
+        self.asked = asked_of(first)
+        self._hindrance = hindrance(first.scene, first.problem.body, has_own_body)
+
+    def solve(self, solve_level: SolveLevel) -> Result:
+        """Solve level after level; collective.
+
+        Args:
+            solve_level: Solves one, from a guess if there is one; also writes it, if it likes.
+
+        Returns:
+            The last level's result, with ``levels`` and ``accuracy``.
+        """
+        run, guess, last = self.run, None, None
+        while True:
+            result = solve_level(run, guess)
+            if not result.converged:
+                return self._failed(result, last)
+            errors = relative_errors(result, self.asked)
+            self._note(run, result, errors)
+            self.run, last = run, result
+            if is_met(errors, self.asked):
+                return self._with_levels(last, "")
+            reason = self._reason_to_stop(errors) or ""
+            if reason:
+                return self._with_levels(last, reason)
+            try:
+                run = self._next_run(errors, result)
+            except _UsedUpError as error:
+                return self._with_levels(last, str(error))
+            except StoppedError:
+                raise
+            except FenicsContactError as error:
+                return self._with_levels(last, f"the next mesh failed: {error}")
+            if not run.scene.steps.several:
+                guess = moved_over(self.run.problem, run.problem, self.run.last)
+
+    def _note(self, run: Run, result: Result, errors: Errors) -> None:
+        for phase, seconds in result.timings.items():
+            self._seconds[phase] = self._seconds.get(phase, 0.0) + seconds
+        local, energy = run.budget.local, result.quantities["strain_energy"]
+        self.levels.append(
+            {
+                "dofs": result.model["dofs"],
+                "cells": result.model["cells"],
+                "seconds": result.timings["total"] + self._between,
+                "energy_error": None if local is None else _over_energy(local, energy),
+                "errors": {name: found["total"] for name, found in errors.items()},
+                "sources": errors,
+            }
+        )
+        logger.info(level_line(len(self.levels), self.levels[-1], self.asked))
+
+    def _reason_to_stop(self, errors: Errors) -> str:
+        """Why no further level can help, or nothing."""
+        unknown = self._not_estimated(errors)
+        if unknown:
+            return unknown
+        for name, found in errors.items():
+            kept = {s: v for s, v in others_than_mesh(found).items() if not self._can_reduce(s)}
+            mesh = found["mesh"] or 0.0
+            if sum(kept.values()) >= self.asked[name] and mesh < sum(kept.values()):
+                source = max(kept, key=lambda source: kept[source])
+                return (
+                    f"of the error of {name}, {kept[source]:.1e} is of the {source}, which no mesh "
+                    f"changes: {source_advice(source)}"
+                )
+        if self._hindrance:
+            return self._hindrance
+        if len(self.levels) >= self._accuracy.max_levels:
+            return f"the accuracy.max_levels = {self._accuracy.max_levels} meshes are used up"
+        return ""
+
+    def _not_estimated(self, errors: Errors) -> str:
+        """What is not known and will not be on another mesh, or nothing."""
+        unknown = {
+            name: [s for s, v in found.items() if v is None and s != "total"]
+            for name, found in errors.items()
+            if found["total"] is None
+        }
+        for name, sources in unknown.items():
+            if self.run.budget.local is None or sources != ["mesh"]:
+                return f"the error of {name} by {' and '.join(sources)} could not be estimated"
+        last = [level["errors"] for level in self.levels[-_PATIENCE:]]
+        for name in unknown:
+            if len(last) == _PATIENCE and all(level[name] is None for level in last):
+                return (
+                    f"the error of {name} could not be estimated on {_PATIENCE} meshes; under a "
+                    "corner the pressure has no bound"
+                )
+        return ""
+
+    def _can_reduce(self, source: str) -> bool:
+        """Whether the scene left it to the program, at some contact."""
+        scene = self.run.scene
+        if source == "penalty":
+            return any(contact.penalty_parameter == "auto" for contact in scene.contact)
+        if source == "regularisation":
+            return any(contact.regularisation_parameter == "auto" for contact in scene.contact)
+        return False
+
+    def _edges(self, errors: Errors) -> Array:
+        """Sizes that cells at edges of contact and stick are not to exceed, on this rank.
+
+        An area is as wrong as a share of the pieces that its edge passes through: the error goes
+        with their size.
+        """
+        run = self.run
+        assert run.solution is not None
+        finer = [
+            max((self._mesh_ratio(errors, (name,)) for name in names if name in errors), default=0)
+            for names in _AREAS
+        ]
+        rows = [np.zeros((0, 4))]
+        for contact, state in zip(run.problem.contacts, run.solution.states, strict=True):
+            for ratio, found in zip(finer, edges(contact, state), strict=True):
+                if ratio > 0:
+                    share = float(np.clip(_EDGE_AIM / ratio, _EDGE_LEAST, 1.0))
+                    rows.append(found * [1, 1, 1, share])
+        return np.concatenate(rows)
+
+    def _mesh_ratio(self, errors: Errors, names: Sequence[str]) -> float:
+        """The mesh's error over what is left to it, the largest of some quantities."""
+        ratios = [0.0]
+        for name in names:
+            found = errors[name]
+            others = sum(others_than_mesh(found).values())
+            left = max(self.asked[name] - others, _LEFT * self.asked[name])
+            ratios.append(_UNKNOWN if found["mesh"] is None else found["mesh"] / left)
+        return max(ratios)
+
+    def _next_run(self, errors: Errors, result: Result) -> Run:
+        """The scene on the next mesh; collective."""
+        began = time.perf_counter()
+        body, scene = self._next_body(errors), balanced(self.run.scene, result, errors, self.asked)
+        comm = self.run.problem.comm
+        self._between = comm.bcast(time.perf_counter() - began)
+        for phase in ("mesh", "total"):
+            self._seconds[phase] += self._between
+        return Run(scene, comm, body)
+
+    def _next_body(self, errors: Errors) -> Body:
+        """A mesh of as many cells as the errors ask for; collective.
+
+        Raises:
+            _UsedUpError: That is more than allowed.
+        """
+        run = self.run
+        assert run.budget.local is not None  # else it would have ended
+        squared, at_edges = run.budget.local.squared, self._edges(errors)
+        cells, dofs = self.levels[-1]["cells"], self.levels[-1]["dofs"]
+        most = cells * self._accuracy.max_dofs / dofs
+        has_edges = total(run.problem.comm, len(at_edges)) > 0
+        wanted = cells * self._growth(errors, has_edges)
+        used_up = _UsedUpError(
+            f"the accuracy.max_dofs = {self._accuracy.max_dofs} do not suffice for a finer mesh"
+        )
+        if _LEAST * cells > most:
+            raise used_up
+        wanted = min(wanted, _FILLED * most)
+        for _ in range(_TRIES):
+            wish = Wish(wanted, squared, at_edges)
+            body = next_mesh(run.scene, run.problem, wish, self._has_own_body)
+            found = body.mesh.topology.index_map(body.dimension).size_global
+            if found <= most:
+                return body
+            wanted *= _FILLED * most / found
+        raise used_up
+
+    def _growth(self, errors: Errors, has_edges: bool) -> float:
+        """How many times as many cells the errors ask for, but for those of areas, at edges."""
+        order = self.run.problem.spaces.degree / self.run.problem.body.dimension
+        growth = 0.0
+        for name in errors:
+            if not has_edges or name not in {*_AREAS[0], *_AREAS[1]}:
+                observed = float(np.clip(self._observed_order(name, order), order, 2 * order))
+                growth = max(growth, self._mesh_ratio(errors, (name,)) ** (1 / observed))
+        return float(np.clip(_MARGIN * growth, _FEWER if has_edges else _LEAST, _MOST))
+
+    def _observed_order(self, name: str, order: float) -> float:
+        """Of a quantity's error in the number of cells, between the last two levels.
+
+        At first it is taken to be between that of the energy norm and twice that.
+        """
+        if len(self.levels) < 2:
+            return _FIRST_ORDER * order
+        before, now = (level["sources"][name]["mesh"] for level in self.levels[-2:])
+        more = self.levels[-1]["cells"] / self.levels[-2]["cells"]
+        if not (before and now) or more < _LEAST:
+            return _FIRST_ORDER * order
+        return float(np.log(before / now) / np.log(more))
+
+    def _failed(self, result: Result, last: Result | None) -> Result:
+        """A level that did not converge, or was interrupted: the one before stands."""
+        if last is None:
+            return self._with_levels(result, "the first mesh has no answer")
+        if result.interrupted:
+            found = self._with_levels(last, "the run was interrupted")
+            return dataclasses.replace(found, interrupted=True)
+        return self._with_levels(last, f"the next mesh has no answer: {result.verdict}")
+
+    def _with_levels(self, result: Result, reason: str) -> Result:
+        words = not_reached(reason) if reason else reached(len(self.levels))
+        return dataclasses.replace(
+            result,
+            timings=self._seconds or result.timings,
+            verdict=f"{result.verdict} {words}",
+            levels=self.levels,
+            accuracy={"asked": self.asked, "reached": not reason, "reason": reason},
+        )
+
+
+def _over_energy(local: LocalErrors, energy: float) -> float | None:
+    """Error of the displacement over it, in the energy norm."""
+    return float(local.total / np.sqrt(2 * energy)) if energy > 0 else None
+
+
+class _UsedUpError(Exception):
+    """What the scene allows does not suffice for another level."""
+
+
+def adaptive_plan(run: Run) -> str:
+    """What ``fenics-contact check`` says of the accuracy asked for; nothing without one."""
+    if run.scene.accuracy is None:
+        return ""
+    words = plan(asked_of(run), run.scene.accuracy)
+    reason = hindrance(run.scene, run.problem.body, is_own=False)
+    return f"{words} But {reason}." if reason else words
+
+
+def asked_of(run: Run) -> dict[str, float]:
+    """Quantities that a scene asks for and has, each with the relative error allowed.
+
+    Raises:
+        InputError: There is none, or its errors cannot be estimated.
+    """
+    accuracy, contacts = run.scene.accuracy, run.problem.contacts
+    assert accuracy is not None
+    if run.scene.solver.errors == "none":
+        raise InputError('solver.errors = "none": accuracy needs the errors; leave one of them out')
+    if run.problem.elastic.mixed is not None:
+        raise InputError(
+            "accuracy: errors of nearly incompressible bodies are not estimated; leave it out"
+        )
+    present = set()
+    if any(contact.contact.kind != "prescribed" for contact in contacts):
+        present |= {"normal_force", "max_contact_pressure"}
+    if any(contact.is_one_sided for contact in contacts):
+        present.add("contact_area")
+    if run.problem.frictional:
+        present.add("stick_area")
+    asked = accuracy.asked(present)
+    if not asked:
+        raise InputError(
+            f"accuracy.main = {accuracy.main:g}: the scene has none of its quantities; ask for "
+            "another one, such as strain_energy"
+        )
+    return asked
+
+
+def balanced(scene: Scene, result: Result, errors: Errors, asked: Mapping[str, float]) -> Scene:
+    """The scene with smaller ε₁ and ε where they take too much, and the scene did not set them.
+
+    Errors are proportional to both (see ``parameter_errors``).
+
+    Args:
+        scene: Of the level.
+        result: Its result, with the parameters as used.
+        errors: Relative, by quantity and source.
+        asked: Relative errors allowed.
+    """
+    contacts = list(scene.contact)
+    for source, key in (
+        ("penalty", "penalty_parameter"),
+        ("regularisation", "regularisation_parameter"),
+    ):
+        excess = max((found.get(source) or 0.0) / asked[name] for name, found in errors.items())
+        if excess <= _SHARE:
+            continue
+        for number, contact in enumerate(contacts):
+            used = result.contacts[number]["parameters"].get(key)
+            if getattr(contact, key) == "auto" and used:
+                smaller = used / min(excess / _AIM, _SMALLER)
+                contacts[number] = dataclasses.replace(contact, **{key: smaller})
+    return dataclasses.replace(scene, contact=tuple(contacts))
+
+
+def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None) -> Result:
+    """Solve a scene; collective.
+
+    Args:
+        scene: What to solve; one that asks for an accuracy, mesh after mesh.
+        comm: Communicator.
+        body: The mesh, if not the one the scene names.
+
+    Returns:
+        Global numbers, the same on every rank and any number of ranks.
+
+    Raises:
+        InputError: The scene or its mesh cannot be used, or has no equilibrium.
+
+    What goes wrong on one rank alone ends all ranks, with a message and ``MPI_Abort``.
+    """
+    prepared = Run(scene, comm, body)
+    if scene.accuracy is None:
+        return prepared.solve()
+    levels = AdaptiveRun(prepared, body is not None)
+    return levels.solve(lambda level, guess: level.solve(guess=guess))

@@ -1,0 +1,68 @@
+"""The last mesh of an adaptive run, and what lies on it: the zone of contact."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact_table import ContactTable
+from fenics_contact.figures import new_figure, save
+from fenics_contact.picture_style import marks, neighbourhood
+
+Array = NDArray[np.float64]
+
+# Corners of VTK's flat cells, by type: triangles of 3 and 6 nodes and quadrilaterals of 4, 8 and
+# 9, and both with nodes in Lagrange's order.
+_CORNERS = {5: 3, 22: 3, 69: 3, 9: 4, 23: 4, 28: 4, 70: 4}
+
+
+def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Path:
+    """Draw the mesh of a flat model: all of it, and around the contact with its points.
+
+    Args:
+        body: A pyvista grid.
+        result: The content of its ``result.json``.
+        table: The content of its ``contact.csv``.
+        path: PNG file to write.
+    """
+    from matplotlib.collections import LineCollection
+
+    points = np.column_stack([table.numbers["x"], table.numbers["y"]])
+    low, high = neighbourhood(points, table.closed)
+    model = result["model"]
+    title = f"Mesh {len(result['levels'])}: {model['cells']} cells, {model['dofs']} dofs"
+    figure, panels = new_figure(title, (11, 5.4), ncols=2)
+    lines = list(_sides(body))
+    for axes, width in zip(panels, (0.25, 0.5), strict=True):
+        axes.add_collection(LineCollection(lines, colors="#566573", linewidths=width))
+        axes.set_aspect("equal")
+        axes.autoscale()
+    laws = {contact["law"] for contact in result["contacts"]}
+    for mark in marks("none" if laws == {"none"} else "static"):
+        mine = np.isin(table.status, mark.status)
+        fill = mark.colour if mark.filled else "none"
+        panels[1].scatter(
+            *points[mine].T, s=14, marker=mark.shape, edgecolors=mark.colour, facecolors=fill,
+            label=mark.label, zorder=3, clip_on=False,
+        )  # fmt: skip
+    ends = np.asarray(body.bounds)[:4].reshape(2, 2)
+    margin = 0.02 * (high - low)
+    panels[1].set_xlim(max(low[0], ends[0, 0]) - margin[0], min(high[0], ends[0, 1]) + margin[0])
+    panels[1].set_ylim(max(low[1], ends[1, 0]) - margin[1], min(high[1], ends[1, 1]) + margin[1])
+    panels[1].set_title("Around the contact")
+    panels[1].legend(loc="lower right")
+    save(figure, path)
+    return path
+
+
+def _sides(body: Any) -> Array:
+    """Ends of every side of every cell once, (sides, 2, 2) (length)."""
+    pairs = []
+    for kind, nodes in body.cells_dict.items():
+        around = nodes[:, : _CORNERS[int(kind)]]
+        pairs.append(np.stack([around, np.roll(around, -1, axis=1)], axis=2).reshape(-1, 2))
+    sides = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
+    return np.asarray(body.points)[sides][:, :, :2]
