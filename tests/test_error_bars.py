@@ -146,6 +146,18 @@ def test_diagnostics_and_what_the_reference_has_not_are_left_out():
     assert rows_of(case, case.runs(True)[0], quantities, errors, known) == []
 
 
+def test_what_penalties_add_counts_where_it_is_real():
+    """As the depth of a foundation, not as that into a rigid obstacle."""
+    case = made()
+    errors = {"max_penetration": {"total": 1.0}}
+    quantities = {"max_penetration": 0.1}
+    for depth, count_of_rows in ((0.0, 0), (0.09, 1)):
+        found = rows_of(
+            case, case.runs(True)[0], quantities, errors, Reference({"max_penetration": depth}, {})
+        )
+        assert len(found) == count_of_rows
+
+
 def test_files(tmp_path):
     names = tmp_path / "rows.json", tmp_path / "table.md"
     names = MPI.COMM_WORLD.bcast(names)

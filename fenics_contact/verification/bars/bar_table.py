@@ -29,10 +29,10 @@ load steps), with the automatic parameters, which are small. The *bar* is `error
 Asked for: 95 % of the bars hold, with a median ratio of 5 at the most.
 
 Left out are quantities that are given, or vanish by symmetry, so that neither true error nor bar
-exceeds round-off; and those of which the reference is not known to a tenth of the true error or of
-the bar, whichever is larger: the distance between two references on fine meshes is what they are
-trusted to. Cases by which constants of the estimators were *chosen* count apart from those that
-*test* them.
+exceeds round-off; `max_penetration` and `penalty_energy` of penalties, which are all error; and
+those of which the reference is not known to a tenth of the true error or of the bar, whichever is
+larger: the distance between two references on fine meshes is what they are trusted to. Cases by
+which constants of the estimators were *chosen* count apart from those that *test* them.
 """
 
 
