@@ -61,9 +61,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     verify.add_argument("names", metavar="NAME", nargs="*", help="benchmarks to run (default: all)")
     verify.add_argument("--quick", action="store_true", help="coarser and fewer: about a minute")
     verify.add_argument("--hard", action="store_true", help="the hard cases instead: minutes")
+    verify.add_argument("--errors", action="store_true", help="error bars against true errors")
     verify.add_argument("--json", metavar="FILE", type=Path, help="write a list of what was found")
     verify.add_argument(
-        "--table", metavar="FILE", type=Path, help="of hard cases: write the table, in Markdown"
+        "--table", metavar="FILE", type=Path, help="of hard cases or errors: write it, in Markdown"
     )
     options = parser.parse_args(arguments)
     if options.command == "verify":
@@ -213,6 +214,12 @@ def _report(folder: Path) -> int:
 
 
 def _verify(options: argparse.Namespace) -> int:
+    if options.hard and options.errors:
+        raise InputError("verify: give either --hard or --errors")
+    if options.errors:
+        from fenics_contact.verification.bars.command import verify_errors
+
+        return verify_errors(options.names, options.quick, options.json, options.table)
     if options.hard:
         from fenics_contact.verification.hard.command import verify_hard
 
@@ -220,7 +227,7 @@ def _verify(options: argparse.Namespace) -> int:
             raise InputError("verify --hard has no --quick: name the cases to run")
         return verify_hard(options.names, options.json, options.table)
     if options.table is not None:
-        raise InputError("verify --table: only the hard cases have a table; add --hard")
+        raise InputError("verify --table: only with --hard or --errors")
     from fenics_contact.verification.command import verify
 
     return verify(options.names, options.quick, options.json)

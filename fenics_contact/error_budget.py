@@ -130,6 +130,7 @@ class _Measure:
         contacts = [contact_quantities(problem, solution, i) for i in range(len(problem.contacts))]
         every = global_quantities(forces, reactions, contacts)
         found: dict[Hashable, Any] = {name: every[name] for name in _ESTIMATED if name in every}
+        found.update(problem.points.quantities(solution.displacement))
         for number, of_contact in enumerate(contacts):
             names = [name for name in _ESTIMATED if name in of_contact]
             found |= {(number, name): of_contact[name] for name in names}

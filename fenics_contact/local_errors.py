@@ -89,6 +89,14 @@ class LocalErrors:
         """Energy norm of the error of the whole body (√energy); collective."""
         return float(np.sqrt(total(self._problem.comm, self.squared.sum())))
 
+    def at_points(self) -> dict[str, float]:
+        """What displacements at the scene's points are off by besides those of nodes; collective.
+
+        The length of e there, by quantity.
+        """
+        found = self._problem.points.of_function(self._error)
+        return {name: float(np.linalg.norm(error)) for name, error in found.items()}
+
     def forces(self) -> Array:
         """Nodal forces that move the solution as its errors do, (nodes, components); collective.
 

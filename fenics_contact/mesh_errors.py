@@ -70,6 +70,8 @@ def mesh_errors(
     scatter = load_scatter(history, measure, answer)
     if changes is None or scatter is None:
         return None, local
+    for name, error in local.at_points().items():
+        changes[name] += error
     energy = 0.5 * local.total**2
     changes |= {name: part * energy for name, part in _ENERGIES.items() if name in answer}
     found = {key: _LOCAL * changes[key] + _SCATTER * scatter[key] for key in answer}

@@ -111,7 +111,8 @@ def _parameter_errors(
             other = last_step_again(history, measure, change)
         if other is None:
             return found
-        found = differences(answer, other, 1 / (1 - left))
+        # At leading order all is 1 / (1 − left) of what is gone; beyond it, as little more.
+        found = differences(answer, other, 1 / (1 - left) ** 2)
         if found is None or all(found[a] <= _LARGE * abs(answer[b]) for a, b in _TELLING):
             break
     return found

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from fenics_contact import compat
 from fenics_contact.bulk import ElasticBody
 from fenics_contact.contact import ContactSurface
+from fenics_contact.displacement_points import DisplacementPoints
 from fenics_contact.errors import InputError
 from fenics_contact.half_space import FarField, outer_dofs
 from fenics_contact.load_paths import KeyedPath
@@ -89,6 +90,7 @@ class Problem:
         contacts: In scene order.
         unknowns: Scalars that are found together with the displacements.
         far_field: The outer boundary of a half-space, or None.
+        points: Where the displacement is a quantity.
         terms: The energy terms modelled.
         elastic: ½ a(·, ·): law, compiled forms, stress.
         load: Present nodal loads with the prescribed contact pressures, (nodes, components).
@@ -130,6 +132,7 @@ class Problem:
             ]
             self.far_field = self._place_far_field(outer)
             self._refuse_held_contacts()
+            self.points = DisplacementPoints(scene.point, self.spaces)
             self.terms = self._terms()
         with timings.phase("assemble"):
             self._loads, self._pressures = self._assemble_loads(), self._assemble_pressures()

@@ -187,6 +187,7 @@ def global_quantities(
         "strain_energy": forces.strain_energy,
         "external_work": float(work),
         **(found[0] if len(found) == 1 else {}),
+        **problem.points.quantities(solution.displacement),
     }
 
 

@@ -7,6 +7,7 @@ scene file (``fenics_contact.scene_file``). Units are the user's, consistent.
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
@@ -125,6 +126,31 @@ class Load:
             raise ValueError("give exactly one of traction, pressure and body_force")
 
 
+@dataclass(frozen=True, config=CLOSED)
+class Point:
+    """A point of the body at which the displacement is a quantity."""
+
+    name: Annotated[
+        Text,
+        Field(
+            description="the quantity is `displacement_` and this name; letters, digits, `-`, `_`"
+        ),
+    ]
+    at: Annotated[
+        tuple[Number, ...],
+        Field(
+            min_length=2,
+            max_length=3,
+            description="its place in the undeformed body, one entry per axis (length); where "
+            "two bodies touch it belongs to the first mesh",
+        ),
+    ]
+
+    def __post_init__(self) -> None:
+        if not re.fullmatch(r"[\w-]+", self.name):
+            raise ValueError(f"name = '{self.name}' may have only letters, digits, '-' and '_'")
+
+
 def _as_list(value: Any) -> Any:
     """One table as a list of one."""
     return value if isinstance(value, list | tuple) else (value,)
@@ -165,6 +191,9 @@ class Scene:
     support: Annotated[tuple[Support, ...], Field(description="supports, any number")] = ()
     load: Annotated[tuple[Load, ...], Field(description="loads, any number")] = ()
     contact: Annotated[tuple[Contact, ...], Field(description="contact surfaces, any number")] = ()
+    point: Annotated[
+        tuple[Point, ...], Field(description="points whose displacement is a quantity, any number")
+    ] = ()
     symmetry: Annotated[
         tuple[Text, ...],
         Field(
@@ -221,6 +250,14 @@ class Scene:
             raise ValueError("half_space is for plane strain, axisymmetric and 3D models")
         if len(self.mesh) > 1:
             _require_names(self.mesh)
+        for number, point in enumerate(self.point):
+            if len(point.at) != dimension:
+                raise ValueError(
+                    f"point[{number}].at has {len(point.at)} entries; "
+                    f"a {self.kinematics} model needs {dimension}"
+                )
+            if any(other.name == point.name for other in self.point[:number]):
+                raise ValueError(f"two points are called '{point.name}': give each its own name")
         labels = [contact.label for contact in self.contact]
         for label in labels:
             if labels.count(label) > 1:

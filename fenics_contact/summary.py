@@ -163,7 +163,9 @@ def _shown(result: Result) -> list[str]:
         hidden |= _OF_FRICTION
     if all(contact["contact"] == "prescribed" for contact in result.contacts):
         hidden |= _OF_CONTACT_FOUND
-    return [key for key in _SHOWN if key in result.quantities and key not in hidden]
+    points = [key for key in result.quantities if key.startswith("displacement_")]
+    shown = [key for key in _SHOWN if key in result.quantities and key not in hidden]
+    return shown + points
 
 
 def _print_contacts(console: Console, contacts: list[dict[str, Any]]) -> None:
