@@ -131,7 +131,7 @@ class AdaptiveRun:
                 raise
             except FenicsContactError as error:
                 return self._with_levels(last, f"the next mesh failed: {error}")
-            if not run.scene.steps.several:
+            if not run.scene.steps.several and self.run.last is not None:
                 guess = moved_over(self.run.problem, run.problem, self.run.last)
 
     def _note(self, run: Run, result: Result, errors: Errors) -> None:

@@ -126,7 +126,7 @@ class Load:
             raise ValueError("give exactly one of traction, pressure and body_force")
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class Point:
     """A point of the body at which the displacement is a quantity."""
 

@@ -7,16 +7,15 @@ from collections.abc import Collection
 from typing import Annotated, Any
 
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
-from fenics_contact.scene_values import CLOSED, Integer, Number
+from fenics_contact.scene_values import Integer, Number, scene_class
 
 _Asked = Annotated[Number, Field(gt=0, lt=1)] | None
 # Of a scene that says but one number; in each, those that it has.
 MAIN = ("normal_force", "max_contact_pressure", "contact_area", "stick_area")
 
 
-@dataclass(frozen=True, config=CLOSED)
+@scene_class
 class Accuracy:
     """Estimated errors that the answer may have, relative; `accuracy = 1e-3` asks for all main."""
 

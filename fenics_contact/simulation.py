@@ -58,6 +58,7 @@ class Run:
         book: Work and energies along them.
         others: What is known of other answers of the last step.
         budget: Estimated errors of its quantities.
+        last: What a further step would start from, once all are solved.
         timings: Seconds so far.
 
     Args:
@@ -75,6 +76,7 @@ class Run:
     ) -> None:
         self.scene = scene
         self.solution: Solution | None = None
+        self.last: Unknowns | None = None
         self.others = OtherAnswers()
         self.budget = ErrorBudget()
         self.steps: list[dict[str, Any]] = []
@@ -95,12 +97,6 @@ class Run:
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)
         self.choice: SolverChoice = choose_solver(self.problem)
-
-    @property
-    def last(self) -> Unknowns:
-        """What the last step that was solved is gone on from."""
-        assert self._history.last is not None
-        return self._history.last.unknowns
 
     @property
     def model(self) -> dict[str, Any]:
@@ -194,6 +190,7 @@ class Run:
                     state.save(history, self.steps, self.book.sums)
 
         def end(history: History) -> None:
+            self.last = None if history.last is None else history.last.unknowns
             self._checks = self._run_checks()  # before other answers move the contacts about
             with self.timings.phase("output"):
                 self.others = look_around(history)
