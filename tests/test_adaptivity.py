@@ -231,6 +231,7 @@ def punch(cells, **accuracy):
     )
 
 
+@pytest.mark.serial
 def test_singular_problem_has_order_one_in_dofs_on_adaptive_meshes():
     """Displacements r^(1/2): order 1/4 in dofs on uniform meshes. Driven by displacements, energies
     come from above, by ½ a(e, e) from the exact one, which is extrapolated from the finest meshes.
@@ -304,6 +305,7 @@ def test_failure_keeps_the_last_level(folder, monkeypatch):
     assert not written["accuracy"]["reached"]
 
 
+@pytest.mark.serial
 def test_given_penalty_is_named_and_automatic_one_made_smaller():
     given = ["contact.0.friction_coefficient=0", "accuracy=1e-3", *COARSE]
     scene = load_scene(SPHERE, [*given, "contact.0.penalty_parameter=2e-4"])
@@ -316,6 +318,7 @@ def test_given_penalty_is_named_and_automatic_one_made_smaller():
     assert less.contact[0].penalty_parameter == pytest.approx(used / 5)
 
 
+@pytest.mark.serial
 def test_what_cannot_be_refined_or_estimated_is_said(tmp_path):
     scene = punch(2, strain_energy=1e-6)
     body = load_body(scene.mesh, 2, COMM)
@@ -355,10 +358,9 @@ def test_bare_triangles_reach_an_accuracy():
     assert abs(energy / fine.quantities["strain_energy"] - 1) < 2e-3
 
 
+@pytest.mark.serial
 def test_script_of_commands_in_a_name_is_not_run(tmp_path):
     """A group's name could make a command of the geometry that is written out and read again."""
-    if COMM.rank > 0:
-        return
     file = Path(tmp_path) / "evil.geo"
     trace = Path(tmp_path) / "trace"
     name = f"""StrCat('a") = {{1}}; Sys', 'temCall "touch {trace}"; //')"""
