@@ -52,8 +52,8 @@ _MOST_AT_POINTS = 2.0
 _FEWER = 0.5
 # Order of a quantity's error over that of the energy norm's, before there are two levels.
 _FIRST_ORDER = 1.4
-# Of the cells that an error of the order of the elements asks for.
-_MARGIN = 1.2
+# What an error is to become over what is allowed.
+_AIM_AT = 0.85
 # Share of the accuracy that penalty, regularisation and iteration may take, and what they are
 # brought down to once they take more.
 _SHARE, _AIM = 0.2, 0.1
@@ -271,14 +271,14 @@ class AdaptiveRun:
         order = self.run.problem.spaces.degree / self.run.problem.body.dimension
         areas = {*_AREAS[0], *_AREAS[1]} if has_edges else set()
         growths = [
-            self._mesh_ratio(errors, (name,))
+            (self._mesh_ratio(errors, (name,)) / _AIM_AT)
             ** (1 / np.clip(self._observed_order(name, order), order, 2 * order))
             for name in errors
             if name not in areas
         ]
         least = _FEWER if has_edges and growths else _LEAST
         most = _MOST_AT_POINTS if self._is_at_points() else _MOST
-        return float(np.clip(_MARGIN * max(growths, default=0.0), least, most))
+        return float(np.clip(max(growths, default=0.0), least, most))
 
     def _is_at_points(self) -> bool:
         """Whether few cells, as those at singular points, make most of the error."""

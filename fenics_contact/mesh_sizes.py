@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 # A cell becomes at most so many times smaller, or larger, from one mesh to the next.
-FINER, COARSER = 16.0, 2.0
+FINER, COARSER = 8.0, 2.0
 # Cells with an error squared of so many times the mean are taken to be at a singular point of
 # displacements r^λ, with the λ of a bonded edge or a crack: there η² ~ h^(2λ).
 SINGULAR, _EXPONENT = 4.0, 0.5

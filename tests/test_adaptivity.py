@@ -64,14 +64,14 @@ def test_sizes_make_errors_equal_and_meet_the_number(order):
     middle = cells.points[cells.vertices].mean(axis=1)
 
     def density(points):
-        return np.exp(3 * points[:, 0] - 2 * points[:, 1])
+        return np.exp(1.5 * points[:, 0] - points[:, 1])
 
     squared = density(middle) * cells.sizes() ** (2 * order + 2)
     sizes = next_sizes(cells, squared, order, 4000)
     assert expected_number(cells, sizes) == pytest.approx(4000, rel=0.03)
     new = density(cells.points) * sizes ** (2 * order + 2)
     assert new.std() / new.mean() < 0.1
-    assert squared.std() / squared.mean() > 0.8
+    assert squared.std() / squared.mean() > 0.4
 
 
 def test_sizes_stay_within_bounds_and_grow_slowly():
@@ -231,17 +231,17 @@ def punch(cells, **accuracy):
     )
 
 
+@pytest.mark.serial
 def test_singular_problem_has_order_one_in_dofs_on_adaptive_meshes():
     """Displacements r^(1/2): order 1/4 in dofs on uniform meshes. Driven by displacements, energies
-    come from above, ½ a(e, e) from the exact one, which the finest mesh stands for.
+    come from above, by ½ a(e, e) from the exact one, which is extrapolated from the finest meshes.
     """
     levels = Recorder()
-    scene = punch(4, strain_energy=1e-7, max_levels=7, max_dofs=12_000)
+    scene = punch(4, strain_energy=1e-9, max_levels=5, max_dofs=30_000)
     found = AdaptiveRun(Run(scene, COMM)).solve(levels)
-    exact = levels.energies[-1] - (levels.energies[-2] - levels.energies[-1]) / 3
+    exact = levels.energies[-1] - (levels.energies[-2] - levels.energies[-1]) / 6
     dofs, errors = np.array(levels.dofs), np.sqrt(2 * (np.array(levels.energies) - exact))
-    order = -np.polyfit(np.log(dofs[1:-1]), np.log(errors[1:-1]), 1)[0]
-    assert order > 0.9
+    assert np.log(errors[1] / errors[3]) / np.log(dofs[3] / dofs[1]) > 0.9
     uniform = [run(punch(cells), COMM) for cells in (8, 32)]
     errors = [np.sqrt(2 * (r.quantities["strain_energy"] - exact)) for r in uniform]
     dofs = [r.model["dofs"] for r in uniform]
@@ -305,6 +305,7 @@ def test_failure_keeps_the_last_level(folder, monkeypatch):
     assert not written["accuracy"]["reached"]
 
 
+@pytest.mark.serial
 def test_given_penalty_is_named_and_automatic_one_made_smaller():
     given = ["contact.0.friction_coefficient=0", "accuracy=1e-3", *COARSE]
     scene = load_scene(SPHERE, [*given, "contact.0.penalty_parameter=2e-4"])
@@ -317,6 +318,7 @@ def test_given_penalty_is_named_and_automatic_one_made_smaller():
     assert less.contact[0].penalty_parameter == pytest.approx(used / 5)
 
 
+@pytest.mark.serial
 def test_what_cannot_be_refined_or_estimated_is_said(tmp_path):
     scene = punch(2, strain_energy=1e-6)
     body = load_body(scene.mesh, 2, COMM)
@@ -356,10 +358,9 @@ def test_bare_triangles_reach_an_accuracy():
     assert abs(energy / fine.quantities["strain_energy"] - 1) < 2e-3
 
 
+@pytest.mark.serial
 def test_script_of_commands_in_a_name_is_not_run(tmp_path):
     """A group's name could make a command of the geometry that is written out and read again."""
-    if COMM.rank > 0:
-        return
     file = Path(tmp_path) / "evil.geo"
     trace = Path(tmp_path) / "trace"
     name = f"""StrCat('a") = {{1}}; Sys', 'temCall "touch {trace}"; //')"""
