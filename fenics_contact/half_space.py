@@ -169,7 +169,7 @@ class FarField:
                     turned = None if way is None else signs * way
                     part = forces[here] @ (inward if way is None else way)
                     field = self._unit_field(arms, inward, turned, reach)
-                    moved += np.einsum("ijk,j->ik", field.reshape(len(points), -1, 3), part)
+                    moved += np.einsum("ijk,j->ik", field.reshape(len(points), len(part), 3), part)
         return found + self._at_dofs(moved[of_node])
 
     def _tangents(self, inward: Array) -> list[Array]:
