@@ -30,6 +30,7 @@ from fenics_contact.contact_area import edges
 from fenics_contact.errors import FenicsContactError, InputError, StoppedError
 from fenics_contact.local_errors import LocalErrors
 from fenics_contact.mesh import Body
+from fenics_contact.mesh_sizes import SINGULAR
 from fenics_contact.next_mesh import Wish, hindrance, next_mesh
 from fenics_contact.parallel import total
 from fenics_contact.relative_errors import Errors, is_met, others_than_mesh, relative_errors
@@ -45,12 +46,14 @@ logger = logging.getLogger(__name__)
 
 # Of the cells, from one level to the next: at least and at most so many times as many.
 _LEAST, _MOST = 1.2, 4.0
+# Likewise, at most, while few cells make most of the error: more of the others would not help.
+_MOST_AT_POINTS = 2.0
 # Likewise, at least, where the edges of contact or stick get smaller ones.
 _FEWER = 0.5
 # Order of a quantity's error over that of the energy norm's, before there are two levels.
 _FIRST_ORDER = 1.4
-# Of the cells that an error of the order of the elements asks for.
-_MARGIN = 1.2
+# What an error is to become over what is allowed.
+_AIM_AT = 0.85
 # Share of the accuracy that penalty, regularisation and iteration may take, and what they are
 # brought down to once they take more.
 _SHARE, _AIM = 0.2, 0.1
@@ -266,12 +269,24 @@ class AdaptiveRun:
     def _growth(self, errors: Errors, has_edges: bool) -> float:
         """How many times as many cells the errors ask for, but for those of areas, at edges."""
         order = self.run.problem.spaces.degree / self.run.problem.body.dimension
-        growth = 0.0
-        for name in errors:
-            if not has_edges or name not in {*_AREAS[0], *_AREAS[1]}:
-                observed = float(np.clip(self._observed_order(name, order), order, 2 * order))
-                growth = max(growth, self._mesh_ratio(errors, (name,)) ** (1 / observed))
-        return float(np.clip(_MARGIN * growth, _FEWER if has_edges else _LEAST, _MOST))
+        areas = {*_AREAS[0], *_AREAS[1]} if has_edges else set()
+        growths = [
+            (self._mesh_ratio(errors, (name,)) / _AIM_AT)
+            ** (1 / np.clip(self._observed_order(name, order), order, 2 * order))
+            for name in errors
+            if name not in areas
+        ]
+        least = _FEWER if has_edges and growths else _LEAST
+        most = _MOST_AT_POINTS if self._is_at_points() else _MOST
+        return float(np.clip(max(growths, default=0.0), least, most))
+
+    def _is_at_points(self) -> bool:
+        """Whether few cells, as those at singular points, make most of the error."""
+        assert self.run.budget.local is not None
+        squared, comm = self.run.budget.local.squared, self.run.problem.comm
+        whole = total(comm, squared.sum())
+        large = squared > SINGULAR * whole / self.levels[-1]["cells"]
+        return bool(total(comm, squared[large].sum()) > 0.5 * whole)
 
     def _observed_order(self, name: str, order: float) -> float:
         """Of a quantity's error in the number of cells, between the last two levels.

@@ -217,8 +217,8 @@ class _Estimates:
             )
         elif found is not None and "max_contact_pressure" not in found:
             self._notes.append(
-                "The largest contact pressure has no error bar: it seems to grow with every "
-                "refinement, as under an edge or a corner of an obstacle."
+                "The largest contact pressure has no error bar: cells are too coarse there, or it "
+                "grows with every refinement, as under a corner of an obstacle."
             )
         return found
 

@@ -148,7 +148,9 @@ class FarField:
         """
         components = self._spaces.components
         foot, inward = self._feet[number], self._inward[number]
-        reach, points = self._reach(foot), self._points()
+        reach = self._reach(foot)
+        nodes, of_node = np.unique(self.dofs // components, return_inverse=True)
+        points = self._spaces.coordinates[nodes]
         found = -self.columns[number] * (forces @ inward).sum()
         for along, column in self.sideways[number]:
             found -= column * (forces[:, :components] @ along).sum()
@@ -168,7 +170,7 @@ class FarField:
                     part = forces[here] @ (inward if way is None else way)
                     field = self._unit_field(arms, inward, turned, reach)
                     moved += np.einsum("ijk,j->ik", field.reshape(len(points), len(part), 3), part)
-        return found + self._at_dofs(moved)
+        return found + self._at_dofs(moved[of_node])
 
     def _tangents(self, inward: Array) -> list[Array]:
         """Unit vectors along the surface, along axes where it is, (3,) each.

@@ -6,8 +6,9 @@ the same (as many cells as C's d/(2p + d)-th power says), so the sizes are
 
     h_new = h (t/η²)^(1/(2p + d))
 
-with the error squared η² of each cell, and one number t from the cells wanted. At singular points
-the error falls slower: they are found again on the next mesh. Arrays only, on one rank.
+with the error squared η² of each cell, and one number t from the cells wanted. Where the error is
+far above the mean, it is taken for that at a singular point, which falls slower with the size.
+Arrays only, on one rank.
 """
 
 from __future__ import annotations
@@ -25,7 +26,10 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 # A cell becomes at most so many times smaller, or larger, from one mesh to the next.
-FINER, COARSER = 4.0, 2.0
+FINER, COARSER = 8.0, 2.0
+# Cells with an error squared of so many times the mean are taken to be at a singular point of
+# displacements r^λ, with the λ of a bonded edge or a crack: there η² ~ h^(2λ).
+SINGULAR, _EXPONENT = 4.0, 0.5
 # Largest slope of the sizes: neighbours then differ by less than half.
 _SLOPE = 0.5
 # Rounds in which the cells lost or won by that are made up for.
@@ -193,6 +197,8 @@ def next_sizes(cells: Cells, squared: Array, order: int, number: float) -> Array
     exponent = 1 / (2 * order + cells.dimension)
     floor = 1e-12 * max(float(squared.max(initial=0.0)), np.finfo(float).tiny)
     shares = np.maximum(squared, floor) ** -exponent
+    excess = np.maximum(squared / (SINGULAR * max(squared.mean(), floor)), 1.0)
+    shares *= excess ** (exponent - 1 / (2 * _EXPONENT))
     edges, wanted = cells.edges(), number
     sizes = np.zeros(len(cells.points))
     for _ in range(_ROUNDS):
@@ -222,8 +228,16 @@ def finer_at(cells: Cells, sizes: Array, places: Array, wanted: Array) -> Array:
 
 def expected_number(cells: Cells, sizes: Array) -> float:
     """How many cells a mesh of these sizes at the vertices is to have."""
-    new = np.exp(np.log(sizes)[cells.vertices].mean(axis=1))
-    return float(((cells.sizes() / new) ** cells.dimension).sum())
+    around = cells.vertices[:, list(_AROUND[cells.cell])]
+    new = sizes[around] @ _inside(cells.cell).T
+    return float(((cells.sizes()[:, None] / new) ** cells.dimension).mean(axis=1).sum())
+
+
+def _inside(cell: str) -> Array:
+    """Points spread over a cell, by its corners: the middles of the parts of its parts."""
+    parts = _SPLIT[cell]
+    twice = np.einsum("aij,bjk->abik", parts, parts).reshape(-1, *parts.shape[1:])
+    return np.asarray(twice.mean(axis=1))
 
 
 def _with_number(old: Array, shares: Array, dimension: int, number: float) -> Array:

@@ -23,7 +23,8 @@ def relative_errors(result: Result, asked: Mapping[str, float]) -> Errors:
     found: dict[str, dict[str, float | None]] = {}
     for name in asked:
         size = float(np.linalg.norm(result.quantities[MEASURED_BY.get(name, name)]))
-        found[name] = {source: _over(v, size) for source, v in result.errors[name].items()}
+        row = result.errors.get(name, {"mesh": None, "total": None})
+        found[name] = {source: _over(error, size) for source, error in row.items()}
     return found
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fenics_contact.errors import NotConvergedError
+from fenics_contact.errors import InputError, NotConvergedError
 from fenics_contact.load_steps import History
 from fenics_contact.problem import Problem
 from fenics_contact.solution import Solution
@@ -69,7 +69,7 @@ def history_again(
         change: As of ``last_step_again``, called in the state of the start.
 
     Returns:
-        Quantities of the last step; None where a step does not converge.
+        Quantities of the last step; None where a step does not converge, or has no loads.
     """
     system = history.newton.system
     earlier, system.earlier_forces = system.earlier_forces, 0.0
@@ -78,7 +78,7 @@ def history_again(
         if change is not None:
             change(history.problem)
         return measure(again.solve())
-    except NotConvergedError as error:
+    except (NotConvergedError, InputError) as error:  # a load's function may know no other times
         logger.debug("  the history again: %s", error)
         return None
     finally:

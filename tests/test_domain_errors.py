@@ -22,6 +22,8 @@ from fenics_contact.half_space_fields import boussinesq, cerruti
 from fenics_contact.verification.shear_cases import sheared_scene
 from tests.scenes import ROOT
 
+pytestmark = pytest.mark.errors
+
 E, NU = 1000.0, 0.3
 FORCE = 4 / 3 * E / (1 - NU**2) * 8**0.5  # of Hertz, on a paraboloid of radius 8, 1 deep
 

@@ -15,6 +15,8 @@ from fenics_contact.result import error_bar
 from tests.histories import block, dragged, shoved, two_blocks
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, with_solver
 
+pytestmark = pytest.mark.errors
+
 COMM = MPI.COMM_WORLD
 COLUMNS = {*SOURCES, "total"}
 SEVERAL = dragged(Steps(number=6))
