@@ -13,6 +13,11 @@ from fenics_contact.verification.bars.bar_runs import BarOutcome, words_of
 # What is asked for.
 SHARE_HELD, MEDIAN_RATIO = 0.95, 5.0
 _WORST_SHOWN = 25
+_ROLES = (
+    ("all cases", None),
+    ("cases that test", "tested"),
+    ("cases that constants were chosen by", "chosen"),
+)
 
 _INTRODUCTION = """\
 # Error bars against true errors
@@ -111,7 +116,7 @@ def summary(outcomes: Sequence[BarOutcome]) -> list[str]:
     """A sentence on all cases, and on those of each role."""
     rows = [row for outcome in outcomes for row in outcome.rows]
     said = []
-    for name, role in (("all cases", None), ("that test", "tested"), ("chosen by", "chosen")):
+    for name, role in _ROLES:
         found = count(row for row in rows if role in (None, row.case.role))
         if found.rows:
             said.append(
