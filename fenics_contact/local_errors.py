@@ -16,10 +16,11 @@ import ufl
 from dolfinx import fem, la
 from numpy.typing import NDArray
 
+from fenics_contact import compat
 from fenics_contact.bubbles import bubble_space
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.contact import ContactSurface
-from fenics_contact.parallel import total
+from fenics_contact.parallel import largest, total
 from fenics_contact.problem import Problem
 from fenics_contact.reaction_pressure import traction_of
 from fenics_contact.trace import Trace
@@ -28,6 +29,8 @@ Array = NDArray[np.float64]
 
 # What one degree more adds to the integrands over the body's own.
 _MORE = 2
+# Waves along the axes, much shorter than cells are: their signs are as if drawn.
+_WAVES = (71234.567, 53219.871, 61731.319)
 
 
 class LocalErrors:
@@ -46,6 +49,8 @@ class LocalErrors:
         self._error = fem.Function(self._space)
         self._test = ufl.TestFunction(self._space)
         self._inverse = np.linalg.inv(self._stiffnesses())
+        dofs = self._space.dofmap.list[: self._cells]
+        self._blocks = dofs[:, 0] // dofs.shape[1]  # of every cell
         self._squared_by_block = np.zeros(self._cells)
         self._held = _held_facets(problem)
         self._traction = fem.Function(spaces.displacement_space)
@@ -75,14 +80,13 @@ class LocalErrors:
             right += self._assembled(form)
         found = np.einsum("cij,cj->ci", self._inverse, right)
         self._squared_by_block = np.einsum("ci,ci->c", found, right)
-        self._error.x.array[: found.size] = found.reshape(-1)
-        self._error.x.scatter_forward()
+        self._found = found
+        self._set_error(np.ones(self._cells))
 
     @property
     def squared(self) -> Array:
         """a_K(e, e) of this rank's own cells, (cells,) (energy)."""
-        first = self._space.dofmap.list[: self._cells, 0]
-        return self._squared_by_block[first // self._space.dofmap.list.shape[1]]
+        return self._squared_by_block[self._blocks]
 
     @property
     def total(self) -> float:
@@ -97,17 +101,39 @@ class LocalErrors:
         found = self._problem.points.of_function(self._error)
         return {name: float(np.linalg.norm(error)) for name, error in found.items()}
 
-    def forces(self) -> Array:
+    def forces(self, draw: int | None = None) -> Array:
         """Nodal forces that move the solution as its errors do, (nodes, components); collective.
 
         The Galerkin solution of the space with the bubbles, in which these are condensed: they
         take −Σ_K a_K(e, B_K v) of the stiffness, B_K v being the bubbles that follow from v.
+
+        Args:
+            draw: Number of a draw of signs by which the cells' errors are multiplied: what they do
+                is then that of errors of their size, though as they are they may cancel.
         """
         spaces = self._problem.spaces
+        if draw is not None:
+            self._set_error(self._signs(draw))
         found = spaces.assemble(self._response)
         for _, form in self._on_contacts:
             found += spaces.assemble(form)
+        self._set_error(np.ones(self._cells))
         return found
+
+    def _signs(self, draw: int) -> Array:
+        """1 or −1 for every block of dofs, at random: by the places of cells, on whichever rank."""
+        mesh = self._problem.spaces.body.mesh
+        middles = mesh.geometry.x[compat.geometry_nodes(mesh)[: self._cells]].mean(axis=1)
+        size = largest(self._problem.comm, np.abs(mesh.geometry.x)) or 1.0
+        waves = np.sin(middles / size @ np.array(_WAVES) * (1 + draw))
+        signs = np.empty(self._cells)
+        signs[self._blocks] = np.where(waves < 0, -1.0, 1.0)
+        return signs
+
+    def _set_error(self, factors: Array) -> None:
+        scaled = factors[:, None] * self._found
+        self._error.x.array[: scaled.size] = scaled.reshape(-1)
+        self._error.x.scatter_forward()
 
     def _compile(self, moved: Any, tested: Any) -> Any:
         """−a(moved, tested) with the means of tractions between cells, and own ones where held."""
