@@ -227,7 +227,7 @@ def _verify(options: argparse.Namespace) -> int:
             raise InputError("verify --hard has no --quick: name the cases to run")
         return verify_hard(options.names, options.json, options.table)
     if options.table is not None:
-        raise InputError("verify --table: only with --hard or --errors")
+        raise InputError("verify --table: there is none of these; add --hard or --errors")
     from fenics_contact.verification.command import verify
 
     return verify(options.names, options.quick, options.json)

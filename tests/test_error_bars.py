@@ -225,7 +225,7 @@ def test_command_line_refuses_what_it_has_not(capfd):
     if MPI.COMM_WORLD.rank == 0:
         assert "no case 'no_such_case'; there are" in said and "sphere_0" in said
         assert "give either --hard or --errors" in said
-        assert "only with --hard or --errors" in said
+        assert "add --hard or --errors" in said
 
 
 def test_the_page_has_every_case_and_says_that_bars_hold():
