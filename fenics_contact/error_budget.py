@@ -75,13 +75,12 @@ class ErrorBudget:
         return {"errors": self.contacts[number]} if self.contacts else {}
 
 
-def error_budget(history: History, times: Sequence[float], defect: float | None) -> ErrorBudget:
+def error_budget(history: History, steps: Sequence[Mapping[str, Any]]) -> ErrorBudget:
     """Estimate the errors of the last load step's quantities; collective.
 
     Args:
         history: At its end; it is there again afterwards.
-        times: Pseudo-times of all load steps as they were accepted.
-        defect: The ``energy_defect`` that these leave, if there is one.
+        steps: What came out of all load steps, as in ``result.json``.
 
     Returns:
         Nothing where the scene has ``solver.errors = "none"``.
@@ -91,12 +90,13 @@ def error_budget(history: History, times: Sequence[float], defect: float | None)
         return ErrorBudget()
     measure = _Measure(history)
     answer = measure(history.last.solution)
-    estimates = _Estimates(history, measure, times)
+    estimates = _Estimates(history, measure, steps)
     found, notes = estimates.all()
     rows = {key: _row(key, found) for key in answer}
     every = {key: row for key, row in rows.items() if isinstance(key, str)}
-    if len(times) > 1:
+    if len(steps) > 1:
         del every["external_work"]  # what is measured is that of the last forces alone
+        defect = steps[-1]["quantities"].get("energy_defect")
         if defect is not None:
             every["external_work"] = _of_work(every, defect)
     contacts = [
@@ -144,8 +144,11 @@ class _Estimates:
         local: Of the cells, once the error by the mesh has been estimated.
     """
 
-    def __init__(self, history: History, measure: _Measure, times: Sequence[float]) -> None:
-        self._history, self._measure, self._times = history, measure, times
+    def __init__(
+        self, history: History, measure: _Measure, steps: Sequence[Mapping[str, Any]]
+    ) -> None:
+        self._history, self._measure, self._steps = history, measure, steps
+        self._times = [step["load_factor"] for step in steps]
         self._problem = history.problem
         system = history.newton.system
         scene = self._problem.scene
@@ -210,7 +213,12 @@ class _Estimates:
         return source == "mesh" and self._problem.elastic.mixed is not None
 
     def _of_mesh(self) -> Errors:
-        found, self.local = mesh_errors(self._history, self._measure)
+        assert self._history.last is not None
+        answer = self._measure(self._history.last.solution)
+        recorded = [(step["load_factor"], _recorded(step, answer)) for step in self._steps]
+        again = self._times if self._takes_history("penalty") else []
+        again = again if len(again) <= _SHORT or self._wants_all else []
+        found, self.local = mesh_errors(self._history, self._measure, recorded, again)
         if self._is_mixed("mesh"):
             self._notes.append(
                 "The error by the mesh is not estimated of nearly incompressible bodies."
@@ -236,6 +244,15 @@ _WORDS = {
     "step": "the load steps",
     "domain": "the piece of the half-space",
 }
+
+
+def _recorded(step: Mapping[str, Any], answer: Mapping[Hashable, Any]) -> dict[Hashable, Any]:
+    """Quantities of a load step by the keys of ``_Measure``, those that it has."""
+    found: dict[Hashable, Any] = {}
+    for key, value in answer.items():
+        of, name = (step["contacts"][key[0]], key[1]) if isinstance(key, tuple) else (step, key)
+        found[key] = of["quantities"].get(name, value)
+    return found
 
 
 def _remembers(problem: Problem) -> bool:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 
 import numpy as np
 
 from fenics_contact.contact_area import contact_area, cut_areas, stick_area
+from fenics_contact.load_paths import knots
 from fenics_contact.load_steps import History
 from fenics_contact.problem import Problem
 from fenics_contact.solution import Solution
@@ -20,45 +21,70 @@ _LOADS = 8
 _PIECES = 8.0
 # Of the polynomial in pseudo-time: t^1.5, Hertz's force, differs by 1e-6 from one over the span.
 _DEGREE = 3
+# More loads than the polynomial has coefficients, at the least.
+_SPARE = 2
+# Of the last load step, at the most.
+_OF_A_STEP = 0.95
 
 
 def load_scatter(
-    history: History, measure: Measure, answer: Quantities
+    history: History, measure: Measure, recorded: Sequence[tuple[float, Quantities]]
 ) -> dict[Hashable, float] | None:
     """Standard deviation of quantities about polynomials in pseudo-time; collective.
+
+    Of load steps where these are close enough, else of loads within the last one.
 
     Args:
         history: At its end; it is there again afterwards.
         measure: Quantities of a solution, called in its state; collective.
-        answer: Those at the end.
+        recorded: Pseudo-time and quantities of every load step.
 
     Returns:
         By key, of vectors the length over their components; 0 where no edge can move. None where
         too few of the solves converge.
     """
     problem = history.problem
+    last, answer = recorded[-1]
     if not any(contact.is_one_sided or contact.friction for contact in problem.contacts):
         return dict.fromkeys(answer, 0.0)
     assert history.last is not None
-    last, before = history.time, history.last.before
-    share_of_step = min(_SPAN, _PIECES * _piece_share(problem, history.last.solution))
-    span = share_of_step * (last - (before.time if before else 0.0))
-    times, rows = [0.0], [answer]
-    for share in np.arange(1, _LOADS + 1) / _LOADS:
-        found = last_step_again(history, measure, _at(last - span * share))
-        if found is not None:
-            times.append(-share)
-            rows.append(found)
-    spare = len(times) - _DEGREE - 1
-    if spare < 2:
+    turn = max((knot for knot in knots(problem.scene) if knot < last), default=0.0)
+    share = min(_SPAN, _PIECES * _piece_share(problem, history.last.solution))
+    span = share * (last - max(turn, 0.0))
+    rows = [(time, found) for time, found in recorded if time >= last - span]
+    if len(rows) < _DEGREE + 1 + _SPARE:
+        before = history.last.before.time if history.last.before else 0.0
+        span = min(span, _OF_A_STEP * (last - before))
+        answer = measure(history.last.solution)  # of works, not summed over steps
+        rows = [(last, answer), *_solved(history, measure, last - span)]
+    if len(rows) < _DEGREE + 1 + _SPARE:
         return None
-    powers = np.vander(np.array(times), _DEGREE + 1)
+    return _about_polynomials(rows, (last, span))
+
+
+def _solved(history: History, measure: Measure, first: float) -> list[tuple[float, Quantities]]:
+    """Quantities at pseudo-times from the first to the last, as many as converge; collective."""
+    found = []
+    for share in np.arange(1, _LOADS + 1) / _LOADS:
+        time = history.time + share * (first - history.time)
+        quantities = last_step_again(history, measure, _at(time))
+        if quantities is not None:
+            found.append((time, quantities))
+    return found
+
+
+def _about_polynomials(
+    rows: Sequence[tuple[float, Quantities]], scale: tuple[float, float]
+) -> dict[Hashable, float]:
+    last, span = scale
+    times = (np.array([time for time, _ in rows]) - last) / span
+    powers = np.vander(times, _DEGREE + 1)
     smooth = powers @ np.linalg.pinv(powers)
     scatter = {}
-    for key in answer:
-        values = np.array([np.atleast_1d(row[key]) for row in rows])
+    for key in rows[0][1]:
+        values = np.array([np.atleast_1d(found[key]) for _, found in rows])
         left = values - smooth @ values
-        scatter[key] = float(np.sqrt((left**2).sum() / spare))
+        scatter[key] = float(np.sqrt((left**2).sum() / (len(rows) - _DEGREE - 1)))
     return scatter
 
 

@@ -9,7 +9,7 @@ contact pressure lies between what the penalty makes of gaps and what the bulk n
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,13 @@ from fenics_contact.local_errors import LocalErrors
 from fenics_contact.parallel import largest
 from fenics_contact.problem import Problem
 from fenics_contact.solution import Solution
-from fenics_contact.solving_again import Measure, Quantities, differences, last_step_again
+from fenics_contact.solving_again import (
+    Measure,
+    Quantities,
+    differences,
+    history_again,
+    last_step_again,
+)
 
 Array = NDArray[np.float64]
 
@@ -44,7 +50,10 @@ _ENERGIES = {"strain_energy": 1.0, "external_work": 2.0}
 
 
 def mesh_errors(
-    history: History, measure: Measure
+    history: History,
+    measure: Measure,
+    recorded: Sequence[tuple[float, Quantities]],
+    times: Sequence[float] = (),
 ) -> tuple[dict[Hashable, float] | None, LocalErrors | None]:
     """Estimated errors of the last load step's quantities by the mesh; collective.
 
@@ -52,6 +61,8 @@ def mesh_errors(
         history: At its end; it is there again afterwards.
         measure: Quantities of a solution, called in its state; of a contact by its number and
             the name; collective.
+        recorded: Pseudo-time and quantities of every load step.
+        times: Pseudo-times of the load steps where all are to be solved again; else the last is.
 
     Returns:
         By those keys: absolute, of vectors the length of the difference; without peaks of pressure
@@ -64,18 +75,18 @@ def mesh_errors(
         return None, None
     solution = history.last.solution
     history.go_back()
-    answer = measure(solution)
     local = LocalErrors(problem)
     local.solve(BulkForces(problem, solution), history.time)
-    changes = _changes(history, local, measure, answer)
-    scatter = load_scatter(history, measure, answer)
+    changes = _changes(history, local, measure, times)
+    scatter = load_scatter(history, measure, recorded)
     if changes is None or scatter is None:
         return None, local
     for name, error in local.at_points().items():
         changes[name] += error
     energy = 0.5 * local.total**2
-    changes |= {name: part * energy for name, part in _ENERGIES.items() if name in answer}
-    found = {key: _LOCAL * changes[key] + _SCATTER * scatter[key] for key in answer}
+    changes |= {name: part * energy for name, part in _ENERGIES.items() if name in changes}
+    changes |= {key: changes[key] + energy for key in changes if _name(key) == "friction_work"}
+    found = {key: _LOCAL * changes[key] + _SCATTER * scatter[key] for key in changes}
     for key, addition in _at_contacts(problem, solution).items():
         if addition is None:
             found.pop(key, None)
@@ -84,13 +95,19 @@ def mesh_errors(
     return found, local
 
 
+def _name(key: Hashable) -> Hashable:
+    return key[-1] if isinstance(key, tuple) else key
+
+
 def _changes(
-    history: History, local: LocalErrors, measure: Measure, answer: Quantities
+    history: History, local: LocalErrors, measure: Measure, times: Sequence[float]
 ) -> dict[Hashable, float] | None:
     """What the local errors change, not less than what such errors would at random; collective."""
+    assert history.last is not None
+    answer = measure(history.last.solution)
     found = []
     for draw in (None, *range(_DRAWS)):
-        change = differences(answer, _moved_by(history, local.forces(draw), measure))
+        change = differences(answer, _moved_by(history, local.forces(draw), measure, times))
         if change is None:
             return None
         found.append(change)
@@ -101,13 +118,20 @@ def _changes(
     }
 
 
-def _moved_by(history: History, forces: Array, measure: Measure) -> Quantities | None:
-    """Quantities under additional nodal forces; collective."""
+def _moved_by(
+    history: History, forces: Array, measure: Measure, times: Sequence[float]
+) -> Quantities | None:
+    """Quantities under additional nodal forces; over load steps these grow evenly; collective."""
+    last = history.time
 
-    def add(problem: Problem) -> None:
-        problem.load = problem.load + forces
+    def disturb(problem: Problem) -> None:
+        problem.disturbance = forces / last
+        if not times:
+            problem.set_time(last)
 
-    return last_step_again(history, measure, add)
+    if times:
+        return history_again(history, measure, times, disturb)
+    return last_step_again(history, measure, disturb)
 
 
 def _at_contacts(problem: Problem, solution: Solution) -> dict[Hashable, float | None]:

@@ -95,12 +95,14 @@ class Problem:
         elastic: ½ a(·, ·): law, compiled forms, stress.
         load: Present nodal loads with the prescribed contact pressures, (nodes, components).
         pressure_load: The part of it that is prescribed contact pressures.
+        disturbance: Nodal loads over pseudo-time besides the scene's, to see what they do, or None.
     """
 
     def __init__(self, scene: Scene, body: Body, timings: Timings | None = None) -> None:
         timings = timings or Timings()
         self.scene = scene
         self.body = body
+        self.disturbance: NDArray[np.float64] | None = None
         self.comm = body.mesh.comm
         with timings.phase("compile"):
             self.spaces = Spaces(scene, body)
@@ -212,6 +214,8 @@ class Problem:
         self.load = self.pressure_load.copy()
         for array, path in self._loads:
             self.load += array * path(time)
+        if self.disturbance is not None:
+            self.load += self.disturbance * time
         for contact in self.contacts:
             contact.set_time(time)
         self.prescribed = self.supports.at(time)

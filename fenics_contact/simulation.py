@@ -195,9 +195,7 @@ class Run:
             with self.timings.phase("output"):
                 self.others = look_around(history)
             with self.timings.phase("errors"):
-                times = [step["load_factor"] for step in self.steps]
-                defect = self.steps[-1]["quantities"].get("energy_defect")
-                self.budget = error_budget(history, times, defect)
+                self.budget = error_budget(history, self.steps)
 
         try:
             solve(self.problem, self.timings, record, self.choice, begin, keep, stopped, end)

@@ -135,4 +135,5 @@ def _restore(history: History) -> None:
             contact.normal.soften(1.0)
     if history.problem.far_field is not None:
         history.problem.far_field.beyond[:] = 0.0
+    history.problem.disturbance = None
     history.go_back()
