@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import logging
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fenics_contact.accepted_step import Unknowns
+from fenics_contact.accuracy_asked import asked_of, balanced
 from fenics_contact.accuracy_words import (
     level_line,
     not_reached,
@@ -27,7 +28,7 @@ from fenics_contact.accuracy_words import (
     source_advice,
 )
 from fenics_contact.contact_area import edges
-from fenics_contact.errors import FenicsContactError, InputError, StoppedError
+from fenics_contact.errors import FenicsContactError, StoppedError
 from fenics_contact.local_errors import LocalErrors
 from fenics_contact.mesh import Body
 from fenics_contact.mesh_sizes import SINGULAR
@@ -54,9 +55,6 @@ _FEWER = 0.5
 _FIRST_ORDER = 1.4
 # What an error is to become over what is allowed.
 _AIM_AT = 0.85
-# Share of the accuracy that penalty, regularisation and iteration may take, and what they are
-# brought down to once they take more.
-_SHARE, _AIM = 0.2, 0.1
 # What an area's error is to become over what is allowed: cells at an edge are few, and it varies by
 # chance. And by how much these become smaller at the most, at once.
 _EDGE_AIM, _EDGE_LEAST = 0.5, 0.1
@@ -66,8 +64,6 @@ _AREAS = (("contact_area", "slip_area"), ("stick_area", "slip_area"))
 _PATIENCE, _UNKNOWN = 3, 2.0
 # Share that is left to the mesh whatever others take: they are to become smaller, too.
 _LEFT = 0.3
-# By at most so many times from one level to the next.
-_SMALLER = 100.0
 # Of the dofs allowed: what Gmsh makes of sizes is about so many, not just so many.
 _FILLED = 0.9
 _TRIES = 3
@@ -337,63 +333,6 @@ def adaptive_plan(run: Run) -> str:
     words = plan(asked_of(run), run.scene.accuracy)
     reason = hindrance(run.scene, run.problem.body, is_own=False)
     return f"{words} But {reason}." if reason else words
-
-
-def asked_of(run: Run) -> dict[str, float]:
-    """Quantities that a scene asks for and has, each with the relative error allowed.
-
-    Raises:
-        InputError: There is none, or its errors cannot be estimated.
-    """
-    accuracy, contacts = run.scene.accuracy, run.problem.contacts
-    assert accuracy is not None
-    if run.scene.solver.errors == "none":
-        raise InputError('solver.errors = "none": accuracy needs the errors; leave one of them out')
-    if run.problem.elastic.mixed is not None:
-        raise InputError(
-            "accuracy: errors of nearly incompressible bodies are not estimated; leave it out"
-        )
-    present = set()
-    if any(contact.contact.kind != "prescribed" for contact in contacts):
-        present |= {"normal_force", "max_contact_pressure"}
-    if any(contact.is_one_sided for contact in contacts):
-        present.add("contact_area")
-    if run.problem.frictional:
-        present.add("stick_area")
-    asked = accuracy.asked(present)
-    if not asked:
-        raise InputError(
-            f"accuracy.main = {accuracy.main:g}: the scene has none of its quantities; ask for "
-            "another one, such as strain_energy"
-        )
-    return asked
-
-
-def balanced(scene: Scene, result: Result, errors: Errors, asked: Mapping[str, float]) -> Scene:
-    """The scene with smaller ε₁ and ε where they take too much, and the scene did not set them.
-
-    Errors are proportional to both (see ``parameter_errors``).
-
-    Args:
-        scene: Of the level.
-        result: Its result, with the parameters as used.
-        errors: Relative, by quantity and source.
-        asked: Relative errors allowed.
-    """
-    contacts = list(scene.contact)
-    for source, key in (
-        ("penalty", "penalty_parameter"),
-        ("regularisation", "regularisation_parameter"),
-    ):
-        excess = max((found.get(source) or 0.0) / asked[name] for name, found in errors.items())
-        if excess <= _SHARE:
-            continue
-        for number, contact in enumerate(contacts):
-            used = result.contacts[number]["parameters"].get(key)
-            if getattr(contact, key) == "auto" and used:
-                smaller = used / min(excess / _AIM, _SMALLER)
-                contacts[number] = dataclasses.replace(contact, **{key: smaller})
-    return dataclasses.replace(scene, contact=tuple(contacts))
 
 
 def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None) -> Result:

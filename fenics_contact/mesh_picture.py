@@ -35,6 +35,7 @@ def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path
     model = result["model"]
     title = f"Mesh {len(result['levels'])}: {model['cells']} cells, {model['dofs']} dofs"
     figure, panels = new_figure(title, (11, 5.4), ncols=2)
+    figure.set_layout_engine("compressed")  # for panels of equal scales
     lines = list(_sides(body))
     for axes, width in zip(panels, (0.25, 0.5), strict=True):
         axes.add_collection(LineCollection(lines, colors="#566573", linewidths=width))

@@ -20,6 +20,7 @@ from fenics_contact import (
     Run,
     Scene,
     Support,
+    accuracy_asked,
     adaptivity,
     compat,
     files,
@@ -316,7 +317,9 @@ def test_given_penalty_is_named_and_automatic_one_made_smaller():
     assert "contact.penalty_parameter is given" in found.accuracy["reason"]
     result = Run(load_scene(SPHERE, given), COMM).solve()
     errors = {"normal_force": {"mesh": 1e-3, "penalty": 5e-4, "total": 1.5e-3}}
-    less = adaptivity.balanced(load_scene(SPHERE, given), result, errors, {"normal_force": 1e-3})
+    less = accuracy_asked.balanced(
+        load_scene(SPHERE, given), result, errors, {"normal_force": 1e-3}
+    )
     used = result.contacts[0]["parameters"]["penalty_parameter"]
     assert less.contact[0].penalty_parameter == pytest.approx(used / 5)
 
