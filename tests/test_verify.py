@@ -337,3 +337,9 @@ def test_run_that_its_checks_refuse_is_a_finding_that_failed(capsys, monkeypatch
     monkeypatch.setattr(simulation, "solve", wrong)
     assert main(["verify", "slab", "--quick"]) == 4
     assert "do not trust it" in COMM.bcast(capsys.readouterr().out)
+
+
+def test_bars_are_relative_where_errors_are():
+    assert Finding("half", 2.0, 4.0, 0.6, bar=1.0).estimated_error == 0.25
+    assert Finding("half", 2.0, 4.0, 3.0, absolute=True, bar=1.0).estimated_error == 1.0
+    assert Finding("half", 2.0, 4.0, 0.6).estimated_error is None

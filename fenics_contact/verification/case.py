@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fenics_contact.adaptivity import run
 from fenics_contact.errors import FenicsContactError
 from fenics_contact.result import Result
@@ -27,6 +29,7 @@ class Finding:
         tolerance: Largest error that passes.
         absolute: Whether the error is a difference in the quantity's unit, not relative.
         note: Why there is no value.
+        bar: Estimated absolute error of the value, in its unit; None where there is none.
     """
 
     quantity: str
@@ -35,6 +38,14 @@ class Finding:
     tolerance: float
     absolute: bool = False
     note: str = ""
+    bar: float | None = None
+
+    @property
+    def estimated_error(self) -> float | None:
+        """The bar, relative where the error is."""
+        if self.bar is None or self.absolute:
+            return self.bar
+        return self.bar / abs(self.reference)
 
     @property
     def error(self) -> float:
@@ -91,7 +102,7 @@ class Outcome:
             {
                 "name": self.case.name,
                 "source": self.case.source,
-                "estimated_error": None,
+                "estimated_error": finding.estimated_error,
                 "seconds": self.seconds,
                 **as_row(finding),
             }
@@ -127,6 +138,26 @@ def solved(scene: Scene) -> Result:
     if not result.passed:
         raise UntrustedError(result.verdict)
     return result
+
+
+def of_quantity(
+    result: Result, quantity: str, reference: float, tolerance: float, label: str = ""
+) -> Finding:
+    """A quantity of a result, of vectors the length, with its error bar."""
+    value = math.hypot(*np.atleast_1d(result.quantities[quantity]))
+    bar = result.errors.get(quantity, {}).get("total")
+    return Finding(f"{quantity}{label}", value, reference, tolerance, bar=bar)
+
+
+def radius_of_area(
+    result: Result, quantity: str, label: str, reference: float, tolerance: float
+) -> Finding:
+    """Radius of the circle that has the area of a quantity, with its error bar."""
+    area = result.quantities[quantity]
+    bar = result.errors.get(quantity, {}).get("total")
+    radius = math.sqrt(area / math.pi)
+    bar = None if bar is None else 0.5 * radius * bar / area
+    return Finding(label, radius, reference, tolerance, bar=bar)
 
 
 def no_value(error: FenicsContactError) -> Finding:

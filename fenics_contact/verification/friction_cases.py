@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator
-from math import hypot, sqrt
+from math import sqrt
 from typing import Any, Literal
 
 from fenics_contact.result import Result
@@ -16,7 +16,7 @@ from fenics_contact.scene_contact import Contact, Obstacle
 from fenics_contact.scene_material import Material
 from fenics_contact.scene_values import Path
 from fenics_contact.verification import formulas
-from fenics_contact.verification.case import Case, Finding, mesh_file, solved
+from fenics_contact.verification.case import Case, Finding, mesh_file, of_quantity, solved
 from fenics_contact.verification.point_cases import (
     HERTZ,
     INDENTATION,
@@ -101,8 +101,7 @@ def _steps(quick: bool) -> Iterator[Finding]:
         label = f"stick / contact radius, {number} step{'s' * (number > 1)}"
         yield Finding(label, stick_ratio(result), expected, 1e-2, absolute=True)
         if number == 60:
-            force = result.quantities["normal_force"]
-            yield Finding("normal_force, 60 steps", force, _FORCE_60_STEPS, 2e-3)
+            yield of_quantity(result, "normal_force", _FORCE_60_STEPS, 2e-3, ", 60 steps")
 
 
 def _block(quick: bool) -> Iterator[Finding]:
@@ -143,7 +142,7 @@ def _winkler(quick: bool) -> Iterator[Finding]:
     assert result.points is not None
     yield Finding("w(0)", -float(result.points.gap[0]), _DEFLECTION, 1e-2)
     yield Finding("contact end", quantities["contact_area"], _CONTACT_END, 0.05, absolute=True)
-    yield Finding("|friction_force|", hypot(*quantities["friction_force"]), _FRICTION, 1e-2)
+    yield of_quantity(result, "friction_force", _FRICTION, 1e-2)
 
 
 def _sheared_scene(steps: int) -> Scene:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from fenics_contact.scene import Load, MeshSource, Scene, Support
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.verification import formulas
-from fenics_contact.verification.case import Case, Finding, mesh_file, solved
+from fenics_contact.verification.case import Case, Finding, mesh_file, of_quantity, solved
 from fenics_contact.verification.point_cases import JOHNSON, MATERIAL, MODULUS, RADIUS
 
 _LINE_HALF_WIDTH = 8.0**0.5
@@ -60,12 +60,9 @@ def _compared(
     scene: Scene, expected: formulas.HertzContact, tolerance: float, label: str = ""
 ) -> Iterator[Finding]:
     """Half-width and peak pressure of half a model."""
-    quantities = solved(scene).quantities
-    for quantity, value, reference in (
-        ("half-width", quantities["contact_area"], expected.radius),
-        ("max_contact_pressure", quantities["max_contact_pressure"], expected.peak),
-    ):
-        yield Finding(f"{quantity}{label}", value, reference, tolerance)
+    result = solved(scene)
+    yield of_quantity(result, "contact_area", expected.radius, tolerance, f", half-width{label}")
+    yield of_quantity(result, "max_contact_pressure", expected.peak, tolerance, label)
 
 
 CASES: tuple[Case, ...] = (

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator
-from math import pi, sqrt
+from math import pi
 
-from fenics_contact.result import Result
 from fenics_contact.scene import Discretisation, MeshSource, Scene, Support
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_material import Material
 from fenics_contact.verification import formulas
-from fenics_contact.verification.case import Case, Finding, mesh_file, solved
+from fenics_contact.verification.case import (
+    Case,
+    Finding,
+    mesh_file,
+    of_quantity,
+    radius_of_area,
+    solved,
+)
 
 YOUNGS_MODULUS, POISSONS_RATIO = 1000.0, 0.3
 MATERIAL = (Material(YOUNGS_MODULUS, POISSONS_RATIO),)
@@ -49,41 +55,34 @@ def on_fixed_boundary(scene: Scene) -> Scene:
     )
 
 
-def contact_radius(result: Result) -> float:
-    """Radius of the circle that has the contact's area (length)."""
-    return sqrt(result.quantities["contact_area"] / pi)
-
-
 def _paraboloid(**driven: float) -> Obstacle:
     return Obstacle("paraboloid", radius=RADIUS, **driven)  # type: ignore[arg-type]
 
 
 def _hertz(quick: bool) -> Iterator[Finding]:
     result = solved(half_space_scene(_paraboloid(indentation=INDENTATION)))
-    quantities = result.quantities
-    yield Finding("normal_force", quantities["normal_force"], HERTZ.force, 2e-3)
-    yield Finding("max_contact_pressure", quantities["max_contact_pressure"], HERTZ.peak, 2e-3)
-    yield Finding("contact radius", contact_radius(result), HERTZ.radius, 5e-3)
+    yield of_quantity(result, "normal_force", HERTZ.force, 2e-3)
+    yield of_quantity(result, "max_contact_pressure", HERTZ.peak, 2e-3)
+    yield radius_of_area(result, "contact_area", "contact radius", HERTZ.radius, 5e-3)
 
 
 def _sphere(quick: bool) -> Iterator[Finding]:
     force, radius = formulas.sphere(MODULUS, RADIUS, INDENTATION)
     obstacle = Obstacle("sphere", radius=RADIUS, indentation=INDENTATION)
     result = solved(half_space_scene(obstacle))
-    yield Finding("normal_force", result.quantities["normal_force"], force, 2e-3)
-    yield Finding("contact radius", contact_radius(result), radius, 5e-3)
+    yield of_quantity(result, "normal_force", force, 2e-3)
+    yield radius_of_area(result, "contact_area", "contact radius", radius, 5e-3)
 
 
 def _force_driven(quick: bool) -> Iterator[Finding]:
     result = solved(half_space_scene(_paraboloid(force=HERTZ.force)))
-    yield Finding("indentation", result.quantities["indentation"], INDENTATION, 2e-3)
+    yield of_quantity(result, "indentation", INDENTATION, 2e-3)
 
 
 def _small_domain(quick: bool) -> Iterator[Finding]:
     extent = _EXTENT_OVER_RADIUS * HERTZ.radius
     scene = half_space_scene(_paraboloid(indentation=INDENTATION), extent=extent)
-    force = solved(scene).quantities["normal_force"]
-    yield Finding("normal_force", force, HERTZ.force, 2e-3)
+    yield of_quantity(solved(scene), "normal_force", HERTZ.force, 2e-3)
 
 
 def _reaction(quick: bool) -> Iterator[Finding]:
@@ -115,7 +114,7 @@ def _springs(quick: bool) -> Iterator[Finding]:
         scene, material=(Material(_STIFF, POISSONS_RATIO),), contact=(contact,)
     )
     force = pi * _STIFFNESS * RADIUS * INDENTATION**2
-    yield Finding("normal_force", solved(scene).quantities["normal_force"], force, 1e-3)
+    yield of_quantity(solved(scene), "normal_force", force, 1e-3)
 
 
 def _quarter(**parameters: float) -> Finding:

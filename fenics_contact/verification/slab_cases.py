@@ -12,7 +12,7 @@ from fenics_contact.result import Result
 from fenics_contact.scene import Load, MeshSource, Scene, Support
 from fenics_contact.scene_contact import Contact
 from fenics_contact.scene_material import Material
-from fenics_contact.verification.case import Case, Finding, mesh_file, solved
+from fenics_contact.verification.case import Case, Finding, mesh_file, of_quantity, solved
 
 # End load → position of the last contact point that sticks, on 16 × 1 elements.
 _LAST_STICKING = {100.0: 8.0, 200.0: 7.75, 300.0: 6.25, 400.0: 5.25, 600.0: 3.0, 700.0: 1.75}
@@ -94,7 +94,7 @@ def _winkler(quick: bool) -> Iterator[Finding]:
         if stiffness == 100.0:
             end = result.quantities["contact_area"]
             yield Finding("contact end, k = 100", end, _CONTACT_END, 0.05, absolute=True)
-            yield Finding("normal_force, k = 100", result.quantities["normal_force"], _LOAD, 1e-6)
+            yield of_quantity(result, "normal_force", _LOAD, 1e-6, ", k = 100")
 
 
 CASES: tuple[Case, ...] = (
