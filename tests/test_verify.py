@@ -329,10 +329,14 @@ def test_run_that_its_checks_refuse_is_a_finding_that_failed(capsys, monkeypatch
     solve = simulation.solve
 
     def wrong(*arguments):
-        solution = solve(*arguments)
-        for force in solution.friction_force:
-            force *= 0.9
-        return solution
+        *others, end = arguments
+
+        def spoiled(history):
+            for force in history.last.solution.friction_force:
+                force *= 0.9
+            end(history)
+
+        return solve(*others, spoiled)
 
     monkeypatch.setattr(simulation, "solve", wrong)
     assert main(["verify", "slab", "--quick"]) == 4
