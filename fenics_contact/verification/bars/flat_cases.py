@@ -257,7 +257,7 @@ CASES: tuple[BarCase, ...] = (
         name="winkler",
         summary="paper's example 2, μ = 1",
         source=FINER,
-        role="tested",
+        role="chosen",
         model=_winkler,
         elements=("Q2", "Q1"),
         parameters=(_AUTOMATIC, Parameters(1e-5), Parameters(1e-4)),

@@ -258,7 +258,7 @@ CASES: tuple[BarCase, ...] = (
         name="incremental",
         summary=f"paraboloid, incremental law, μ = .6, {_PRESSED} steps",
         source=f"{FINER}, with 160 steps",
-        role="tested",
+        role="chosen",
         model=_incremental,
         elements=("Q2",),
         parameters=_ROUGH,
