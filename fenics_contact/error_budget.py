@@ -25,27 +25,11 @@ from fenics_contact.parameter_errors import (
 )
 from fenics_contact.problem import Problem
 from fenics_contact.quantities import contact_quantities, global_quantities, support_reactions
+from fenics_contact.result import QUANTITIES
 from fenics_contact.solution import Solution
 from fenics_contact.step_errors import step_errors
 
 SOURCES = ("mesh", "penalty", "regularisation", "iteration", "step", "domain")
-# Quantities that have a true value to be apart from; others count points, or say how a run went.
-_ESTIMATED = (
-    "normal_force",
-    "friction_force",
-    "reaction",
-    "indentation",
-    "max_contact_pressure",
-    "max_penetration",
-    "contact_area",
-    "stick_area",
-    "slip_area",
-    "max_slip",
-    "strain_energy",
-    "external_work",
-    "friction_work",
-    "penalty_energy",
-)
 # Histories of at most so many steps are solved again without being asked for.
 _SHORT = 4
 
@@ -129,10 +113,10 @@ class _Measure:
         reactions, _ = support_reactions(forces)
         contacts = [contact_quantities(problem, solution, i) for i in range(len(problem.contacts))]
         every = global_quantities(forces, reactions, contacts)
-        found: dict[Hashable, Any] = {name: every[name] for name in _ESTIMATED if name in every}
+        found: dict[Hashable, Any] = {name: every[name] for name in QUANTITIES if name in every}
         found.update(problem.points.quantities(solution.displacement))
         for number, of_contact in enumerate(contacts):
-            names = [name for name in _ESTIMATED if name in of_contact]
+            names = [name for name in QUANTITIES if name in of_contact]
             found |= {(number, name): of_contact[name] for name in names}
         return found
 

@@ -11,6 +11,24 @@ from numpy.typing import NDArray
 
 from fenics_contact.errors import StoppedError
 
+# Those that have a true value to be apart from; others count points, or say how a run went.
+QUANTITIES = (
+    "normal_force",
+    "friction_force",
+    "reaction",
+    "indentation",
+    "max_contact_pressure",
+    "max_penetration",
+    "contact_area",
+    "stick_area",
+    "slip_area",
+    "max_slip",
+    "strain_energy",
+    "external_work",
+    "friction_work",
+    "penalty_energy",
+)
+
 
 @dataclass(frozen=True)
 class Check:

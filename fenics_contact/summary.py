@@ -14,6 +14,7 @@ from rich.table import Table
 from fenics_contact.accuracy_words import level_rows
 from fenics_contact.check_words import compares
 from fenics_contact.result import (
+    QUANTITIES,
     Check,
     Result,
     branch_rows,
@@ -25,20 +26,7 @@ from fenics_contact.result import (
 from fenics_contact.scene import Scene
 
 # Quantities in the order shown; some say something only with friction, or where contact is found.
-_SHOWN = (
-    "normal_force",
-    "friction_force",
-    "reaction",
-    "indentation",
-    "max_contact_pressure",
-    "max_penetration",
-    "contact_area",
-    "stick_area",
-    "slip_area",
-    "max_slip",
-    "strain_energy",
-    "friction_work",
-)
+_SHOWN = [name for name in QUANTITIES if name not in ("external_work", "penalty_energy")]
 _OF_FRICTION = {"friction_force", "stick_area", "slip_area", "max_slip", "friction_work"}
 _OF_CONTACT_FOUND = {"indentation", "max_penetration"}
 # Parameters of a contact, in the order of its line; those that do not apply are zero or missing.
