@@ -13,7 +13,8 @@ from fenics_contact.problem import Problem
 from fenics_contact.solution import Solution
 from fenics_contact.solving_again import Change, Measure, Quantities, last_step_again
 
-# Share of the last load step that is looked at: Hertz's edge then moves by a tenth of its radius.
+# Share of the way since the loads last turned that is looked at: Hertz's edge then moves by a tenth
+# of its radius.
 _SPAN = 0.3
 _LOADS = 8
 # Pieces of the surface that an edge is to pass through in that span, at the most: where cells are
