@@ -104,10 +104,11 @@ def _table(part: Any) -> dict[str, Any]:
 
 
 def _default(field: dataclasses.Field[Any]) -> Any:
-    default, factory = field.default, field.default_factory
+    default: Any = field.default
+    factory: Any = field.default_factory
     if isinstance(default, FieldInfo):  # pydantic's own way to say it
-        default, factory = dataclasses.MISSING, default.default_factory  # type: ignore[assignment]
-    return default if factory in (None, dataclasses.MISSING) else factory()  # type: ignore[misc,operator]
+        factory = default.default_factory
+    return default if factory in (None, dataclasses.MISSING) else factory()
 
 
 class _Inline(dict[str, Any]):
