@@ -28,9 +28,10 @@ def test_it_is_that_of_the_file():
         assert f"{given} {family}" in citation.PAPER
     authors = " and ".join(f"{family}, {given}" for family, given in names)
     assert f"author  = {{{authors}}}" in citation.PAPER_BIBTEX
+    entries = re.sub(" +", " ", citation.PAPER_BIBTEX)
     for key in ("title", "journal", "volume", "year"):
         assert of(key, paper) in citation.PAPER
-        assert re.search(rf"{key} *= {{{re.escape(of(key, paper))}}}", citation.PAPER_BIBTEX)
+        assert f"\n {key} = {{{of(key, paper)}}}" in entries
     first, last = of("start", paper), of("end", paper)
     assert f"{first}-{last}" in citation.PAPER
     assert f"{{{first}--{last}}}" in citation.PAPER_BIBTEX
