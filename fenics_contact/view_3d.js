@@ -99,7 +99,7 @@
   }
   function sides(x, y, z) {
     const line = { type: "scatter3d", mode: "lines", hoverinfo: "skip", showlegend: false,
-      line: { color: "rgba(255,255,255,0.6)", width: 2 }, x: [], y: [], z: [] };
+      line: { color: "rgba(255,255,255,0.4)", width: 2 }, x: [], y: [], z: [] };
     const before = 0.004 * Math.hypot(...box().map((range) => range[1] - range[0]));
     [[line.x, x], [line.y, y], [line.z, z]].forEach(([pieces, from], axis) => {
       for (let n = 0; n < ends.length; n++) {
