@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.contact_table import ContactTable
-from fenics_contact.errors import InputError
+from fenics_contact.html_writing import Html
 from fenics_contact.picture_style import COLOURS, neighbourhood
 from fenics_contact.view_revolved import revolved
 from fenics_contact.view_surface import Surface, surface_of
@@ -130,31 +130,18 @@ def _towards(front: Array, aside: Array) -> Array:
     return np.asarray(side / np.sqrt(3))
 
 
-def view_html(view: View) -> str:
-    """The part of a page that holds the view, with all it needs."""
+def view_html(view: View) -> Html:
+    """The part of a page that holds the view, with all it needs; plotly's script is in it."""
+    from plotly.offline import get_plotlyjs
+
     data = json.dumps(_data(view), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
     script = resources.files("fenics_contact").joinpath("view_3d.js").read_text(encoding="utf-8")
-    return f"""{_controls(view)}
+    return Html(f"""{_controls(view)}
 <div id="view" role="img" aria-label="{escape(_label(view))}"></div>
 <p class="note">{escape(_help(view))}</p>
 <script type="application/json" id="view-data">{data}</script>
-<script>{_plotly()}</script>
-<script>{script}</script>"""
-
-
-def _plotly() -> str:
-    """The source of plotly's script.
-
-    Raises:
-        InputError: It is not installed.
-    """
-    try:
-        from plotly.offline import get_plotlyjs
-    except ImportError:
-        raise InputError(
-            "pictures need plotly: install it with pip install 'fenics-contact[pictures]'"
-        ) from None
-    return str(get_plotlyjs())
+<script>{get_plotlyjs()}</script>
+<script>{script}</script>""")
 
 
 def _data(view: View) -> dict[str, Any]:
