@@ -19,8 +19,9 @@ DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
 sys.path[:0] = [str(DOCS), str(ROOT)]
 
-import fenics_contact  # noqa: F401  (loads FEniCSx in the right order, before autodoc does)
-import make_gallery
+# fenics_contact first: it loads FEniCSx in the right order
+import fenics_contact  # noqa: E402, F401, I001
+import make_gallery  # noqa: E402
 
 with (ROOT / "pyproject.toml").open("rb") as _file:
     release = tomllib.load(_file)["project"]["version"]
@@ -40,7 +41,7 @@ extensions = [
     "generated_tables",
     "repository_files",
 ]
-exclude_patterns = ["_build", "pictures"]
+exclude_patterns = ["_build", "pictures", "problems"]
 nitpicky = True
 
 html_theme = "furo"

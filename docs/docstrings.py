@@ -31,10 +31,12 @@ def _is_of_scenes(value: Any) -> bool:
 def _signature(
     app: Sphinx, what: str, name: str, value: Any, options: Any, signature: str, returned: str
 ) -> tuple[str, str] | None:
-    """Names and defaults of a scene class's keys."""
+    """Of dataclasses the names, with the defaults of a scene class's keys; types are told below."""
     from fenics_contact.scene_reference import keys_of
 
     if not _is_of_scenes(value):
+        if what == "class" and dataclasses.is_dataclass(value):
+            return f"({', '.join(field.name for field in dataclasses.fields(value))})", ""
         return None
     words = []
     for key in keys_of(value):

@@ -1,4 +1,4 @@
-"""What the gallery says of each demo: the problem in words, and the numbers it should give.
+"""The numbers that each demo should give, for its page in the gallery; ``problems/`` has the words.
 
 Expected numbers come from formulas, from the paper, or from computations made apart from this
 program; each row says which. None is what the demo once gave.
@@ -93,15 +93,11 @@ class Entry:
     """A page of the gallery.
 
     Attributes:
-        title: Its heading.
-        problem: The problem in words, with its formulas, in Markdown.
         source: Where the expected numbers come from.
         findings: What the demo should give.
         variants: Further runs.
     """
 
-    title: str
-    problem: str
     source: str
     findings: Findings
     variants: tuple[Variant, ...] = field(default=())
@@ -225,7 +221,6 @@ def _cycle(solved: Solved) -> Iterator[Finding]:
 
 ENTRIES: dict[str, Entry] = {
     "slab": Entry(
-        title="A slab pushed against friction",
         source=f"{PAPER}, example 1; parts of its data are lost and reconstructed, {PROTOTYPE}",
         findings=_slab,
         variants=(
@@ -235,71 +230,21 @@ ENTRIES: dict[str, Entry] = {
                 _slab_fine,
             ),
         ),
-        problem=r"""
-A slab of 8 × 1 lies on a smooth floor. A ceiling presses on it with $p = 300$ and is rough: friction
-can carry up to $g = \mu p = 90$. Its right end is pushed with 300. How far does the slab slip?
-
-The pressure is given, the paper's case (i), so there is an energy to minimise,
-
-$$
-I(v) = \tfrac12 a(v, v) - f(v) + \int_{\Gamma_C} g\, |v_T|\, ds ,
-$$
-
-and just one answer. Where the traction stays below $g$, nothing moves; at the right end the slab
-slips, and friction is $g$ there. Balance of forces checks the answer by hand. Pressed by 300 from above,
-the slab would widen; where it sticks it cannot, which takes a stress of
-$\nu\,\sigma_y = -90$ in plane stress, and that is what the left support feels, nearly. Friction carries
-the rest, 210.
-""",
     ),
     "winkler": Entry(
-        title="A slab on springs that only push",
         source=f"{PAPER}, example 2; data reconstructed, {PROTOTYPE}",
         findings=_winkler,
         variants=(Variant("Without friction", (NO_FRICTION,), _winkler_smooth),),
-        problem=r"""
-A slab of 20 × 1 lies on a Winkler foundation: springs that push, but do not pull, with a pressure of
-$k = 100$ times the depth, and rub, with a friction of at most $\mu p$, $\mu = 1$. A patch in its middle is
-pressed down by 10 on each half. The ends lift off; the model is the right half.
-
-The foundation is the paper's penalty (4.1), with a stiffness that is meant:
-
-$$
-\frac{k}{2} \int_{\Gamma_C} \big((v_n - s)_+\big)^2 ds , \qquad p = k\,(v_n - s)_+ .
-$$
-
-Friction along the bottom hinders the slab's bending: it sinks in less, and touches farther out. A beam
-theory, whose sections stay plane and whose bottom does not move along the springs, would miss this.
-""",
     ),
     "sphere": Entry(
-        title="A sphere on a half-space, with friction",
         source=(
             f"{PAPER}, example 3, ratios of an integral equation solved apart; "
             f"without friction {JOHNSON}, (4.22)-(4.24)"
         ),
         findings=_sphere,
         variants=(Variant("Without friction: Hertz's problem", (NO_FRICTION,), _hertz),),
-        problem=r"""
-A rigid paraboloid with the curvature of a sphere, $R = 8$, is driven by $d = 1$ into a half-space.
-Without friction this is Hertz's problem, with $E^* = E/(1 - \nu^2)$:
-
-$$
-F = \tfrac43 E^* \sqrt{R}\, d^{3/2}, \qquad a = \sqrt{R d}, \qquad
-p_0 = \frac{2 E^*}{\pi} \sqrt{\frac{d}{R}} .
-$$
-
-With friction the surface, which would move inwards, is held back: the middle of the contact sticks, a
-ring around it slips, and the same indentation takes more force. The pressure is not known beforehand
-(case (ii)): friction depends on the pressure and the pressure on friction. The law is the static one, on
-the total displacement; with the incremental law and small load steps nearly all of the contact sticks.
-
-The mesh is a piece of the half-space, with the displacements that Boussinesq gives for the contact's
-force on its outer boundary.
-""",
     ),
     "annulus": Entry(
-        title="A flat ring on a half-space",
         source=(
             f"{PAPER}, example 4, ratios of a separate prototype; without friction the integral "
             f"equation of ring loads ({JOHNSON}, section 3.8)"
@@ -313,95 +258,21 @@ force on its outer boundary.
                 _annulus_bonded,
             ),
         ),
-        problem=r"""
-A rigid, flat ring, $.5 < r < 1$, is pressed by $d = .01$ into a half-space. All is linear in $d$. The
-surface under the ring moves towards its middle line; friction with $\mu = .3$ holds the inner part, and
-near both edges it slips. The pressure is infinite at the edges: it has no peak to converge to, but the
-force does. Without friction the pressure obeys
-
-$$
-\frac{4}{\pi E^*} \int_{.5}^{1} p(s)\, \frac{s}{r + s}\, K(m)\, ds = d , \qquad
-1 - m = \left(\frac{r - s}{r + s}\right)^2 ,
-$$
-
-with the complete elliptic integral $K$. It is solved numerically for the table: the ring takes 98 % of
-the force $2 E^* d$ of a full punch of radius 1.
-""",
     ),
     "cylinders": Entry(
-        title="Two cylinders pressed together, then shifted",
         source=f"{JOHNSON}, (4.43), (4.45) and section 7.2, for the forces that came out",
         findings=_cylinders,
-        problem=r"""
-Halves of two equal elastic cylinders, $R = 8$, are pressed together and then shifted along each other.
-They have meshes of their own, which do not match. With $1/R' = 2/R$ and $1/E' = 2(1 - \nu^2)/E$ and the
-force $F$ that comes out, Hertz has
-
-$$
-a = \sqrt{\frac{4 F R'}{\pi E'}} , \qquad p_0 = \frac{2F}{\pi a} ,
-$$
-
-and Cattaneo and Mindlin, for the shear force $Q$ that comes out, a zone of half-width $c$ that sticks:
-
-$$
-\frac{c}{a} = \sqrt{1 - \frac{Q}{\mu F}} .
-$$
-
-Equal bodies that are only pressed do not slide on each other, so pressing makes no friction.
-""",
     ),
     "incline": Entry(
-        title="A block pushed up an incline",
         source="balance of forces and Coulomb's law",
         findings=_incline,
-        problem=r"""
-An elastic block, $G = 10$, lies on an elastic incline, $\tan\alpha = .1$, and is pushed up it by its rear
-face with $\mu = .3$. The front begins to slip first. When all of the block slips, statics alone gives the
-push, however the pressure is spread:
-
-$$
-F = G\, \frac{\mu + \tan\alpha}{1 - \mu \tan\alpha} , \qquad
-N = (G + F \tan\alpha) \cos\alpha .
-$$
-
-Two bodies, two materials, two meshes that do not match, and a limit load that has to come out to
-round-off.
-""",
     ),
     "cycle": Entry(
-        title="Moved to and fro: a hysteresis loop",
         source=f"{JOHNSON}, sections 7.2 and 7.4, for the largest force that came out",
         findings=_cycle,
-        problem=r"""
-A rigid parabola is pressed on a half-plane by $P = 20$ and moved to and fro along it, by so little that
-the middle of the contact always sticks. Its edges slip, there and back, and that dissipates. After the
-first quarter, force against displacement is a closed loop, the same in every cycle. By Cattaneo's and
-Mindlin's theory its area is, with $q = Q/\mu P$ at the turns,
-
-$$
-W = \frac{4 (\mu P)^2}{\pi E^*} \Big( (1 - q) \ln(1 - q) + q - \tfrac12 q^2 \Big) .
-$$
-
-In plane strain displacements along a half-plane have no datum, but the area of a closed loop needs none.
-The law is the incremental one: friction has to remember.
-""",
     ),
     "cattaneo": Entry(
-        title="A sphere pressed, then pushed sideways, in 3D",
         source=f"{JOHNSON}, section 7.2, for the forces that came out",
         findings=_cattaneo,
-        problem=r"""
-A rigid paraboloid is pressed on a half-space, so that contact ends at Hertz's radius $a = 1$, and then
-pushed along it. Full sticking would need an infinite friction at the edge of the contact: so a ring of
-slip begins there, and grows inwards with the force $Q$ along the surface. By Cattaneo and Mindlin the
-contact sticks up to the radius
-
-$$
-c = a \left( 1 - \frac{Q}{\mu P} \right)^{1/3} .
-$$
-
-The model is half of the body. On its outer boundary displacements are those of Boussinesq and Cerruti.
-$\nu = .49$, so that pressing alone makes next to no friction, as the theory assumes.
-""",
     ),
 }

@@ -115,7 +115,9 @@ def _call(command: list[str]) -> None:
         check=False,
     )
     if done.returncode != 0:
-        raise GalleryError(f"{' '.join(command)}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
+        raise GalleryError(
+            f"{' '.join(command)}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
+        )
 
 
 def make_all(names: Sequence[str] = ()) -> None:
@@ -146,7 +148,7 @@ def page(name: str, entry: Entry) -> str:
     pictures = json.loads((folder / "pictures.json").read_text(encoding="utf-8"))
     shown = PAGES / name
     shown.mkdir()
-    lines = [f"# {entry.title}", "", entry.problem.strip(), ""]
+    lines = [problem(name), ""]
     for picture in pictures:
         shutil.copy(folder / picture["file"], shown)
         lines += [
@@ -188,6 +190,11 @@ def page(name: str, entry: Entry) -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def problem(name: str) -> str:
+    """The problem of a demo in words, with its formulas, in Markdown; a heading first."""
+    return (DOCS / "problems" / f"{name}.md").read_text(encoding="utf-8").strip()
 
 
 def _one_line(text: str) -> str:
@@ -262,11 +269,11 @@ def overview(names: Sequence[str]) -> str:
         "|---|---|---|---|",
     ]
     for name in names:
-        result = _read(RUNS / name).result
+        result, title = _read(RUNS / name).result, problem(name).splitlines()[0].strip("# ")
         first = sorted((PAGES / name).glob("*.png"))
         best = next((path for path in first if path.stem == "deformed"), first[0])
         lines.append(
-            f"| ![{ENTRIES[name].title}]({name}/{best.name}) | [{ENTRIES[name].title}]({name}.md) | "
+            f"| ![{title}]({name}/{best.name}) | [{title}]({name}.md) | "
             f"{result['model']['dofs']} | {result['timings']['total']:.1f} |"
         )
     lines += ["", "```{toctree}", ":hidden:", "", *names, "```", ""]
