@@ -22,7 +22,6 @@ from unittest.mock import patch
 
 from fenics_contact import report
 from fenics_contact.contact_table import ContactTable
-from fenics_contact.picture import Picture
 from fenics_contact.pictures import draw_pictures
 from fenics_contact.result import error_bar
 from fenics_contact.verification.case import Finding
@@ -90,15 +89,13 @@ def run(name: str, folder: Path, overrides: Sequence[str] = ()) -> None:
 def draw(folder: Path) -> None:
     """Write the report of a run, and what its pictures show to ``pictures.json``."""
     pictures = draw_pictures(folder, _read(folder).result)
-    # temporary: until pictures carry their words
-    pictures = [p if isinstance(p, Picture) else Picture(p, p.stem, "") for p in pictures]
     said = [
         {"file": picture.path.name, "title": picture.title, "caption": picture.caption}
         for picture in pictures
     ]
     (folder / "pictures.json").write_text(json.dumps(said), encoding="utf-8")
     # they are drawn, and need not be again
-    with patch.object(report, "draw_pictures", lambda *_: [p.path for p in pictures]):
+    with patch.object(report, "draw_pictures", lambda *_: pictures):
         report.write_report(folder)
 
 
