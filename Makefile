@@ -1,6 +1,6 @@
 # `make` alone prints the targets. Everything runs through ./bootstrap, which sets up what is needed.
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint clean
+.PHONY: help demo test lint docs browser clean
 
 help: ## print this list
 	@sed -n 's/^\([a-z]*\): .*## /  make \1	/p' Makefile
@@ -13,36 +13,54 @@ demo: ## run the main example, results in results/slab
 test: ## run the tests on one and on two ranks
 	@one=0; two=0; \
 	echo './bootstrap python -m pytest -n 2 --dist loadfile'; \
-	./bootstrap python -m pytest -n 2 --dist loadfile || one=$$?; \
-	echo './bootstrap mpi 2 -m pytest'; ./bootstrap mpi 2 -m pytest || two=$$?; \
+	./bootstrap python -m pytest -n 2 --dist loadfile --ignore=tests/browser || one=$$?; \
+	echo './bootstrap mpi 2 -m pytest'; \
+	./bootstrap mpi 2 -m pytest --ignore=tests/browser || two=$$?; \
 	[ $$one = 0 ] || echo 'make test: FAILED on one rank'; \
 	[ $$two = 0 ] || echo 'make test: FAILED on two ranks'; \
 	[ $$one = 0 ] && [ $$two = 0 ]
 
-# Ruff and mypy go into .venv where that is the environment; else, so as not to change a
-# system's or a user's Python, into a .venv-lint on top of it. mypy's plugin needs pydantic.
-lint: ## check style and types
-	@set -e; \
+# Tools of an extra of pyproject.toml go into .venv where that is the environment; else, so as not to
+# change a system's or a user's Python, into a .venv-EXTRA on top of it. $$tools is where they are.
+# mypy's plugin needs pydantic.
+define install
+set -e; \
 	prefix=$$(./bootstrap python -c 'import sys; print(sys.prefix)'); \
 	if [ "$$prefix" = "$$(pwd -P)/.venv" ]; then \
 	    tools=.venv; \
 	else \
-	    tools=.venv-lint; \
+	    tools=.venv-$(1); \
 	    ./bootstrap python -m venv --system-site-packages $$tools; \
 	fi; \
 	mkdir -p .cache; \
 	$$tools/bin/python -c 'import tomllib; \
 	    project = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-	    print(*project["optional-dependencies"]["lint"], sep="\n"); \
+	    print(*project["optional-dependencies"]["$(1)"], sep="\n"); \
 	    print(*[d for d in project["dependencies"] if d.startswith(("pydantic", "numpy"))], sep="\n")' \
-	    > .cache/lint-requirements.txt; \
-	$$tools/bin/python -m pip install --quiet --disable-pip-version-check -r .cache/lint-requirements.txt; \
+	    > .cache/$(1)-requirements.txt; \
+	$$tools/bin/python -m pip install --quiet --disable-pip-version-check -r .cache/$(1)-requirements.txt
+endef
+
+lint: ## check style and types
+	@$(call install,lint); \
 	failed=; \
 	$$tools/bin/python -m ruff check || failed="$$failed ruff-check"; \
 	$$tools/bin/python -m ruff format --check || failed="$$failed ruff-format"; \
 	$$tools/bin/python -m mypy fenics_contact || failed="$$failed mypy"; \
 	[ -z "$$failed" ] || { echo "make lint: FAILED:$$failed"; exit 1; }
 
+# With the environment of ./bootstrap, by the Python that has the tools.
+with_tools = if [ $$tools != .venv ]; then export FENICS_CONTACT_PYTHON=$$tools/bin/python; fi; ./bootstrap python
+
+docs: ## build the documentation, into docs/_build/html
+	@$(call install,docs); \
+	$(with_tools) -m sphinx -E -W --keep-going -q -b html -d docs/_build/doctrees docs docs/_build/html; \
+	echo 'docs/_build/html/index.html'
+
+browser: ## try reports and the documentation in Chromium
+	@$(call install,docs); \
+	export FENICS_CONTACT_BROWSER=required; $(with_tools) -m pytest tests/browser
+
 clean: ## remove results and caches, not the environment
-	rm -rf results .hypothesis .pytest_cache .mypy_cache .ruff_cache build *.egg-info
+	rm -rf results docs/_build docs/gallery .hypothesis .pytest_cache .mypy_cache .ruff_cache build *.egg-info
 	find . -path './.venv*' -prune -o -name __pycache__ -prune -exec rm -rf {} +

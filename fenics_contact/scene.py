@@ -265,7 +265,7 @@ class Scene:
 
     @property
     def dimension(self) -> int:
-        """Number of displacement components: 3 for 3D, else 2."""
+        """Number of displacement components, 3 in 3D, else 2."""
         return 3 if self.kinematics == "3D" else 2
 
 

@@ -1,0 +1,106 @@
+"""How Sphinx builds the documentation: ``make docs``.
+
+Demos are solved and the notebook is executed first, unless nothing they depend on has changed.
+Pages fetch nothing from a network: MathJax lies beside them, and fonts are the reader's own.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import tomllib
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from sphinx.application import Sphinx
+
+DOCS = Path(__file__).resolve().parent
+ROOT = DOCS.parent
+sys.path[:0] = [str(DOCS), str(ROOT)]
+
+# fenics_contact first: it loads FEniCSx in the right order
+import fenics_contact  # noqa: E402, F401, I001
+import make_gallery  # noqa: E402
+
+with (ROOT / "pyproject.toml").open("rb") as _file:
+    release = tomllib.load(_file)["project"]["version"]
+
+project = "fenics_contact"
+author = "the authors of fenics_contact"
+copyright = "LGPL-3.0-or-later"
+language = "en"
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.mathjax",
+    "sphinx_copybutton",
+    "docstrings",
+    "generated_tables",
+    "repository_files",
+]
+exclude_patterns = ["_build", "pictures", "problems"]
+nitpicky = True
+
+html_theme = "furo"
+html_title = "fenics_contact"
+html_theme_options = {
+    "light_css_variables": {"color-brand-primary": "#1b4f72", "color-brand-content": "#1b4f72"},
+    "dark_css_variables": {"color-brand-primary": "#7fb3d5", "color-brand-content": "#7fb3d5"},
+}
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+html_extra_path = ["_build/extra"]  # the reports of the demos
+html_show_sphinx = False
+html_copy_source = False
+copybutton_exclude = ".linenos, .gp, .go"
+
+myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+myst_fence_as_directive = ["include", "literalinclude", "figure", "toctree"]
+
+# Results are used again while the cells, the package and the meshes are the same.
+nb_execution_mode = "cache"
+nb_execution_cache_path = str(DOCS / "_build" / "cells" / make_gallery.fingerprint([])[:16])
+nb_execution_timeout = 180
+nb_execution_raise_on_error = True
+nb_merge_streams = True
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+napoleon_use_ivar = True
+
+# Names in signatures that have no page here: those of other projects, whose pages are not asked, as
+# nothing is fetched, and those of modules that are not shown.
+nitpick_ignore_regex = [
+    (r"py:.*", r"(numpy|np|dolfinx|ufl|basix|petsc4py|PETSc|mpi4py|MPI|scipy|pydantic|NDArray).*"),
+    (r"py:.*", r"(argparse|collections|pathlib|types)\..*"),
+    (r"py:class", r"fenics_contact\.\w+\.\w+"),
+    (r"py:class", r"[A-Z]\w+"),
+]
+
+_MATHJAX = "tex-svg-full.js"  # all of it in one file, fonts as well
+mathjax_path = f"mathjax/{_MATHJAX}"
+
+
+def _copy_mathjax(app: Sphinx, exception: Exception | None) -> None:
+    """Put MathJax beside the pages."""
+    if exception is None and app.builder.format == "html":
+        package = find_spec("sphinx-mathjax-offline")
+        assert package is not None and package.origin is not None
+        source = Path(package.origin).parent / "static" / "mathjax" / _MATHJAX
+        target = Path(app.outdir) / "_static" / mathjax_path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, target)
+
+
+def _make_gallery(app: Sphinx, config: Any) -> None:
+    make_gallery.make_all()
+
+
+def setup(app: Sphinx) -> None:
+    """Run the demos before pages are read, and bring MathJax along afterwards."""
+    app.connect("config-inited", _make_gallery)
+    app.connect("build-finished", _copy_mathjax)

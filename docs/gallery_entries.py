@@ -1,0 +1,278 @@
+"""The numbers that each demo should give, for its page in the gallery; ``problems/`` has the words.
+
+Expected numbers come from formulas, from the paper, or from computations made apart from this
+program; each row says which. None is what the demo once gave.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from math import log, pi, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact_table import ContactTable
+from fenics_contact.verification import formulas
+from fenics_contact.verification.case import Finding
+
+PAPER = "L. T. Campos, J. T. Oden, N. Kikuchi, Comput. Methods Appl. Mech. Engrg. 34 (1982) 821-845"
+JOHNSON = "K. L. Johnson, Contact Mechanics, Cambridge University Press 1985"
+PROTOTYPE = "values of a separate prototype on the same data"
+NO_FRICTION = "contact.0.friction_coefficient=0"
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A demo that was run.
+
+    Attributes:
+        result: The content of its ``result.json``.
+        table: Its contact points.
+    """
+
+    result: dict[str, Any]
+    table: ContactTable
+
+    def value(self, quantity: str, axis: int | None = None) -> float:
+        """A quantity of the last load step, of vectors a component."""
+        found = self.result["quantities"][quantity]
+        return float(found if axis is None else found[axis])
+
+    def bar(self, quantity: str) -> float | None:
+        """Its estimated absolute error, if there is one."""
+        row = self.result["errors"].get(quantity, {})
+        return row.get("total")
+
+    def steps(self) -> list[dict[str, Any]]:
+        """Quantities of each load step."""
+        return [step["quantities"] for step in self.result["steps"]]
+
+    def against(
+        self,
+        label: str,
+        quantity: str,
+        reference: float,
+        tolerance: float,
+        axis: int | None = None,
+    ) -> Finding:
+        """A quantity beside what it should be, within a relative tolerance."""
+        value = self.value(quantity, axis)
+        return Finding(label, value, reference, tolerance, bar=self.bar(quantity))
+
+    def radius(self, label: str, quantity: str, reference: float, tolerance: float) -> Finding:
+        """Radius of the circle that has the area of a quantity."""
+        area, bar = self.value(quantity), self.bar(quantity)
+        radius = sqrt(area / pi)
+        bar = None if bar is None else radius * bar / (2 * area)
+        return Finding(label, radius, reference, tolerance, bar=bar)
+
+
+Findings = Callable[[Solved], Iterator[Finding]]
+
+
+@dataclass(frozen=True)
+class Variant:
+    """The demo again, with other values.
+
+    Attributes:
+        title: What differs, in words.
+        overrides: As for ``--set``.
+        findings: What it should give.
+    """
+
+    title: str
+    overrides: tuple[str, ...]
+    findings: Findings
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A page of the gallery.
+
+    Attributes:
+        source: Where the expected numbers come from.
+        findings: What the demo should give.
+        variants: Further runs.
+    """
+
+    source: str
+    findings: Findings
+    variants: tuple[Variant, ...] = field(default=())
+
+
+_MODULUS = formulas.plane_strain_modulus(1000, 0.3)
+_HERTZ = formulas.paraboloid(_MODULUS, radius=8, indentation=1)
+_RING = formulas.annular_punch_force(_MODULUS, inner=0.5, outer=1, indentation=0.01)
+
+
+def _sticking(solved: Solved) -> NDArray[np.float64]:
+    """Where the points that stick are along x."""
+    return solved.table.numbers["x"][solved.table.status == "STICK"]
+
+
+def _last_sticking(solved: Solved) -> float:
+    return float(_sticking(solved).max())
+
+
+def _slab(solved: Solved) -> Iterator[Finding]:
+    yield solved.against("friction force along x", "friction_force", 209.98, 1e-3, axis=0)
+    yield solved.against("reaction on the left", "reaction", 90.02, 1e-3, axis=0)
+    last = _last_sticking(solved)
+    yield Finding("last contact point that sticks, x", last, 6.25, 1e-9, absolute=True)
+
+
+def _slab_fine(solved: Solved) -> Iterator[Finding]:
+    last = _last_sticking(solved)
+    yield Finding("last contact point that sticks, x", last, 6.41, 0.01, absolute=True)
+
+
+def _winkler(solved: Solved) -> Iterator[Finding]:
+    yield solved.against("contact force (all that presses)", "normal_force", 10, 1e-6)
+    yield solved.against("deflection in the middle, $w(0)$", "max_penetration", 0.0578, 2e-3)
+    yield solved.against("contact ends at x", "contact_area", 3.20, 5e-3)
+    yield solved.against("friction force along x", "friction_force", -8.20, 5e-3, axis=0)
+
+
+def _winkler_smooth(solved: Solved) -> Iterator[Finding]:
+    yield solved.against("deflection in the middle, $w(0)$", "max_penetration", 0.0718, 2e-3)
+    yield solved.against("contact ends at x", "contact_area", 2.36, 5e-3)
+
+
+def _sphere(solved: Solved) -> Iterator[Finding]:
+    force = 1.0247 * _HERTZ.force
+    yield solved.against("force, $F = 1.0247\\, F_{Hertz}$", "normal_force", force, 1e-3)
+    sticks, touches = solved.value("stick_area"), solved.value("contact_area")
+    yield Finding("sticks up to $c/a$", sqrt(sticks / touches), 0.765, 3e-3)
+
+
+def _hertz(solved: Solved) -> Iterator[Finding]:
+    yield solved.against("force, $F$", "normal_force", _HERTZ.force, 1e-3)
+    yield solved.against("peak pressure, $p_0$", "max_contact_pressure", _HERTZ.peak, 5e-3)
+    yield solved.radius("contact radius, $a$", "contact_area", _HERTZ.radius, 5e-3)
+
+
+def _annulus(solved: Solved) -> Iterator[Finding]:
+    force = 1.0231 * _RING
+    yield solved.against("force, 1.0231 times that without friction", "normal_force", force, 2e-3)
+    yield Finding("sticks from $r$", float(_sticking(solved).min()), 0.510, 0.01)
+    yield Finding("sticks up to $r$", float(_sticking(solved).max()), 0.905, 0.01)
+
+
+def _annulus_smooth(solved: Solved) -> Iterator[Finding]:
+    yield solved.against("force, $F$", "normal_force", _RING, 2e-3)
+
+
+def _annulus_bonded(solved: Solved) -> Iterator[Finding]:
+    yield solved.against("force, 1.0276 times $F$", "normal_force", 1.0276 * _RING, 2e-3)
+
+
+def _cylinders(solved: Solved) -> Iterator[Finding]:
+    force, shear = solved.value("normal_force"), -solved.value("friction_force", 0)
+    contact = formulas.line_contact(_MODULUS / 2, radius=4, force=force)
+    width = solved.value("contact_area")
+    yield Finding("half-width of the contact, $a$", width / 2, contact.radius, 5e-3)
+    yield solved.against("peak pressure, $p_0$", "max_contact_pressure", contact.peak, 3e-3)
+    ratio = sqrt(1 - shear / (0.3 * force))
+    sticks = solved.value("stick_area") / width
+    yield Finding("sticks on $c/a = \\sqrt{1 - Q/\\mu F}$", sticks, ratio, 1e-2)
+
+
+def _incline(solved: Solved) -> Iterator[Finding]:
+    weight, slope, friction = 10, 0.1, 0.3
+    limit = weight * (friction + slope) / (1 - friction * slope)
+    supports = {row["on"]: row["reaction"] for row in solved.result["supports"]}
+    push = supports["block.left"][0]
+    yield Finding("push $F$ when all of it slides", push, limit, 1e-9)
+    normal = (weight + limit * slope) / sqrt(1 + slope**2)
+    yield solved.against("force across the incline", "normal_force", normal, 1e-9)
+
+
+def _cattaneo(solved: Solved) -> Iterator[Finding]:
+    area = 2 * solved.value("contact_area")  # the model is half of the body
+    yield Finding("contact radius, $a$", sqrt(area / pi), 1.0, 0.015)
+    steps = solved.steps()
+    for number in (4, 7, 10):
+        step = steps[number]
+        share = step["friction_force"][0] / (0.3 * step["normal_force"])
+        sticks = sqrt(step["stick_area"] / step["contact_area"])
+        label = f"sticks up to $c/a$ at $Q = {share:.3f}\\, \\mu P$"
+        yield Finding(label, sticks, (1 - share) ** (1 / 3), 0.03, absolute=True)
+
+
+def _cycle(solved: Solved) -> Iterator[Finding]:
+    steps = solved.steps()
+    turns = [steps[number - 1] for number in (6, 26, 46)]
+    forces = [abs(turn["friction_force"][0]) for turn in turns]
+    most = forces[1] / (0.5 * 20)
+    share = (1 - most) * log(1 - most) + most - most**2 / 2
+    work = 4 * (0.5 * 20) ** 2 / (pi * 1000 / (1 - 0.49**2)) * share
+    for number, (turn, last) in enumerate(zip(turns[1:], turns, strict=False), 1):
+        found = turn["friction_work"] - last["friction_work"]
+        yield Finding(f"friction work of cycle {number}", found, work, 0.02)
+    loop = np.array([step["friction_force"][0] for step in steps[25:46]])
+    there = 0.022 * np.linspace(1, -1, 11)
+    moved = np.concatenate([there, there[-2::-1]])
+    area = float(abs(np.sum((loop[1:] + loop[:-1]) / 2 * np.diff(moved))))
+    yield Finding("area of the second loop", area, work, 0.02)
+
+
+ENTRIES: dict[str, Entry] = {
+    "slab": Entry(
+        source=f"{PAPER}, example 1; parts of its data are lost and reconstructed, {PROTOTYPE}",
+        findings=_slab,
+        variants=(
+            Variant(
+                "Cells of an eighth of that",
+                ("mesh.parameters.cells_along=128", "mesh.parameters.cells_across=16"),
+                _slab_fine,
+            ),
+        ),
+    ),
+    "winkler": Entry(
+        source=f"{PAPER}, example 2; data reconstructed, {PROTOTYPE}",
+        findings=_winkler,
+        variants=(Variant("Without friction", (NO_FRICTION,), _winkler_smooth),),
+    ),
+    "sphere": Entry(
+        source=(
+            f"{PAPER}, example 3, ratios of an integral equation solved apart; "
+            f"without friction {JOHNSON}, (4.22)-(4.24)"
+        ),
+        findings=_sphere,
+        variants=(Variant("Without friction: Hertz's problem", (NO_FRICTION,), _hertz),),
+    ),
+    "annulus": Entry(
+        source=(
+            f"{PAPER}, example 4, ratios of a separate prototype; without friction the integral "
+            f"equation of ring loads ({JOHNSON}, section 3.8)"
+        ),
+        findings=_annulus,
+        variants=(
+            Variant("Without friction", (NO_FRICTION,), _annulus_smooth),
+            Variant(
+                "Glued to the ring",
+                ('contact.0.contact="bonded"', NO_FRICTION),
+                _annulus_bonded,
+            ),
+        ),
+    ),
+    "cylinders": Entry(
+        source=f"{JOHNSON}, (4.43), (4.45) and section 7.2, for the forces that came out",
+        findings=_cylinders,
+    ),
+    "incline": Entry(
+        source="balance of forces and Coulomb's law",
+        findings=_incline,
+    ),
+    "cycle": Entry(
+        source=f"{JOHNSON}, sections 7.2 and 7.4, for the largest force that came out",
+        findings=_cycle,
+    ),
+    "cattaneo": Entry(
+        source=f"{JOHNSON}, section 7.2, for the forces that came out",
+        findings=_cattaneo,
+    ),
+}

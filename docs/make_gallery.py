@@ -1,0 +1,284 @@
+"""Run the demos and write the pages of the gallery: ``python docs/make_gallery.py [NAME …]``.
+
+Every demo's scene is solved as users solve it, by a process of its own. A run is used
+again while neither the scene, nor the meshes, nor the package changed. A demo that fails, or gives
+other numbers than ``gallery_entries`` expects, ends this with an error: so it fails the build of
+the documentation, which calls ``make_all``.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+from fenics_contact import report
+from fenics_contact.contact_table import ContactTable
+from fenics_contact.pictures import draw_pictures
+from fenics_contact.result import error_bar
+from fenics_contact.verification.case import Finding
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from gallery_entries import ENTRIES, Entry, Solved, Variant
+
+DOCS = Path(__file__).resolve().parent
+ROOT = DOCS.parent
+RUNS = DOCS / "_build" / "runs"
+PAGES = DOCS / "gallery"
+REPORTS = DOCS / "_build" / "extra" / "reports"
+TIME_LIMIT = 600  # seconds a demo
+
+
+class GalleryError(Exception):
+    """A demo failed, or its numbers are not what they should be."""
+
+
+def demos() -> list[str]:
+    """Names of the demos, in the order of the gallery.
+
+    Raises:
+        GalleryError: A demo has no entry, or an entry no demo.
+    """
+    found = {path.stem for path in (ROOT / "demos").glob("*.toml")}
+    if found != set(ENTRIES):
+        raise GalleryError(
+            f"docs/gallery_entries.py and demos/ differ: {sorted(found ^ set(ENTRIES))}"
+        )
+    return list(ENTRIES)
+
+
+def fingerprint(files: Iterable[Path]) -> str:
+    """Of what a run depends on: the package, the meshes, and some files."""
+    package = sorted((ROOT / "fenics_contact").rglob("*.py"))
+    digest = sha256()
+    for path in [*package, *sorted((ROOT / "meshes").glob("*")), *files]:
+        if path.is_file():
+            digest.update(path.relative_to(ROOT).as_posix().encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def run(name: str, folder: Path, overrides: Sequence[str] = ()) -> None:
+    """Solve a demo's scene into a folder, unless that holds the same run already.
+
+    Raises:
+        GalleryError: It did not end with exit code 0.
+    """
+    scene = ROOT / "demos" / f"{name}.toml"
+    mark = folder / "fingerprint"
+    wanted = "\n".join([fingerprint([scene]), *overrides])
+    if mark.is_file() and mark.read_text(encoding="utf-8") == wanted:
+        return
+    shutil.rmtree(folder, ignore_errors=True)
+    settings = [part for override in overrides for part in ("--set", override)]
+    command = [sys.executable, "-m", "fenics_contact"]
+    _call([*command, "run", str(scene), *settings, "--out", str(folder)])
+    if not overrides:
+        _call([sys.executable, str(Path(__file__)), "--draw", str(folder)])
+    mark.write_text(wanted, encoding="utf-8")
+
+
+def draw(folder: Path) -> None:
+    """Write the report of a run, and what its pictures show to ``pictures.json``."""
+    pictures = draw_pictures(folder, _read(folder).result)
+    said = [
+        {"file": picture.path.name, "title": picture.title, "caption": picture.caption}
+        for picture in pictures
+    ]
+    (folder / "pictures.json").write_text(json.dumps(said), encoding="utf-8")
+    # they are drawn, and need not be again
+    with patch.object(report, "draw_pictures", lambda *_: pictures):
+        report.write_report(folder)
+
+
+def _call(command: list[str]) -> None:
+    paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
+    environment = os.environ | {"OMP_NUM_THREADS": "1", "PYTHONPATH": os.pathsep.join(paths)}
+    done = subprocess.run(
+        command,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=TIME_LIMIT,
+        env=environment,
+        check=False,
+    )
+    if done.returncode != 0:
+        raise GalleryError(
+            f"{' '.join(command)}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
+        )
+
+
+def make_all(names: Sequence[str] = ()) -> None:
+    """Run demos, two at a time, and write their pages.
+
+    Raises:
+        GalleryError: One of them failed.
+    """
+    every = demos()
+    names = names or every
+    shutil.rmtree(PAGES, ignore_errors=True)
+    PAGES.mkdir()
+    runs = [(name, RUNS / name, ()) for name in names]
+    for name in names:
+        for number, variant in enumerate(ENTRIES[name].variants):
+            runs.append((name, RUNS / f"{name}_{number}", variant.overrides))
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(lambda one: run(*one), runs))
+    for name in names:
+        (PAGES / f"{name}.md").write_text(page(name, ENTRIES[name]), encoding="utf-8")
+    (PAGES / "index.md").write_text(overview(names), encoding="utf-8")
+
+
+def page(name: str, entry: Entry) -> str:
+    """The page of a demo, in Markdown; copies its pictures and its report beside it."""
+    folder = RUNS / name
+    solved = _read(folder)
+    pictures = json.loads((folder / "pictures.json").read_text(encoding="utf-8"))
+    shown = PAGES / name
+    shown.mkdir()
+    lines = [problem(name), ""]
+    for picture in pictures:
+        shutil.copy(folder / picture["file"], shown)
+        lines += [
+            f"```{{figure}} {name}/{picture['file']}",
+            f":alt: {_one_line(picture['title'])}",
+            "",
+            f"{picture['title']}. {picture['caption']}",
+            "```",
+            "",
+        ]
+    REPORTS.mkdir(parents=True, exist_ok=True)
+    (REPORTS / name).mkdir(exist_ok=True)
+    shutil.copy(folder / "report.html", REPORTS / name)
+    lines += ["## Expected and obtained", "", _table(entry.findings(solved), f"demos/{name}.toml")]
+    lines += ["", f"Expected values: {entry.source}.", ""]
+    for number, variant in enumerate(entry.variants):
+        lines += _variant(name, variant, _read(RUNS / f"{name}_{number}"))
+    lines += _how_it_went(solved.result)
+    lines += [
+        f'<p><a href="../reports/{name}/report.html">The report of this run</a>: checks, errors by '
+        "source, all pictures, reactions, timings.</p>",
+        "",
+        "## The scene",
+        "",
+        "```sh",
+        f"fenics-contact run demos/{name}.toml --out results/{name}",
+        f"fenics-contact report results/{name}",
+        "```",
+        "",
+        f"```{{literalinclude}} ../../demos/{name}.toml",
+        ":language: toml",
+        "```",
+        "",
+        f"The same in Python, `demos/demo_{name}.py`:",
+        "",
+        f"```{{literalinclude}} ../../demos/demo_{name}.py",
+        ":language: python",
+        "```",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def problem(name: str) -> str:
+    """The problem of a demo in words, with its formulas, in Markdown; a heading first."""
+    return (DOCS / "problems" / f"{name}.md").read_text(encoding="utf-8").strip()
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+def _read(folder: Path) -> Solved:
+    result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    return Solved(result, ContactTable.read(folder / "contact.csv"))
+
+
+def _variant(name: str, variant: Variant, solved: Solved) -> list[str]:
+    words = " ".join(f"--set '{override}'" for override in variant.overrides)
+    return [
+        f"**{variant.title}**: `fenics-contact run demos/{name}.toml {words}`",
+        "",
+        _table(variant.findings(solved), f"demos/{name}.toml {words}"),
+        "",
+    ]
+
+
+def _table(findings: Iterable[Finding], said_of: str) -> str:
+    """Expected and obtained, side by side.
+
+    Raises:
+        GalleryError: They differ by more than the entry allows.
+    """
+    rows = ["| quantity | expected | obtained | error | error bar |", "|---|---|---|---|---|"]
+    for found in findings:
+        if not found.passed:
+            raise GalleryError(
+                f"{said_of}: {found.quantity} is {found.value:g}, but should be "
+                f"{found.reference:g} within {found.tolerance:g}"
+            )
+        error = f"{found.error:.1e}" if found.absolute else f"{100 * found.error:.2g} %"
+        bar = error_bar({"total": found.bar}) if found.bar is not None else ""
+        rows.append(
+            f"| {found.quantity} | {found.reference:.6g} | {found.value:.6g} | {error} | "
+            f"{'± ' + bar if bar else ''} |"
+        )
+    return "\n".join(rows)
+
+
+def _how_it_went(result: dict[str, Any]) -> list[str]:
+    model, timings = result["model"], result["timings"]
+    newton = sum(step["newton_iterations"] for step in result["steps"])
+    steps = len(result["steps"])
+    return [
+        f"{result['verdict']}",
+        "",
+        "| unknowns | contact points | load steps | Newton steps | seconds, of which solving |",
+        "|---|---|---|---|---|",
+        f"| {model['dofs']} | {model['contact_points']} | {steps} | {newton} | "
+        f"{timings['total']:.1f}, {timings['solve'] + timings['factorise']:.1f} |",
+        "",
+        "Seconds are those of the machine that built this page, on one core; forms that have to be "
+        "compiled first take a few more.",
+        "",
+    ]
+
+
+def overview(names: Sequence[str]) -> str:
+    """The first page of the gallery."""
+    lines = [
+        "# Gallery",
+        "",
+        "Every demo of the repository, solved when these pages were built: the problem, the scene, "
+        "pictures, and what came out beside what should. A number beyond its tolerance would have "
+        "stopped the build.",
+        "",
+        "| | problem | unknowns | seconds |",
+        "|---|---|---|---|",
+    ]
+    for name in names:
+        result, title = _read(RUNS / name).result, problem(name).splitlines()[0].strip("# ")
+        first = sorted((PAGES / name).glob("*.png"))
+        best = next((path for path in first if path.stem == "deformed"), first[0])
+        lines.append(
+            f"| ![{title}]({name}/{best.name}) | [{title}]({name}.md) | "
+            f"{result['model']['dofs']} | {result['timings']['total']:.1f} |"
+        )
+    lines += ["", "```{toctree}", ":hidden:", "", *names, "```", ""]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--draw"]:
+        draw(Path(sys.argv[2]))
+    else:
+        make_all(sys.argv[1:])
