@@ -248,9 +248,9 @@ def test_what_is_said_of_an_error():
 @pytest.mark.parametrize(
     ("solver", "option", "words"),
     [
-        ("condensed", "mat_mumps_icntl_23", "out of memory"),
+        ("condensed", "fenics_contact_mat_mumps_icntl_23", "out of memory"),
         ("full", "fenics_contact_mat_mumps_icntl_23", "out of memory"),
-        ("condensed", "mat_mumps_icntl_14", "workspace is too small"),
+        ("condensed", "fenics_contact_mat_mumps_icntl_14", "workspace is too small"),
         ("full", "fenics_contact_mat_mumps_icntl_14", "workspace is too small"),
         ("iterative", "fenics_contact_zone_mat_mumps_icntl_14", "workspace is too small"),
     ],
