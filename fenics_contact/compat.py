@@ -1,18 +1,10 @@
-"""The one place that knows dolfinx 0.9 from 0.10 and 0.11.
-
-Imported before anything else of FEniCSx: on the PyPI wheel, ``dolfinx_solver``
-must load its libraries first.
-"""
+"""The one place that knows dolfinx 0.9 from 0.10 and 0.11."""
 
 from __future__ import annotations
 
 import importlib.metadata
-import importlib.util
 import platform
 from typing import Any
-
-if importlib.util.find_spec("dolfinx_solver") is not None:
-    import dolfinx_solver  # noqa: F401
 
 import basix
 import basix.ufl

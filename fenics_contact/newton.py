@@ -145,7 +145,7 @@ class Newton:
         # A body that runs away overflows here and there: the force imbalance tells.
         with self.timings.phase("solve"), np.errstate(over="ignore", invalid="ignore"):
             log = _FactorisationLog()
-            snes = PETSc.SNES().create(self.comm)
+            snes: Any = PETSc.SNES().create(self.comm)
             try:
                 self._set_up(snes)
                 snes.solve(None, self.system.state)

@@ -88,7 +88,7 @@ def given(options: dict[str, str], comm: MPI.Comm) -> Iterator[None]:
         yield
         _report_unused(options, comm)
     except PETSc.Error as error:
-        if options and error.__cause__ is None and error.ierr in _REFUSALS:
+        if options and error.__cause__ is None and getattr(error, "ierr", 0) in _REFUSALS:
             said = str(error).splitlines()[-1].split("] ", 1)[-1]
             raise InputError(f"PETSc refused an option of {_listed(options)}: {said}") from None
         raise
