@@ -117,7 +117,8 @@ class _Parser(argparse.ArgumentParser):
         super().__init__(formatter_class=_Formatter, allow_abbrev=False, **settings)  # type: ignore[arg-type]
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+        see = "" if message.endswith("?") else f"; see {self.prog} --help"
+        self.exit(2, f"{self.prog}: {message}{see}\n")
 
     def refuse_unknown(self, words: Sequence[str]) -> NoReturn:
         """Say which word there is no place for, and what it may have been meant to be."""
@@ -142,7 +143,7 @@ def is_first_rank() -> bool:
 
 def did_you_mean(word: str, known: Sequence[str]) -> str:
     """The end of a sentence that says that a word is not known."""
-    near = difflib.get_close_matches(word, known, cutoff=0.5)
+    near = difflib.get_close_matches(word, known, n=2)
     return f"; did you mean {' or '.join(near)}?" if near else ""
 
 
@@ -219,7 +220,7 @@ def _parsers() -> tuple[_Parser, dict[str, _Parser]]:
     parser.add_argument(
         "--version", action="store_true", help="versions of what numbers depend on; how to cite"
     )
-    group = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands")
+    group = parser.add_subparsers(prog=PROGRAM, dest="command", metavar="COMMAND", title="commands")
     made = {}
     for name, words, usage, description in (
         ("new", "write a scene to start from", "NAME [options]", _NEW),

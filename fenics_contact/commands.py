@@ -190,10 +190,10 @@ def _print_versions() -> int:
     from petsc4py import PETSc
 
     found = compat.versions()
+    mpi = " ".join(found["mpi"].split(",")[0].replace("Version:", "").split())
     print(
         f"fenics-contact {found['fenics_contact']}, with dolfinx {found['dolfinx']}, PETSc "
-        f"{'.'.join(map(str, PETSc.Sys.getVersion()))}, Python {found['python']} and "
-        f"{found['mpi'].splitlines()[0].split(',')[0]}"
+        f"{'.'.join(map(str, PETSc.Sys.getVersion()))}, Python {found['python']}, {mpi}"
     )
     print(_CITE)
     return 0

@@ -51,7 +51,7 @@ def write(name: str | None, out: Path | None = None) -> str:
     for path in (scene, geometry):
         if path.exists():
             raise InputError(f"new: '{path}' exists, and is left as it is; give another --out")
-    (source,) = set(_GEOMETRY.findall(text))
+    (source,) = geometries(text)
     text = _GEOMETRY.sub(lambda _: f"file = {_quoted(geometry.name)}", text)
     try:
         make_folder(scene.parent)
@@ -60,6 +60,11 @@ def write(name: str | None, out: Path | None = None) -> str:
     except MachineError as error:
         raise InputError(f"new: {error}") from None
     return _next(tomllib.loads(text)["title"], scene, geometry)
+
+
+def geometries(text: str) -> set[str]:
+    """The files of a scene's meshes."""
+    return set(_GEOMETRY.findall(text))
 
 
 def _quoted(name: str) -> str:
