@@ -202,4 +202,4 @@ def _add_points(plotter: Any, view: View) -> None:
 def _von_mises(stress: Array) -> Array:
     tensor = stress.reshape(-1, 3, 3)
     deviator = tensor - np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
-    return np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))
+    return np.asarray(np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator)))

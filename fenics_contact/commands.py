@@ -87,7 +87,7 @@ def guarded(action: Callable[[], int], comm: MPI.Comm = MPI.COMM_WORLD) -> int:
         if found[0][0] == READER_LEFT:
             drop_output()
     comm.Barrier()
-    return found[0][0]
+    return int(found[0][0])
 
 
 def _load(options: argparse.Namespace) -> Scene:

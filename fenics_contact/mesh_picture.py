@@ -66,4 +66,4 @@ def _sides(body: Any) -> Array:
         around = nodes[:, : _CORNERS[int(kind)]]
         pairs.append(np.stack([around, np.roll(around, -1, axis=1)], axis=2).reshape(-1, 2))
     sides = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
-    return np.asarray(body.points)[sides][:, :, :2]
+    return np.asarray(np.asarray(body.points)[sides][:, :, :2])

@@ -391,7 +391,7 @@ class _FactorisationLog:
         self._before = self._read()
 
     def _read(self) -> float:
-        return sum(PETSc.Log.Event(name).getPerfInfo()["time"] for name in self._EVENTS)
+        return float(sum(PETSc.Log.Event(name).getPerfInfo()["time"] for name in self._EVENTS))
 
     def seconds(self) -> float:
         return self._read() - self._before
