@@ -9,22 +9,23 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
+from fenics_contact.body_fields import nodes_at
 from fenics_contact.contact_table import ContactTable
-from fenics_contact.figures import new_figure, surface_of
+from fenics_contact.figures import new_figure, set_title, style, surface_of
 from fenics_contact.history import Drive, History
-from fenics_contact.picture_style import COLOUR_MAP, COLOURS, marks
+from fenics_contact.picture import Picture
+from fenics_contact.picture_style import COLOURS, marks
 from fenics_contact.surface_line import SurfaceLine
-from fenics_contact.surface_maps import Surface
+from fenics_contact.surface_maps import Surface, draw_arrows, draw_status, draw_values
 from fenics_contact.writing import replaced_file
 
 Array = NDArray[np.float64]
 
 # Load steps from which a run is worth an animation, and the frames that it has at most.
 FEWEST_STEPS, _MOST_FRAMES = 10, 60
-_SECONDS, _PER_SECOND, _DPI = 6, 10, 80  # about how long, and frames a second at most
-_HEIGHT, _WIDTHS = 4.0, {"zones": 4.0, "traction": 4.6, "line": 6.0, "drive": 4.4}
+_SECONDS, _PER_SECOND, _DPI = 6, 10, 120  # about how long, and frames a second at most
+_HEIGHT, _WIDTHS = 2.6, {"zones": 2.6, "traction": 3.1, "line": 4.2, "drive": 2.7}
 _STATUS = np.array(["OPEN", "STICK", "SLIP"])  # values 0, 1, 2 of the field `status`
 
 
@@ -53,6 +54,7 @@ class Film:
         rows: ContactTable,
         contact: dict[str, Any],
         result: dict[str, Any],
+        far: tuple[str, ...] = (),
     ) -> Film:
         """Take the fields at the contact's nodes.
 
@@ -61,19 +63,15 @@ class Film:
             rows: Points of the contact, at the end.
             contact: Its entry in ``result.json``.
             result: The content of that.
+            far: Names of supports that are no drives.
         """
         times, frames = [], []
-        points = rows.vectors("x", "y", "z")
         for time, body in series:
-            on_contact = np.flatnonzero(np.asarray(body["status"]) >= 0)
-            nodes = np.asarray(body.points)[on_contact]
-            distance, found = cKDTree(nodes).query(points)
-            drawn = distance < 1e-6 * np.ptp(nodes)
-            frames.append(_frame(rows.rows(drawn), body, on_contact[found[drawn]]))
+            frames.append(frame_rows(rows, body, contact))
             times.append(time)
         ever = np.any([frame.closed for frame in frames], axis=0)
         zone = replace(frames[-1], status=np.where(ever, "STICK", "OPEN"))
-        return cls(contact, np.array(times), frames, zone, _drive(result, contact, times))
+        return cls(contact, np.array(times), frames, zone, _drive(result, contact, times, far))
 
     @property
     def touches(self) -> bool:
@@ -81,8 +79,15 @@ class Film:
         return bool((self.zone.status != "OPEN").any())
 
 
-def _frame(rows: ContactTable, body: Any, nodes: NDArray[np.int64]) -> ContactTable:
-    """The points with a step's fields in place of the last one's."""
+def frame_rows(rows: ContactTable, body: Any, contact: dict[str, Any]) -> ContactTable:
+    """The points of a contact that are nodes, with a step's fields in place of the last one's.
+
+    Args:
+        rows: Points of the contact, at the end.
+        body: A pyvista grid with the step's fields.
+        contact: Its entry in ``result.json``.
+    """
+    rows, nodes = nodes_at(body, rows, contact)
     traction = np.asarray(body["friction_traction"])[nodes]
     fields = {f"traction_{axis}": traction[:, i] for i, axis in enumerate("xyz")}
     fields["contact_pressure"] = np.asarray(body["contact_pressure"])[nodes]
@@ -90,10 +95,12 @@ def _frame(rows: ContactTable, body: Any, nodes: NDArray[np.int64]) -> ContactTa
     return replace(rows, status=status, numbers=rows.numbers | fields)
 
 
-def _drive(result: dict[str, Any], contact: dict[str, Any], times: list[float]) -> Drive | None:
+def _drive(
+    result: dict[str, Any], contact: dict[str, Any], times: list[float], far: tuple[str, ...]
+) -> Drive | None:
     """What is moved last of what moves: of an obstacle, how it moves along the surface."""
     history = History.of(result)
-    drives = history.drives(result["contacts"])
+    drives = history.drives(result["contacts"], far)
     own = [drive for drive in drives if f"'{contact['name']}'" in drive.title]
     if not drives:
         return None
@@ -107,7 +114,7 @@ def frame_numbers(steps: int) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, steps - 1, min(steps, _MOST_FRAMES)).round().astype(np.int64))
 
 
-def draw_film(film: Film, flat: bool, axes: str, path: Path) -> Path:
+def draw_film(film: Film, flat: bool, axes: str, path: Path) -> Picture:
     """Write a film as a GIF.
 
     Args:
@@ -121,32 +128,38 @@ def draw_film(film: Film, flat: bool, axes: str, path: Path) -> Path:
     names += ["drive"] if film.drive else []
     widths = [_WIDTHS[name] for name in names]
     screen = _Line(film, axes) if flat else _Map(film, axes)
-    size = (sum(widths), screen.height)
-    figure, panels = new_figure("", size, ncols=len(names), width_ratios=widths, dpi=_DPI)
-    figure.get_layout_engine().set(w_pad=0.12)
-    pictures = []
-    for number, time in enumerate(film.time):
-        for panel in panels:
-            panel.clear()
-        screen.draw(figure, panels, number)
-        if film.drive:
-            _follow(panels[-1], film.drive, number)
-        title = f"{surface_of(film.contact)} at pseudo-time {time:.4g}"
-        panels[0].set_title(title.replace("$", r"\$"), loc="left", fontsize=11)
-        if number == 0:
-            for _ in range(2):  # then nothing moves any more
-                figure.canvas.draw()
-            figure.set_layout_engine("none")
-        figure.canvas.draw()
-        pictures.append(np.asarray(figure.canvas.buffer_rgba())[..., :3].copy())
-    _write_gif(pictures, path)
-    import matplotlib.pyplot as plt
-
-    plt.close(figure)
-    return path
+    with style():
+        figure, panels = new_figure(
+            "", (sum(widths), screen.height), ncols=len(names), width_ratios=widths, dpi=_DPI
+        )
+        pictures = [_picture(figure, panels, screen, film, n) for n in range(len(film.time))]
+    write_gif(pictures, path)
+    what = "friction traction σ_T" if rough else "contact pressure p"
+    said = f"Status and {what} on {surface_of(film.contact)} over the load steps"
+    said += f"; on the right, {film.drive.title}: force against displacement." * bool(film.drive)
+    return Picture(path, f"Contact {surface_of(film.contact)} over the load steps", said)
 
 
-def _write_gif(pictures: list[NDArray[np.uint8]], path: Path) -> None:
+def _picture(
+    figure: Any, panels: list[Any], screen: _Map | _Line, film: Film, number: int
+) -> NDArray[np.uint8]:
+    """A frame, drawn where the one before was."""
+    for panel in panels:
+        panel.clear()
+    screen.draw(figure, panels, number)
+    if film.drive:
+        _follow(panels[-1], film.drive, number)
+    set_title(panels[0], f"{surface_of(film.contact)}, t = {film.time[number]:.4g}")
+    if number == 0:
+        for _ in range(2):  # then nothing moves any more
+            figure.canvas.draw()
+        figure.set_layout_engine("none")
+    figure.canvas.draw()
+    found: NDArray[np.uint8] = np.asarray(figure.canvas.buffer_rgba())[..., :3].copy()
+    return found
+
+
+def write_gif(pictures: list[NDArray[np.uint8]], path: Path) -> None:
     """Write frames with the colours of a few of them, so that none flickers."""
     from PIL import Image
 
@@ -170,11 +183,11 @@ class _Map:
         height: Of the figure in inches.
     """
 
-    def __init__(self, film: Film, axes: str) -> None:
-        self._film, self._axes = film, axes
+    def __init__(self, film: Film, _: str) -> None:
+        self._film = film
         self._surface = Surface.of(film.zone, film.contact)
         across, up = np.ptp(self._surface.points, axis=0)
-        self.height = float(np.clip(_WIDTHS["zones"] * up / across + 1.2, 2.6, 6))
+        self.height = float(np.clip(_WIDTHS["zones"] * up / across + 0.8, 2.2, 4.5))
         shown = self._surface.shown
         rows = [frame.rows(shown) for frame in film.frames]
         self._status = [frame.status for frame in rows]
@@ -190,40 +203,23 @@ class _Map:
         if self._film.contact["law"] != "none":
             drawn = panels[:2]
             traction = self._traction[number]
-            colours = panels[1].tripcolor(
-                *points.T,
-                np.linalg.norm(traction, axis=1),
-                shading="gouraud",
-                cmap=COLOUR_MAP,
-                vmin=0,
-                vmax=self._most,
-            )
-            arrows = traction[:, self._surface.axes]
-            panels[1].quiver(
-                *points.T, *arrows.T, color="white", width=0.004, scale=14 * self._most
-            )
+            sizes = np.linalg.norm(traction, axis=1)
+            colours = draw_values(panels[1], self._surface, sizes, 0, self._most)
+            draw_arrows(panels[1], self._surface, traction, self._most)
             if not self._has_bar:
                 label = r"friction traction, $|\sigma_T|$"
-                figure.colorbar(colours, ax=panels[1], label=label, shrink=0.8)
+                figure.colorbar(colours, ax=panels[1], label=label, shrink=0.85, aspect=25)
                 self._has_bar = True
         for panel in drawn:
-            panel.set_aspect("equal")
+            self._surface.label(panel, panel is panels[0])
             panel.set_xlim(points[:, 0].min(), points[:, 0].max())
             panel.set_ylim(points[:, 1].min(), points[:, 1].max())
-            panel.set_xlabel(f"${self._axes[self._surface.axes[0]]}$")
-            panel.set_ylabel(f"${self._axes[self._surface.axes[1]]}$")
 
     def _zones(self, panel: Any, status: NDArray[np.str_]) -> None:
-        size = float(np.clip(100 / np.sqrt(len(status)), 2.5, 9))
-        for mark in marks(self._film.contact["law"]):
-            mine = np.isin(status, mark.status)
-            look = {
-                "color": mark.colour,
-                "markersize": 0.4 * size if mark.label == "open" else size,
-            }
-            panel.plot(*self._surface.points[mine].T, mark.shape, label=mark.label, **look)
-        above = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.2), "ncols": 3}
-        panel.legend(frameon=False, fontsize=9, **above)
+        draw_status(panel, self._surface.points, status, self._film.contact["law"])
+        entries = [panel.plot([], [], **mark.look)[0] for mark in marks(self._film.contact["law"])]
+        above = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.18), "ncols": 3}
+        panel.legend(handles=entries, handletextpad=0.1, **above)
 
 
 class _Line:
@@ -247,7 +243,7 @@ class _Line:
             for line in self._lines
         ]
         self._label = (
-            r"friction traction on the body, $\sigma_T$" if rough else "contact pressure, $p$"
+            r"friction traction, $\sigma_T$" if rough else "contact pressure, $p$"
         )
         self._most = max(float(np.abs(values).max()) for values in self._values)
         if self._coefficient:
@@ -258,30 +254,28 @@ class _Line:
     def draw(self, figure: Any, panels: list[Any], number: int) -> None:
         """A frame."""
         panel, line, values = panels[0], self._lines[number], self._values[number]
-        panel.plot(line.position, values, color="0.6", linewidth=1, zorder=1)
+        panel.plot(line.position, values, color="0.6", linewidth=0.7, zorder=1)
         for mark in line.marks:
             mine = np.isin(line.rows.status, mark.status)
-            fill = mark.colour if mark.filled else "white"
-            look = {"color": mark.colour, "markerfacecolor": fill, "markersize": 4}
-            panel.plot(line.position[mine], values[mine], mark.shape, label=mark.label, **look)
+            panel.plot(line.position[mine], values[mine], **mark.look)
         if self._coefficient:
             bound = self._coefficient * line.rows.numbers["contact_pressure"]
-            for side, label in ((1, r"bound $\pm\mu p$"), (-1, None)):
-                panel.plot(line.position, side * bound, "--", color="0.3", linewidth=1, label=label)
-        panel.axhline(0, color="black", linewidth=0.6)
+            for side, label in ((1, r"$\pm\mu p$"), (-1, None)):
+                panel.plot(line.position, side * bound, ":", color="0.3", label=label)
+        panel.axhline(0, color="black", linewidth=0.5, zorder=0)
         panel.set_xlim(*self._view)
         panel.set_ylim(-1.1 * self._most, 1.4 * self._most)
         panel.set_xlabel(f"position along the surface, ${self._axes[line.axis]}$")
         panel.set_ylabel(self._label)
-        panel.legend(frameon=False, fontsize=9, loc="upper center", ncols=4)
+        panel.legend(loc="upper center", ncols=4)
 
 
 def _follow(panel: Any, drive: Drive, number: int) -> None:
     """Force against displacement: all of the way in grey, and how far it has come."""
-    panel.plot(drive.x, drive.y, color="0.8", linewidth=1)
-    panel.plot(drive.x[: number + 1], drive.y[: number + 1], color=COLOURS["STICK"], linewidth=1.4)
-    panel.plot(drive.x[number], drive.y[number], "o", color=COLOURS["SLIP"])
-    panel.axhline(0, color="black", linewidth=0.6)
+    panel.plot(drive.x, drive.y, color="0.8", linewidth=0.8)
+    panel.plot(drive.x[: number + 1], drive.y[: number + 1], color=COLOURS["STICK"])
+    panel.plot(drive.x[number], drive.y[number], "o", color=COLOURS["SLIP"], markersize=5)
+    panel.axhline(0, color="black", linewidth=0.5, zorder=0)
     panel.set_xlabel(drive.moved)
-    panel.set_ylabel(f"{drive.force} on the body")
+    panel.set_ylabel(drive.force)
     panel.locator_params(axis="x", nbins=5)

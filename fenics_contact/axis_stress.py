@@ -9,8 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.analytic_curves import AnalyticContact
 from fenics_contact.contact_table import ContactTable
+from fenics_contact.curves import formula_words
 from fenics_contact.figures import new_figure, save
+from fenics_contact.picture import Picture
+from fenics_contact.picture_style import COLUMN, FORMULA, LINES
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -77,8 +81,12 @@ def contact_radius(rows: ContactTable, contact: dict[str, Any]) -> float:
 
 
 def draw_axis_stress(
-    body: Any, rows: ContactTable, contact: dict[str, Any], path: Path
-) -> Path | None:
+    body: Any,
+    rows: ContactTable,
+    contact: dict[str, Any],
+    path: Path,
+    analytic: AnalyticContact | None = None,
+) -> Picture | None:
     """Draw stresses over the contact pressure against depth over the contact's radius.
 
     Args:
@@ -86,9 +94,10 @@ def draw_axis_stress(
         rows: Points of the contact.
         contact: Its entry in ``result.json``.
         path: PNG file to write.
+        analytic: What formulas give, where there are some.
 
     Returns:
-        The file, or None where there is no contact or no axis below it.
+        None where there is no contact or no axis below it.
     """
     stress = AxisStress.of(body, rows) if rows.closed.any() else None
     if stress is None:
@@ -96,31 +105,41 @@ def draw_axis_stress(
     radius = contact_radius(rows, contact)
     unit, symbol = _unit(contact["quantities"])
     shown = stress.depth <= _DEPTH * radius
-    surface = contact.get("slave", contact["name"])
-    figure, (panel,) = new_figure(f"Stresses on the axis below '{surface}'", (5.6, 5.2))
-    curves = (
-        (stress.axial, "-", "o", r"$\sigma_{zz}$"),
-        (stress.radial, "--", "s", r"$\sigma_{rr} = \sigma_{\theta\theta}$"),
-        (stress.shear, ":", "^", r"principal shear, $|\sigma_{zz} - \sigma_{rr}| / 2$"),
-    )
-    for (values, line, marker, label), shade in zip(curves, ("0", "0.35", "0"), strict=True):
+    title = f"Stresses on the axis below '{contact.get('slave', contact['name'])}'"
+    figure, (panel,) = new_figure(title, (COLUMN, 3.4))
+    labels = (r"$\sigma_{zz}$", r"$\sigma_{rr} = \sigma_{\theta\theta}$")
+    labels = (*labels, r"$\tau = |\sigma_{zz} - \sigma_{rr}|\,/\,2$")
+    computed = (stress.axial, stress.radial, stress.shear)
+    for values, label, (colour, _), mark in zip(computed, labels, LINES, "os^", strict=False):
         panel.plot(
             values[shown] / unit,
             stress.depth[shown] / radius,
-            line + marker,
-            color=shade,
+            mark,
+            color=colour,
             markerfacecolor="white",
-            markersize=4,
-            markevery=max(int(shown.sum()) // 12, 1),
+            markevery=max(int(shown.sum()) // 14, 1),
             label=label,
         )
-    panel.axvline(0, color="black", linewidth=0.6)
+    said = ""
+    if analytic is not None and not analytic.punch:
+        depth = np.linspace(0, _DEPTH * radius, 200)
+        axial, radial = analytic.axis_stress(depth)
+        label: str | None = analytic.label if analytic.smooth else "Hertz, without friction"
+        for values in (axial, radial, np.abs(axial - radial) / 2):
+            panel.plot(values / unit, depth / radius, label=label, zorder=1, **FORMULA)
+            label = None
+        said = f" Lines: {formula_words(analytic)}."
+    panel.axvline(0, color="black", linewidth=0.5, zorder=0)
     panel.invert_yaxis()
     panel.set_xlabel(f"stress over {symbol}")
-    panel.set_ylabel("depth over the radius of the contact, $z / a$")
-    panel.legend(frameon=False, fontsize=9)
+    panel.set_ylabel("depth over the radius of the contact, $z\\,/\\,a$")
+    panel.legend()
     save(figure, path)
-    return path
+    caption = (
+        "Axial stress σ_zz, radial stress σ_rr and the principal shear stress τ on the axis of "
+        f"revolution below the contact, against the depth z over the contact radius a.{said}"
+    )
+    return Picture(path, title, caption)
 
 
 def _unit(quantities: dict[str, Any]) -> tuple[float, str]:

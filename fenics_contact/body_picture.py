@@ -1,50 +1,29 @@
-"""The picture of the deformed body. pyvista, and only here."""
+"""The picture of the deformed body, with its stress and the status of its contact points."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.body_view import MARGINS, View, choose_view
+from fenics_contact.body_view import View, choose_view
 from fenics_contact.contact_table import ContactTable
-from fenics_contact.display import display
-from fenics_contact.picture_style import COLOUR_MAP
-from fenics_contact.writing import replaced_file
+from fenics_contact.figures import new_figure, save
+from fenics_contact.flat_picture import add_legend, draw_flat, point_look
+from fenics_contact.obstacle_picture import obstacles_of
+from fenics_contact.picture import Picture
+from fenics_contact.picture_style import COLOUR_MAP, WIDE
+from fenics_contact.space_picture import render
 
 Array = NDArray[np.float64]
 
-_FIELD_STATUS = ("OPEN", "STICK", "SLIP")  # values 0, 1, 2 of the field `status`
+_STRESS = r"von Mises stress, $\sigma_{VM}$"
+_HEIGHTS = (2.3, 5.0)  # of a flat model's panel, in inches
 
 
-def read_body(folder: Path) -> Any:
-    """The body as a pyvista grid with the fields of the last step in ``fields.pvd``."""
-    ((_, body),) = read_series(folder, [len(times_of_fields(folder)) - 1])
-    return body
-
-
-def times_of_fields(folder: Path) -> list[float]:
-    """Pseudo-times of the steps in ``fields.pvd``."""
-    import pyvista
-
-    return list(pyvista.get_reader(str(folder / "fields.pvd")).time_values)
-
-
-def read_series(folder: Path, numbers: Iterable[int]) -> Iterator[tuple[float, Any]]:
-    """Pseudo-times of steps in ``fields.pvd``, by number, and the body with their fields."""
-    import pyvista
-
-    reader = pyvista.get_reader(str(folder / "fields.pvd"))
-    for number in numbers:
-        time = reader.time_values[number]
-        reader.set_active_time_value(time)
-        yield time, reader.read().combine()
-
-
-def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Path:
+def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Picture:
     """Draw the deformed mesh over the undeformed outline, with the contact points' status.
 
     Where the contact zone is small in the body, only its neighbourhood is drawn.
@@ -56,150 +35,114 @@ def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path
         path: PNG file to write.
 
     Raises:
-        InputError: A display is missing; says what to install.
+        InputError: A display is missing for a body in space; says what to install.
     """
-    with display():
-        import pyvista
-        from PIL import Image
-
-        body["von Mises stress"] = _von_mises(body["stress"])
-        view = choose_view(body, result, table)
-        plotter = pyvista.Plotter(off_screen=True, window_size=view.window)
-        plotter.set_background("white")
-        plotter.enable_anti_aliasing("ssaa")
-        _add_body(plotter, view)
-        _add_points(plotter, view)
-        where = " near the contact" if view.is_near else ""
-        times = "" if view.factor == 1 else f", displacements x {view.factor:g}"
-        through = ", contact points seen through the bodies" if view.hides else ""
-        plotter.add_text(f"Deformed mesh{where}{times}{through}", font_size=11, color="black")
-        _look(plotter, view)
-        picture = Image.fromarray(plotter.screenshot(return_img=True))
-        with replaced_file(path) as temporary:
-            picture.save(temporary)
-        plotter.close()
-    return path
-
-
-def _look(plotter: Any, view: View) -> None:
-    """Fill the window, leaving room for the title above and the colour bar below."""
-    camera = plotter.camera
-    up = np.array([0, 1, 0] if view.flat else [0, 0, 1])
-    plotter.enable_parallel_projection()
-    centre = (view.low + view.high) / 2
-    plotter.camera_position = [centre + 2 * view.size * view.towards, centre, up]
-    plotter.reset_camera()
+    view = choose_view(body, result, table)
+    contacts = [(table.of(contact["name"]), contact) for contact in result["contacts"]]
+    obstacles = obstacles_of(body, contacts)
+    low, high, beyond = colour_range(np.asarray(view.body["von Mises stress"]))
+    title = "Deformed body" + (" near the contact" if view.is_near else "") + times(view.factor)
     if view.flat:
-        camera.parallel_scale = view.scale
+        figure, panel = flat_figure(view)
+        colours = draw_flat(panel, body, view, contacts, obstacles, (low, high))
+        add_legend(panel, title)
+        add_bar(figure, panel, colours, bool(beyond))
     else:
-        camera.zoom(0.85)
-    across = up - (up @ view.towards) * view.towards
-    down = camera.parallel_scale * (MARGINS[0] - MARGINS[1]) * across / np.linalg.norm(across)
-    camera.focal_point = centre - down
-    camera.position = centre - down + 2 * view.size * view.towards
-    plotter.reset_camera_clipping_range()
+        picture = render(body, view, contacts, obstacles, (low, high))
+        figure, panel = framed(picture, view, (low, high), bool(beyond))
+        add_legend(panel, title)
+    save(figure, path)
+    return Picture(path, title, _caption(view, contacts, beyond))
 
 
-def _add_body(plotter: Any, view: View) -> None:
-    """The undeformed outline in grey, the deformed body in colour, its cells in white."""
-    smooth = _cut(_surface(view.body, subdivision=3), view)
-    plotter.add_mesh(_edges(_cut(_surface(view.body), view)), color="grey", line_width=2)
-    smooth = smooth.warp_by_vector("displacement", factor=view.factor)
-    low, high, beyond = _colour_range(view.body["von Mises stress"])
-    bar = {
-        "title": f"von Mises stress{beyond}\n",  # the line break keeps it off the numbers
-        "color": "black",
-        "width": 0.5,
-        "height": 80 / view.window[1],
-        "position_x": 0.25,
-        "position_y": 17 / view.window[1],
-        "title_font_size": 16,
-        "label_font_size": 14,
-        "n_labels": 5,
-        "fmt": "%.3g",
-    }
-    plotter.add_mesh(
-        smooth,
-        scalars="von Mises stress",
-        clim=(low, high),
-        cmap=COLOUR_MAP,
-        scalar_bar_args=bar,
-        lighting=not view.flat,
-        ambient=0.35,
-        diffuse=0.75,
+def times(factor: float) -> str:
+    """The magnification, if there is one."""
+    return "" if factor == 1 else f", displacements × {factor:g}"
+
+
+def _caption(
+    view: View, contacts: list[tuple[ContactTable, dict[str, Any]]], beyond: float
+) -> str:
+    said = "The deformed body, coloured by the von Mises stress σ_VM"
+    if beyond:
+        said += f" (at single points up to {beyond:.3g})"
+    if view.factor == 1:
+        said += ", displacements to scale"
+    else:
+        said += f", displacements magnified {view.factor:g} times"
+    dashed = "dashed" if view.flat else "grey"
+    said += f"; {dashed}, the undeformed outline. Points: " + ", ".join(
+        mark.label for mark in view.marks
     )
-    cells = _cut(_edges(_surface(view.body.separate_cells(), subdivision=3)), view)
-    cells = cells.warp_by_vector("displacement", factor=view.factor)
-    cells.points[:] += 1e-4 * view.size * view.towards  # in front of the faces
-    plotter.add_mesh(cells, color="white", line_width=2)
+    said += ", seen through the bodies." if view.hides else "."
+    if any(c["contact"] in ("unilateral", "bonded") and "master" not in c for _, c in contacts):
+        what = "hatched" if view.flat else "translucent"
+        said += f" The obstacle is {what}"
+        said += "." if view.factor == 1 else "; gaps are magnified as displacements are."
+    return said
 
 
-def _colour_range(stress: Array) -> tuple[float, float, str]:
-    """Ends of the colours; the stress at a few points alone is beyond, which is said then."""
-    low, most, high = np.percentile(stress, [0, 95, 100])
-    low = 0.0 if low < 0.05 * high else float(low)
-    if high > 3 * most:
-        return low, float(most), f" (at single points up to {high:.3g})"
-    return low, float(high), ""
+def flat_figure(view: View) -> tuple[Any, Any]:
+    """A figure for a flat body, and its panel."""
+    across, up = (view.high - view.low)[:2]
+    height = float(np.clip(0.8 * WIDE * up / across, *_HEIGHTS))
+    figure, (panel,) = new_figure("", (WIDE, height + 0.6))
+    axes = "rz" if view.axisymmetric else "xy"
+    panel.set_xlabel(f"${axes[0]}$")
+    panel.set_ylabel(f"${axes[1]}$")
+    return figure, panel
 
 
-def _surface(grid: Any, subdivision: int = 1) -> Any:
-    """Surface of a grid; curved cells are subdivided."""
-    import pyvista
-    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
-
-    surface = vtkDataSetSurfaceFilter()
-    surface.SetInputData(grid)
-    surface.SetNonlinearSubdivisionLevel(subdivision)
-    surface.Update()
-    return pyvista.wrap(surface.GetOutput())
+def add_bar(figure: Any, panel: Any, colours: Any, beyond: bool) -> None:
+    """The colour bar of the stress; an arrow at its end where some is beyond."""
+    figure.colorbar(
+        colours, ax=panel, label=_STRESS, extend="max" if beyond else "neither",
+        shrink=0.85, aspect=28, pad=0.02,
+    )  # fmt: skip
 
 
-def _cut(surface: Any, view: View) -> Any:
-    """What lies inside the view; a body in space keeps its cells whole."""
-    if not (view.flat and view.is_near):
-        return surface
-    for normal in ("x", "y"):
-        surface = surface.clip(normal, origin=view.high)
-        surface = surface.clip("-" + normal, origin=view.low)
-    return surface
+def framed(
+    picture: NDArray[np.uint8],
+    view: View,
+    limits: tuple[float, float],
+    beyond: bool = False,
+) -> tuple[Any, Any]:
+    """A figure around a picture of a body in space: colour bar, axes, and marks for a legend."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
 
-
-def _edges(surface: Any) -> Any:
-    return surface.extract_feature_edges(
-        boundary_edges=True, feature_edges=True, manifold_edges=False, non_manifold_edges=False
-    )
-
-
-def _add_points(plotter: Any, view: View) -> None:
-    """Contact points where they moved to, coloured by status."""
-    import pyvista
-
-    points, status = view.body.points, view.body["status"]
-    margin = 1e-9 * view.size
-    inside = ((points >= view.low - margin) & (points <= view.high + margin)).all(axis=1)
-    moved = points + view.factor * view.body["displacement"]
-    size = 24 if (inside & (status >= 0)).sum() < 60 else 16
-    nearer = (1.0 if view.hides else 0.01) * view.size  # so that none is hidden
-    entries = []
+    height = WIDE * 0.82 * picture.shape[0] / picture.shape[1]
+    figure, (panel,) = new_figure("", (WIDE, height + 0.35))
+    panel.imshow(picture, interpolation="antialiased")
+    panel.set_axis_off()
+    drawn = set(np.unique(view.body["status"])) - {-1.0}
     for mark in view.marks:
-        mine = np.isin(status, [_FIELD_STATUS.index(kind) for kind in mark.status]) & inside
-        if mine.any():
-            in_front = moved[mine] + nearer * view.towards
-            cloud = pyvista.PolyData(in_front)
-            plotter.add_mesh(
-                cloud,
-                color=mark.colour,
-                point_size=size,
-                lighting=False,
-                render_points_as_spheres=True,
-            )
-            entries.append([f" {mark.label}", mark.colour])
-    if entries:
-        plotter.add_legend(entries, bcolor=None, face="circle", size=(0.1, 67 / view.window[1]))
+        if drawn & {("OPEN", "STICK", "SLIP").index(status) for status in mark.status}:
+            panel.plot([], [], **point_look(mark))
+    colours = ScalarMappable(Normalize(*limits), COLOUR_MAP)
+    add_bar(figure, panel, colours, beyond)
+    _axes(panel, view)
+    return figure, panel
 
 
-def _von_mises(stress: Array) -> Array:
-    tensor = stress.reshape(-1, 3, 3)
-    deviator = tensor - np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
-    return np.asarray(np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator)))
+def _axes(panel: Any, view: View) -> None:
+    """Which way x, y and z point, in the lower left corner."""
+    right, up = view.screen
+    look = {"arrowstyle": "-|>", "linewidth": 0.8, "color": "0.2", "mutation_scale": 6}
+    for letter, axis in zip("xyz", np.eye(3), strict=True):
+        tip = 0.065 * np.array([axis @ right, axis @ up])
+        height, width = panel.images[0].get_array().shape[:2]
+        tip[1] *= width / height
+        start = np.array([0.08, 0.1])
+        panel.annotate("", start + tip, start, xycoords="axes fraction", arrowprops=look)
+        where = start + 1.45 * tip
+        panel.text(*where, f"${letter}$", transform=panel.transAxes, ha="center", va="center")
+
+
+def colour_range(stress: Array) -> tuple[float, float, float]:
+    """Ends of the colours, and the stress that a few points alone have beyond, 0 without such."""
+    low, most, high = (float(value) for value in np.percentile(stress, [0, 95, 100]))
+    low = 0.0 if low < 0.05 * high else low
+    if high > 3 * most and most > low:
+        return low, most, high
+    return low, high if high > low else low + 1.0, 0.0

@@ -17,8 +17,6 @@ _MOVE = 0.06  # of what is shown: the largest displacement, where it is magnifie
 _READABLE = (0.02, 0.2)  # displacements of this size, over what is shown, are drawn as they are
 _MISFIT = 0.01  # of what is shown: false gaps and overlaps that magnification may make
 _NEAR = 0.4  # neighbourhoods smaller than this share of the body are looked at from near by
-_WIDTH, _HEIGHTS = 1400, (560, 1000)  # of the window, in pixels
-MARGINS = (0.24, 0.14)  # share of the window below the body, for the colour bar, and above
 
 
 @dataclass(frozen=True)
@@ -33,8 +31,9 @@ class View:
         flat: Whether the model is plane or axisymmetric.
         towards: From the body to the camera, a unit vector, (3,).
         marks: How contact points look.
-        closed_gap: The widest gap between bodies, as meshed, that has closed (length).
+        factor: Magnification of the displacements.
         hides: Whether a body may stand before contact points.
+        axisymmetric: Whether x is the radius.
     """
 
     body: Any
@@ -44,8 +43,9 @@ class View:
     flat: bool
     towards: Array
     marks: tuple[Mark, ...]
-    closed_gap: float
+    factor: float
     hides: bool
+    axisymmetric: bool
 
     @property
     def size(self) -> float:
@@ -53,38 +53,12 @@ class View:
         return float(np.linalg.norm(self.high - self.low))
 
     @property
-    def factor(self) -> float:
-        """Magnification of the displacements.
-
-        Gaps between bodies are not magnified: where they have closed, bodies that are drawn with
-        other displacements than theirs overlap, or seem apart.
-        """
-        largest = np.linalg.norm(self.body["displacement"], axis=1).max()
-        if largest == 0 or _READABLE[0] <= largest / self.size <= _READABLE[1]:
-            return 1.0
-        factor = _round_factor(_MOVE * self.size / largest)
-        fits = abs(factor - 1) * self.closed_gap <= _MISFIT * self.size
-        return factor if fits else 1.0
-
-    @property
-    def window(self) -> tuple[int, int]:
-        """Width and height of the window in pixels."""
-        if not self.flat:
-            return _WIDTH, _HEIGHTS[1]
-        across, up = self._extent
-        return _WIDTH, int(np.clip(_WIDTH * up / across / (1 - sum(MARGINS)), *_HEIGHTS))
-
-    @property
-    def scale(self) -> float:
-        """Half of what a flat model's window shows from top to bottom (length)."""
-        across, up = self._extent
-        width, height = self.window
-        return 0.5 * float(max(across * height / width, up / (1 - sum(MARGINS))))
-
-    @property
-    def _extent(self) -> tuple[float, float]:
-        across, up = (self.high - self.low)[:2]
-        return float(1.15 * across), float(up)
+    def screen(self) -> tuple[Array, Array]:
+        """Unit vectors to the right and upwards on the screen, (3,) each."""
+        upright = np.array([0.0, 1.0, 0.0] if self.flat else [0.0, 0.0, 1.0])
+        right = np.cross(upright, self.towards)
+        right /= np.linalg.norm(right)
+        return right, np.cross(self.towards, right)
 
 
 def choose_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
@@ -96,7 +70,8 @@ def choose_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
         table: The content of its ``contact.csv``.
     """
     low, high = np.array(body.bounds).reshape(3, 2).T
-    flat = result["model"]["kinematics"] != "3D"
+    kinematics = result["model"]["kinematics"]
+    flat, axial = kinematics != "3D", kinematics == "axisymmetric"
     laws = {contact["law"] for contact in result["contacts"]}
     looks = marks("none" if laws <= {"none"} else "static")
     pairs = [contact for contact in result["contacts"] if "master" in contact]
@@ -112,8 +87,39 @@ def choose_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
             aside = (near[0] + near[1] - low - high) / (high - low).max()
             inside = ((body.points >= near[0]) & (body.points <= near[1])).all(axis=1)
             body = _cells_at(body, inside)
-            return View(body, *near, True, flat, _towards(flat, front, aside), looks, gap, hides)
-    return View(body, low, high, False, flat, _towards(flat, front, np.zeros(3)), looks, gap, hides)
+            sight, factor = _towards(flat, front, aside), _factor(body, *near, gap)
+            return View(body, *near, True, flat, sight, looks, factor, hides, axial)
+    sight, factor = _towards(flat, front, np.zeros(3)), _factor(body, low, high, gap)
+    return View(body, low, high, False, flat, sight, looks, factor, hides, axial)
+
+
+def cells_inside(body: Any, view: View) -> Any:
+    """Of the body at another time, the cells that a view from near by shows."""
+    if not view.is_near:
+        return body
+    inside = ((body.points >= view.low) & (body.points <= view.high)).all(axis=1)
+    return _cells_at(body, inside)
+
+
+def _factor(body: Any, low: Array, high: Array, closed_gap: float) -> float:
+    """Magnification of the displacements.
+
+    Gaps between bodies are not magnified: where they have closed, bodies that are drawn with
+    other displacements than theirs overlap, or seem apart.
+
+    Args:
+        body: The cells shown.
+        low: Lowest coordinates shown, (3,).
+        high: Highest coordinates shown, (3,).
+        closed_gap: The widest gap between bodies, as meshed, that has closed (length).
+    """
+    size = float(np.linalg.norm(high - low))
+    largest = np.linalg.norm(body["displacement"], axis=1).max()
+    if largest == 0 or _READABLE[0] <= largest / size <= _READABLE[1]:
+        return 1.0
+    factor = _round_factor(_MOVE * size / largest)
+    fits = abs(factor - 1) * closed_gap <= _MISFIT * size
+    return factor if fits else 1.0
 
 
 def _cells_at(body: Any, points: Any) -> Any:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from fenics_contact import compat, files, new_scene, petsc_options
+from fenics_contact import citation, compat, files, new_scene, petsc_options
 from fenics_contact.adaptivity import adaptive_plan
 from fenics_contact.errors import InputError
 from fenics_contact.faults import READER_LEFT, drop_output, explain, failing_together, say
@@ -26,11 +26,6 @@ from fenics_contact.state_file import StateFile
 from fenics_contact.summary import print_model, print_result
 
 logger = logging.getLogger(__name__)
-
-_CITE = (
-    "To cite it: L. T. Campos, J. T. Oden, N. Kikuchi, Comput. Methods Appl. Mech. Engrg. 34 "
-    "(1982) 821-845, and this program, as CITATION.cff says."
-)
 
 
 def execute(options: argparse.Namespace) -> int:
@@ -192,10 +187,10 @@ def _print_versions() -> int:
     found = compat.versions()
     mpi = " ".join(found["mpi"].split(",")[0].replace("Version:", "").split())
     print(
-        f"fenics-contact {found['fenics_contact']}, with dolfinx {found['dolfinx']}, PETSc "
+        f"fenics-contact {citation.VERSION}, with dolfinx {found['dolfinx']}, PETSc "
         f"{'.'.join(map(str, PETSc.Sys.getVersion()))}, Python {found['python']}, {mpi}"
     )
-    print(_CITE)
+    print(f"To cite it: {citation.PAPER} {citation.PROGRAM}")
     return 0
 
 

@@ -1,42 +1,64 @@
-"""Matplotlib figures of panels that look alike."""
+"""Matplotlib figures of panels that look alike, each as a PNG and, for papers, as a PDF."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from fenics_contact.picture_style import STYLE
 from fenics_contact.writing import replaced_file
 
 
-def new_figure(title: str, size: tuple[float, float], **panels: Any) -> tuple[Any, list[Any]]:
-    """A figure and its panels.
-
-    Args:
-        title: Of the figure, any text.
-        size: Width and height in inches.
-        **panels: For matplotlib's ``subplots``.
-    """
+@contextmanager
+def style() -> Iterator[None]:
+    """Within it, all that matplotlib draws is in the style of this program."""
     import matplotlib
 
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+    with matplotlib.rc_context(STYLE):
+        yield
 
-    figure, axes = plt.subplots(figsize=size, layout="constrained", squeeze=False, **panels)
-    for panel in axes.flat:
-        panel.spines[["top", "right"]].set_visible(False)
-    axes[0, 0].set_title(title.replace("$", r"\$"), loc="left", fontsize=11)
+
+def new_figure(title: str, size: tuple[float, float], **panels: Any) -> tuple[Any, list[Any]]:
+    """A figure and its panels; matplotlib's state, as of a notebook, stays as it is.
+
+    Args:
+        title: Of the first panel, any text.
+        size: Width and height in inches.
+        **panels: For matplotlib's ``subplots``; also ``height_ratios`` and ``dpi``.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with style():
+        figure = Figure(figsize=size, layout="constrained", dpi=panels.pop("dpi", None))
+        FigureCanvasAgg(figure)
+        ratios = {
+            key: panels.pop(key) for key in ("height_ratios", "width_ratios") if key in panels
+        }
+        axes = figure.subplots(squeeze=False, gridspec_kw=ratios, **panels)
+        set_title(axes[0, 0], title)
     return figure, list(axes.flat)
 
 
-def save(figure: Any, path: Path) -> None:
-    """Write a figure and let it go."""
-    import matplotlib.pyplot as plt
+def set_title(panel: Any, title: str) -> None:
+    """Set a panel's title, any text: dollars are dollars."""
+    panel.set_title(title.replace("$", r"\$"))
 
-    try:
+
+def save(figure: Any, path: Path) -> None:
+    """Write a figure as a PNG, and beside it as a PDF that is the same in every run.
+
+    Args:
+        figure: Matplotlib's.
+        path: Of the PNG file.
+    """
+    with style():
         with replaced_file(path) as temporary:
-            figure.savefig(temporary, dpi=150)
-    finally:
-        plt.close(figure)
+            figure.savefig(temporary)
+        with replaced_file(path.with_suffix(".pdf")) as temporary:
+            figure.savefig(temporary, metadata={"CreationDate": None})
 
 
 def surface_of(contact: dict[str, Any]) -> str:
@@ -46,7 +68,12 @@ def surface_of(contact: dict[str, Any]) -> str:
     return f"'{contact['name']}'"
 
 
+def in_words(parts: list[str]) -> str:
+    """Such as: pressure, friction and gap."""
+    return " and ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
+
+
 def title_of(panels: list[str], contact: dict[str, Any]) -> str:
     """Such as: Contact pressure and gap on 'top'."""
-    words = " and ".join([", ".join(panels[:-1]), panels[-1]] if len(panels) > 1 else panels)
+    words = in_words(panels)
     return f"{words[0].upper()}{words[1:]} on {surface_of(contact)}"

@@ -62,13 +62,14 @@ class History:
         found = [step["contacts"][number]["quantities"].get(name) for step in self.steps]
         return None if found[0] is None else np.array(found)
 
-    def drives(self, contacts: list[dict[str, Any]]) -> list[Drive]:
+    def drives(self, contacts: list[dict[str, Any]], far: tuple[str, ...] = ()) -> list[Drive]:
         """Obstacles and supports that are moved.
 
         Args:
             contacts: Of ``result.json``.
+            far: Names of supports that are none: they move as a half-space does.
         """
-        return [*self._obstacles(contacts), *self._supports()]
+        return [*self._obstacles(contacts), *self._supports(far)]
 
     def _obstacles(self, contacts: list[dict[str, Any]]) -> Iterator[Drive]:
         for number, contact in enumerate(contacts):
@@ -82,8 +83,10 @@ class History:
             if moved is not None and friction is not None and contact["law"] != "none":
                 yield from _along(where, moved, friction, "friction force", "Q")
 
-    def _supports(self) -> Iterator[Drive]:
+    def _supports(self, far: tuple[str, ...]) -> Iterator[Drive]:
         for number, support in enumerate(self.steps[0]["supports"]):
+            if support["on"] in far:
+                continue
             rows = [step["supports"][number] for step in self.steps]
             held = [value is not None for value in support["displacement"]]
             moved = np.array(

@@ -11,43 +11,45 @@ from numpy.typing import NDArray
 
 from fenics_contact.figures import new_figure, save
 from fenics_contact.history import Drive, History
-from fenics_contact.picture_style import COLOURS, LINES
+from fenics_contact.loops import Loop, last_loop
+from fenics_contact.picture import Picture
+from fenics_contact.picture_style import COLOURS, COLUMN, DOUBLE, LINES, WIDE
 
 Array = NDArray[np.float64]
 
-_WIDTH, _HEIGHT, _MARGIN = 7.2, 2.6, 0.6
+_HEIGHT, _MARGIN = 1.6, 0.45
 _MOST_DRIVES = 6
 # A component is drawn from this share of the largest on.
 _SHOWN = 0.01
 _MANY = 60
 
 
-def draw_history(folder: Path, result: dict[str, Any]) -> list[Path]:
+def draw_history(
+    folder: Path, result: dict[str, Any], far: tuple[str, ...] = ()
+) -> list[Picture]:
     """Draw ``history_*.png`` of a run with several load steps.
 
     Args:
         folder: Where to.
         result: The content of its ``result.json``.
-
-    Returns:
-        The files drawn.
+        far: Names of supports that are no drives: they move as a half-space does.
     """
     history = History.of(result)
     if len(history.steps) < 2:
         return []
     contacts = result["contacts"]
-    drawn = [_energies(history, folder / "history_energy.png")]
+    drives = history.drives(contacts, far)[:_MOST_DRIVES]
+    drawn = [_loops(drives, folder / "history_loops.png")] if drives else []
     if contacts:
         drawn.append(_forces(history, contacts, folder / "history_forces.png"))
         drawn.append(_areas(history, contacts, folder / "history_areas.png"))
-    drives = history.drives(contacts)[:_MOST_DRIVES]
-    return drawn + ([_loops(drives, folder / "history_loops.png")] if drives else [])
+    return [*drawn, _energies(history, folder / "history_energy.png")]
 
 
 def _over_time(title: str, heights: list[float], history: History) -> tuple[Any, list[Any]]:
     figure, panels = new_figure(
         title,
-        (_WIDTH, sum(heights) + _MARGIN),
+        (WIDE, sum(heights) + _MARGIN),
         nrows=len(heights),
         sharex=True,
         height_ratios=heights,
@@ -62,16 +64,16 @@ def _line(panel: Any, x: Array, y: Array, label: str, number: int) -> None:
     """One of several curves, told apart by colour and dashes."""
     colour, dashes = LINES[number % len(LINES)]
     mark = "." if len(x) <= _MANY else ""
-    panel.plot(x, y, dashes, color=colour, linewidth=1.4, marker=mark, markersize=5, label=label)
+    panel.plot(x, y, linestyle=dashes, color=colour, marker=mark, label=label)
 
 
 def _legend(panel: Any) -> None:
-    panel.axhline(0, color="black", linewidth=0.6)
+    panel.axhline(0, color="black", linewidth=0.5, zorder=0)
     if len(panel.get_legend_handles_labels()[1]) > 1:
-        panel.legend(frameon=False, fontsize=9)
+        panel.legend()
 
 
-def _forces(history: History, contacts: list[dict[str, Any]], path: Path) -> Path:
+def _forces(history: History, contacts: list[dict[str, Any]], path: Path) -> Picture:
     """Normal forces, and below them what friction gives, one curve an axis that counts."""
     friction = list(_friction_curves(history, contacts))
     heights = [_HEIGHT] * (2 if friction else 1)
@@ -89,8 +91,10 @@ def _forces(history: History, contacts: list[dict[str, Any]], path: Path) -> Pat
             panels[1].set_ylabel(f"friction force, {friction[0][0].split(', ')[-1]}")
     for panel in panels:
         _legend(panel)
+    figure.align_ylabels(panels)
     save(figure, path)
-    return path
+    said = "Normal force P" + (" and friction force Q" if friction else "")
+    return Picture(path, "Forces on the body", f"{said} on the body over the pseudo-time t.")
 
 
 def _friction_curves(
@@ -107,29 +111,33 @@ def _friction_curves(
                 yield f"'{contact['name']}', $Q_{axis}$", values
 
 
-def _areas(history: History, contacts: list[dict[str, Any]], path: Path) -> Path:
+def _areas(history: History, contacts: list[dict[str, Any]], path: Path) -> Picture:
     """In contact, and the part of it that sticks, one panel a contact."""
-    figure, panels = _over_time("Areas in contact", [2.2] * len(contacts), history)
+    figure, panels = _over_time("Areas in contact", [_HEIGHT] * len(contacts), history)
     for number, (contact, panel) in enumerate(zip(contacts, panels, strict=True)):
         closed = history.of_contact(number, "contact_area")
         sticks = history.of_contact(number, "stick_area")
         assert closed is not None and sticks is not None
         rough = contact["law"] != "none"
-        colour, label = ("SLIP", "slip") if rough else ("OPEN", "in contact")
-        panel.fill_between(
-            history.time, closed, color=COLOURS[colour], alpha=0.5, lw=0, label=label
-        )
+        colour, label = ("SLIP", "slip") if rough else ("STICK", "in contact")
+        panel.fill_between(history.time, closed, color=COLOURS[colour], lw=0, label=label)
         if rough:
             panel.fill_between(history.time, sticks, color=COLOURS["STICK"], lw=0, label="stick")
-        panel.plot(history.time, closed, color="black", linewidth=1)
+        panel.plot(history.time, closed, color="black", linewidth=0.8)
         panel.set_ylim(0, 1.3 * closed.max() or 1)
-        panel.set_ylabel(f"area of '{contact['name']}'")
-        panel.legend(frameon=False, fontsize=9, loc="upper left", ncols=2)
+        panel.set_ylabel("area, $A$")
+        if len(contacts) > 1:
+            panel.annotate(
+                f"'{contact['name']}'".replace("$", r"\$"), (0.99, 0.97), va="top", ha="right",
+                xycoords="axes fraction",
+            )  # fmt: skip
+        panel.legend(loc="upper left", ncols=2)
     save(figure, path)
-    return path
+    said = "Area in contact over the pseudo-time t, and the parts of it that stick and slip."
+    return Picture(path, "Areas in contact", said)
 
 
-def _energies(history: History, path: Path) -> Path:
+def _energies(history: History, path: Path) -> Picture:
     """Work and where it went; below, what does not balance."""
     names = {
         "external_work": "work done, $W$",
@@ -139,7 +147,7 @@ def _energies(history: History, path: Path) -> Path:
     }
     work = np.abs(history.quantity("external_work")).max()
     balances = "energy_defect" in history.steps[0]["quantities"]
-    figure, panels = _over_time("Work and energies", [3.2, 1.6][: 1 + balances], history)
+    figure, panels = _over_time("Work and energies", [2.1, 1.1][: 1 + balances], history)
     for number, (name, label) in enumerate(names.items()):
         values = history.quantity(name)
         least = 0.0 if name == "friction_work" else _SHOWN * work
@@ -149,33 +157,65 @@ def _energies(history: History, path: Path) -> Path:
     if balances:
         _line(panels[1], history.time, history.quantity("energy_defect"), "", 0)
         panels[1].set_ylabel("$W - E - E_p - D$")
-        panels[1].ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
     for panel in panels:
         _legend(panel)
+    figure.align_ylabels(panels)
     save(figure, path)
-    return path
+    said = "Work W of loads and obstacles, strain energy E and what friction has dissipated, D"
+    said += "; below, what does not balance, which load steps leave." if balances else "."
+    return Picture(path, "Work and energies", said)
 
 
-def _loops(drives: list[Drive], path: Path) -> Path:
+def _loops(drives: list[Drive], path: Path) -> Picture:
     """Force against displacement, one panel each, with arrows along the path."""
-    columns = min(len(drives), 2)
-    rows = -(-len(drives) // columns)
-    size = (4.6 * columns + 0.6 * (columns == 1), 3.6 * rows + 0.3)
-    figure, panels = new_figure("Force against displacement", size, nrows=rows, ncols=columns)
-    for drive, panel in zip(drives, panels, strict=False):
-        _line(panel, drive.x, drive.y, "", 0)
-        _arrows(panel, drive)
-        end = (drive.x[-1:], drive.y[-1:])
-        panel.plot(*end, "o", color=COLOURS["SLIP"], markersize=6, label="end")
-        panel.locator_params(axis="x", nbins=6)
-        panel.legend(frameon=False, fontsize=9, title=drive.title, title_fontsize=9)
-        panel.axhline(0, color="black", linewidth=0.6)
-        panel.set_xlabel(drive.moved)
-        panel.set_ylabel(drive.force)
-    for panel in panels[len(drives) :]:
+    loops = [last_loop(drive.x, drive.y) for drive in drives]
+    shown: list[tuple[Drive, Loop | None, bool]] = []
+    for drive, loop in zip(drives, loops, strict=True):
+        shown.append((drive, loop, False))
+        if loop is not None and loop.is_thin:
+            shown.append((drive, loop, True))
+    columns = min(len(shown), 2)
+    rows = -(-len(shown) // columns)
+    size = (DOUBLE if columns > 1 else COLUMN + 0.4, 2.7 * rows + 0.2)
+    figure, panels = new_figure("", size, nrows=rows, ncols=columns)
+    for (drive, loop, is_sheared), panel in zip(shown, panels, strict=False):
+        _loop(panel, drive, loop, is_sheared)
+    for panel in panels[len(shown) :]:
         panel.set_axis_off()
     save(figure, path)
-    return path
+    said = "Force against displacement; arrows follow the path, the dot is its end."
+    if any(loops):
+        said += " Shaded: the last closed loop, with its area ΔW, the energy that it dissipates."
+    if any(is_sheared for *_, is_sheared in shown):
+        said += " Beside it the same less the straight line C F between its turning points."
+    return Picture(path, "Force against displacement", said)
+
+
+def _loop(panel: Any, drive: Drive, loop: Loop | None, is_sheared: bool) -> None:
+    """A path with its last closed loop; sheared so that a thin one opens."""
+    moved = drive.x - (loop.compliance * drive.y if loop and is_sheared else 0.0)
+    path = Drive(drive.title, drive.moved, drive.force, moved, drive.y)
+    if loop is not None:
+        inside = slice(loop.first, loop.last + 1)
+        words = rf"$\Delta W = {_number(loop.area)}$"
+        panel.fill(moved[inside], drive.y[inside], color=COLOURS["OPEN"], lw=0, label=words)
+    _line(panel, path.x, path.y, "", 0)
+    _arrows(panel, path)
+    panel.plot(*(path.x[-1:], path.y[-1:]), "o", color=COLOURS["SLIP"], markersize=5, zorder=4)
+    panel.axhline(0, color="black", linewidth=0.5, zorder=0)
+    panel.locator_params(axis="x", nbins=6)
+    symbol, force = (words.split(", ")[-1].strip("$") for words in (drive.moved, drive.force))
+    panel.set_xlabel(f"elastic part left out, ${symbol} - C\\,{force}$" if is_sheared else drive.moved)
+    panel.set_ylabel(drive.force)
+    panel.set_title(drive.title.replace("$", r"\$"))
+    if loop is not None and not is_sheared:
+        panel.legend(loc="upper left")
+
+
+def _number(value: float) -> str:
+    """With four digits, for mathtext."""
+    mantissa, _, power = f"{value:.4g}".partition("e")
+    return mantissa + (rf"\times 10^{{{int(power)}}}" if power else "")
 
 
 def _arrows(panel: Any, drive: Drive) -> None:
@@ -187,5 +227,5 @@ def _arrows(panel: Any, drive: Drive) -> None:
         i = int(np.searchsorted(reached, share * reached[-1]))
         start, end = (drive.x[i], drive.y[i]), (drive.x[i + 1], drive.y[i + 1])
         middle = tuple(0.5 * (a + b) for a, b in zip(start, end, strict=True))
-        look = {"arrowstyle": "-|>", "color": COLOURS["STICK"], "lw": 0, "mutation_scale": 15}
+        look = {"arrowstyle": "-|>", "color": COLOURS["STICK"], "lw": 0, "mutation_scale": 9}
         panel.annotate("", middle, start, arrowprops=look)

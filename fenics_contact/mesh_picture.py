@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.figures import new_figure, save
-from fenics_contact.picture_style import marks, neighbourhood
+from fenics_contact.picture import Picture
+from fenics_contact.picture_style import DOUBLE, marks, neighbourhood
 
 Array = NDArray[np.float64]
 
@@ -19,7 +20,7 @@ Array = NDArray[np.float64]
 _CORNERS = {5: 3, 22: 3, 69: 3, 9: 4, 23: 4, 28: 4, 70: 4}
 
 
-def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Path:
+def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Picture:
     """Draw the mesh of a flat model: all of it, and around the contact with its points.
 
     Args:
@@ -34,29 +35,35 @@ def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path
     low, high = neighbourhood(points, table.closed)
     model = result["model"]
     title = f"Mesh {len(result['levels'])}: {model['cells']} cells, {model['dofs']} dofs"
-    figure, panels = new_figure(title, (11, 5.4), ncols=2)
+    figure, panels = new_figure("", (DOUBLE, 3.6), ncols=2)
     figure.set_layout_engine("compressed")  # for panels of equal scales
+    figure.suptitle(title, x=0.01, ha="left", fontsize=8.5)
     lines = list(_sides(body))
-    for axes, width in zip(panels, (0.25, 0.5), strict=True):
-        axes.add_collection(LineCollection(lines, colors="#566573", linewidths=width))
-        axes.set_aspect("equal")
-        axes.autoscale()
+    for panel, width in zip(panels, (0.15, 0.3), strict=True):
+        panel.add_collection(LineCollection(lines, colors="#566573", linewidths=width))
+        panel.set_aspect("equal")
+        panel.autoscale()
     laws = {contact["law"] for contact in result["contacts"]}
     for mark in marks("none" if laws == {"none"} else "static"):
         mine = np.isin(table.status, mark.status)
-        fill = mark.colour if mark.filled else "none"
-        panels[1].scatter(
-            *points[mine].T, s=14, marker=mark.shape, edgecolors=mark.colour, facecolors=fill,
-            label=mark.label, zorder=3, clip_on=False,
-        )  # fmt: skip
+        look = {"markersize": 3.0, "zorder": 3, "clip_on": False}
+        if mine.any():
+            panels[1].plot(*points[mine].T, **mark.look | look)
     ends = np.asarray(body.bounds)[:4].reshape(2, 2)
     margin = 0.02 * (high - low)
     panels[1].set_xlim(max(low[0], ends[0, 0]) - margin[0], min(high[0], ends[0, 1]) + margin[0])
     panels[1].set_ylim(max(low[1], ends[1, 0]) - margin[1], min(high[1], ends[1, 1]) + margin[1])
-    panels[1].set_title("Around the contact")
-    panels[1].legend(loc="lower right")
+    panels[1].legend(loc="lower right", frameon=True, framealpha=0.9, edgecolor="none")
+    axes = "rz" if model["kinematics"] == "axisymmetric" else "xy"
+    for panel in panels:
+        panel.set_xlabel(f"${axes[0]}$")
+    panels[0].set_ylabel(f"${axes[1]}$")
     save(figure, path)
-    return path
+    caption = (
+        f"The mesh that the estimated errors led to, the last of {len(result['levels'])}: all of "
+        "it, and around the contact with its points."
+    )
+    return Picture(path, title, caption)
 
 
 def _sides(body: Any) -> Array:

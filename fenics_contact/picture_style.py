@@ -1,25 +1,68 @@
-"""What all pictures share: how contact points are marked, and how far around them one looks."""
+"""What all pictures share: the style, how contact points are marked, how far one looks around."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Legible in grey as well: stick dark and filled, slip light and open.
-COLOURS = {"STICK": "#1b4f72", "SLIP": "#e67e22", "OPEN": "#aab7b8"}
+# Widths in inches: of one column of a journal, of one and a half, and of two.
+COLUMN, WIDE, DOUBLE = 3.5, 5.5, 7.2
+
+# For matplotlib. Text has its size in print where a figure is as wide as its column.
+STYLE: dict[str, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.0,
+    "mathtext.fontset": "dejavusans",
+    "axes.titlesize": 8.5,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 8.0,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.use_mathtext": True,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 3.0,
+    "ytick.major.size": 3.0,
+    "legend.fontsize": 7.5,
+    "legend.title_fontsize": 7.5,
+    "legend.frameon": False,
+    "legend.handlelength": 1.8,
+    "legend.borderaxespad": 0.3,
+    "legend.labelspacing": 0.3,
+    "legend.columnspacing": 1.2,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 3.5,
+    "lines.markeredgewidth": 0.8,
+    "hatch.linewidth": 0.5,
+    "savefig.dpi": 250,
+    "pdf.fonttype": 42,
+}
+
+# Apart from each other also in grey, by a quarter of the way from black to white; a test measures.
+COLOURS = {"STICK": "#08306b", "SLIP": "#e07b00", "OPEN": "#c7d0d4"}
+# Round points that are open have this edge, or they would fade on white.
+EDGE = "0.45"
 COLOUR_MAP = "viridis"
+# What a formula gives, whatever it stands beside.
+FORMULA = {"color": "black", "linewidth": 1.0}
 # Curves that share a panel: colour and dashes.
-LINES = (
-    ("#1b4f72", "-"),
-    ("#e67e22", "--"),
-    ("#1e8449", "-."),
-    ("#7d3c98", ":"),
-    ("#616a6b", "-"),
-    ("#c0392b", "--"),
+LINES: tuple[tuple[str, Any], ...] = (
+    ("#08306b", "-"),
+    ("#e07b00", "--"),
+    ("#1b7f5c", "-."),
+    ("#9e4f96", ":"),
+    ("#616a6b", (0, (6, 1, 1, 1, 1, 1))),
+    ("#b03a2e", (0, (3, 1))),
 )
 
 # A view of the neighbourhood of a contact zone is this many times as wide as the zone.
@@ -43,6 +86,18 @@ class Mark:
     colour: str
     shape: str
     filled: bool
+
+    @property
+    def look(self) -> dict[str, Any]:
+        """For matplotlib's ``plot``, with the label."""
+        edge = EDGE if self.status == ("OPEN",) else self.colour
+        return {
+            "linestyle": "none",
+            "marker": self.shape,
+            "markeredgecolor": edge,
+            "markerfacecolor": self.colour if self.filled else "white",
+            "label": self.label,
+        }
 
 
 _STICK = Mark("stick", ("STICK",), COLOURS["STICK"], "o", True)

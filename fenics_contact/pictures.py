@@ -3,32 +3,91 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fenics_contact.analytic_curves import AnalyticContact, recognise
 from fenics_contact.animation import FEWEST_STEPS, Film, draw_film, frame_numbers
 from fenics_contact.axis_stress import draw_axis_stress
-from fenics_contact.body_picture import draw_body, read_body, read_series, times_of_fields
+from fenics_contact.body_fields import read_body, read_series, times_of_fields
+from fenics_contact.body_film import Overview, draw_body_film
+from fenics_contact.body_picture import draw_body
+from fenics_contact.contact_profile import draw_profile
 from fenics_contact.contact_table import ContactTable
+from fenics_contact.convergence_pictures import draw_convergence
 from fenics_contact.curves import draw_curves
 from fenics_contact.errors import InputError
+from fenics_contact.figures import style
 from fenics_contact.history_pictures import draw_history
 from fenics_contact.mesh_picture import draw_mesh
+from fenics_contact.picture import Picture
+from fenics_contact.scene import Scene
+from fenics_contact.scene_file import load_scene
+from fenics_contact.section_stress import draw_section
 from fenics_contact.surface_displacement import draw_surface_displacement
 from fenics_contact.surface_maps import draw_maps
 
 
-def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Path]:
+@dataclass(frozen=True)
+class _Run:
+    """What the files of a run hold.
+
+    Attributes:
+        folder: Where they are.
+        result: The content of ``result.json``.
+        table: That of ``contact.csv``.
+        body: A pyvista grid with the fields of the last step.
+        scene: What was solved; None where no file says it.
+        analytic: Its formulas, if it has some.
+    """
+
+    folder: Path
+    result: dict[str, Any]
+    table: ContactTable
+    body: Any
+    scene: Scene | None
+    analytic: AnalyticContact | None
+
+    @property
+    def flat(self) -> bool:
+        """Whether the model is plane or axisymmetric."""
+        return bool(self.result["model"]["kinematics"] != "3D")
+
+    @property
+    def axes(self) -> str:
+        """Letters of the axes."""
+        if not self.flat:
+            return "xyz"
+        return "rz" if self.result["model"]["kinematics"] == "axisymmetric" else "xy"
+
+    @property
+    def contacts(self) -> list[tuple[ContactTable, dict[str, Any]]]:
+        """Points and entries of the contacts."""
+        return [(self.table.of(contact["name"]), contact) for contact in self.result["contacts"]]
+
+    @property
+    def far(self) -> tuple[str, ...]:
+        """The outer boundary of a half-space, as supports are called."""
+        if self.scene is None or self.scene.half_space is None:
+            return ()
+        on = self.scene.half_space.on
+        return (*on, ", ".join(on))
+
+
+def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Picture]:
     """Draw what the files of a run show.
 
     Args:
-        folder: Holds ``contact.csv`` and ``fields.pvd``.
+        folder: Holds ``contact.csv``, ``fields.pvd`` and, if formulas are wanted, ``scene.toml``.
         result: The content of its ``result.json``.
 
     Returns:
-        The files drawn: one a contact, displacements and stresses along lines of flat models,
-        the deformed body, the mesh of an adaptive run, curves over the load steps where there are
-        several, and animations of the contacts where there are many.
+        The deformed body; of each contact pressure and friction, beside formulas where there are
+        some, and the stress below it; displacements and stresses along lines of flat models;
+        curves over the load steps where there are several, and animations where there are many;
+        the mesh of an adaptive run; how it converged. Beside each PNG is a PDF of its name.
 
     Raises:
         InputError: matplotlib, pyvista or a display is missing; says what to install.
@@ -40,70 +99,85 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Path]:
             raise InputError(
                 f"pictures need {library}: install it with pip install 'fenics-contact[pictures]'"
             ) from None
-    table, body = ContactTable.read(folder / "contact.csv"), read_body(folder)
-    drawn = [
-        *_contacts(folder, result, table),
-        *_along_lines(folder, result, table, body),
-        draw_body(body, result, table, folder / "deformed.png"),
-        *_adapted(folder, result, table, body),
-        *draw_history(folder, result),
-        *_animations(folder, result, table),
-    ]
-    return drawn
+    table, body, scene = ContactTable.read(folder / "contact.csv"), read_body(folder), _scene(folder)
+    run = _Run(folder, result, table, body, scene, recognise(scene, result, table, body))
+    with style():
+        return [
+            draw_body(body, result, table, folder / "deformed.png"),
+            *_of_contacts(run),
+            *_along_lines(run),
+            *draw_history(folder, result, run.far),
+            *_animations(run),
+            *_adapted(run),
+            *draw_convergence(folder, result),
+        ]
 
 
-def _axes(result: dict[str, Any]) -> str:
-    return "rz" if result["model"]["kinematics"] == "axisymmetric" else "xy"
+def _scene(folder: Path) -> Scene | None:
+    """The scene that was solved, None where its file is missing or cannot be run again."""
+    path = folder / "scene.toml"
+    if not path.exists():
+        return None
+    try:
+        return load_scene(path)
+    except InputError:  # made in Python, of what a file cannot hold
+        return None
 
 
-def _contacts(folder: Path, result: dict[str, Any], table: ContactTable) -> list[Path]:
-    """Pressure and friction of each contact."""
-    drawn = []
-    for number, contact in enumerate(result["contacts"]):
-        path = folder / f"contact_{number}.png"
-        rows = table.of(contact["name"])
-        if result["model"]["kinematics"] == "3D":
-            draw_maps(rows, contact, path)
+def _of_contacts(run: _Run) -> Iterator[Picture]:
+    """Pressure and friction of each contact, and the stress below."""
+    for number, (rows, contact) in enumerate(run.contacts):
+        path, analytic = run.folder / f"contact_{number}.png", run.analytic
+        if run.flat:
+            yield draw_curves(rows, contact, run.axes, path, analytic)
         else:
-            draw_curves(rows, contact, _axes(result), path)
-        drawn.append(path)
-    return drawn
+            yield draw_maps(rows, contact, path)
+            if analytic is not None:
+                profile = run.folder / f"contact_{number}_formula.png"
+                yield draw_profile(rows, contact, analytic, profile)
+        path = run.folder / f"stress_{number}.png"
+        if contact["contact"] != "prescribed":
+            below = draw_section(run.body, run.result, rows, contact, path, analytic)
+            if below is not None:
+                yield below
 
 
-def _adapted(folder: Path, result: dict[str, Any], table: ContactTable, body: Any) -> list[Path]:
+def _along_lines(run: _Run) -> Iterator[Picture]:
+    """Of flat models: stresses on the axis, if there is one; displacements of the surface."""
+    contacts = run.result["contacts"]
+    if not contacts or not run.flat:
+        return
+    if run.axes == "rz":
+        rows, contact = run.contacts[0]
+        path = run.folder / "axis_stress.png"
+        below = draw_axis_stress(run.body, rows, contact, path, run.analytic)
+        if below is not None:
+            yield below
+    path = run.folder / "surface_displacement.png"
+    yield draw_surface_displacement(run.body, run.table, contacts, run.axes, path)
+
+
+def _adapted(run: _Run) -> list[Picture]:
     """The last mesh of an adaptive run; in 3D the deformed body shows it."""
-    if not result.get("levels") or result["model"]["kinematics"] == "3D":
+    if not run.result.get("levels") or not run.flat:
         return []
-    return [draw_mesh(body, result, table, folder / "mesh.png")]
+    return [draw_mesh(run.body, run.result, run.table, run.folder / "mesh.png")]
 
 
-def _animations(folder: Path, result: dict[str, Any], table: ContactTable) -> list[Path]:
-    """Each contact that ever touches over the load steps, if there are many."""
-    steps = len(times_of_fields(folder))
+def _animations(run: _Run) -> Iterator[Picture]:
+    """The body and each contact that ever touches over the load steps, if there are many."""
+    steps = len(times_of_fields(run.folder))
     if steps < FEWEST_STEPS:
-        return []
-    flat, drawn = result["model"]["kinematics"] != "3D", []
-    for number, contact in enumerate(result["contacts"]):
-        series = read_series(folder, frame_numbers(steps).tolist())
-        film = Film.of(series, table.of(contact["name"]), contact, result)
-        if not film.touches:
-            continue
-        path = folder / f"animation_{number}.gif"
-        drawn.append(draw_film(film, flat, _axes(result) if flat else "xyz", path))
-    return drawn
-
-
-def _along_lines(
-    folder: Path, result: dict[str, Any], table: ContactTable, body: Any
-) -> list[Path]:
-    """Of flat models: displacements of the surface; stresses on the axis, if there is one."""
-    contacts, kinematics = result["contacts"], result["model"]["kinematics"]
-    if not contacts or kinematics == "3D":
-        return []
-    path = folder / "surface_displacement.png"
-    drawn = [draw_surface_displacement(body, table, contacts, _axes(result), path)]
-    if kinematics == "axisymmetric":
-        rows = table.of(contacts[0]["name"])
-        below = draw_axis_stress(body, rows, contacts[0], folder / "axis_stress.png")
-        drawn += [] if below is None else [below]
-    return drawn
+        return
+    numbers = frame_numbers(steps).tolist()
+    bodies = (body for _, body in read_series(run.folder, numbers))
+    overview = Overview.of(bodies, run.result, run.table)
+    series = read_series(run.folder, numbers)
+    path = run.folder / "animation_body.gif"
+    yield draw_body_film(series, overview, run.body, run.contacts, path)
+    for number, (rows, contact) in enumerate(run.contacts):
+        series = read_series(run.folder, numbers)
+        film = Film.of(series, rows, contact, run.result, run.far)
+        if film.touches:
+            path = run.folder / f"animation_{number}.gif"
+            yield draw_film(film, run.flat, run.axes, path)

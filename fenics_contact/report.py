@@ -76,7 +76,7 @@ def write_report(folder: Path) -> list[Path]:
     result = read_result(folder)
     if not result["converged"]:
         raise InputError(f"{folder}: this run did not converge, so there is nothing to draw")
-    pictures = draw_pictures(folder, result)
+    pictures = [picture.path for picture in draw_pictures(folder, result)]
     page = folder / "report.html"
     replace_file(page, _page(result, pictures).encode())
     return [*pictures, page]

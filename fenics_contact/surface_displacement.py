@@ -8,17 +8,19 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
+from fenics_contact.body_fields import nodes_at
 from fenics_contact.contact_table import ContactTable
-from fenics_contact.figures import new_figure, save, surface_of
-from fenics_contact.picture_style import COLOURS
+from fenics_contact.curves import draw_strip
+from fenics_contact.figures import in_words, new_figure, save, set_title, surface_of
+from fenics_contact.picture import Picture
+from fenics_contact.picture_style import COLOURS, COLUMN, WIDE
 from fenics_contact.surface_line import SurfaceLine
 
 Array = NDArray[np.float64]
 
 _NEAR = 0.4  # contact zones whose neighbourhood is smaller than this share are looked at alone
-_WIDTH, _HEIGHT = 7.2, 2.3  # of a panel
+_HEIGHT, _STRIP, _MARGIN = 1.5, 0.16, 0.45
 
 
 @dataclass(frozen=True)
@@ -42,16 +44,9 @@ class SurfaceDisplacement:
             rows: Points of the contact.
             contact: Its entry in ``result.json``.
         """
-        on_contact = np.asarray(body["status"]) >= 0  # not the surface of a body opposite
-        nodes = np.asarray(body.points)[on_contact, :2]
-        tree = cKDTree(nodes)
-        distance, _ = tree.query(rows.vectors("x", "y"))
-        drawn = distance < 1e-6 * np.ptp(nodes)
-        if "master" in contact:  # beyond what faces it normals are others
-            drawn &= np.isfinite(rows.numbers["gap"])
-        line = SurfaceLine.of(rows.rows(drawn), contact)
-        _, found = tree.query(line.rows.vectors("x", "y"))
-        return cls(line, np.asarray(body["displacement"])[on_contact][found, :2])
+        line = SurfaceLine.of(nodes_at(body, rows, contact)[0], contact)
+        _, nodes = nodes_at(body, line.rows, contact)
+        return cls(line, np.asarray(body["displacement"])[nodes, :2])
 
     @property
     def normal(self) -> Array:
@@ -82,8 +77,8 @@ def draw_surface_displacement(
     contacts: list[dict[str, Any]],
     axes: str,
     path: Path,
-) -> Path:
-    """Draw u_n, u_T and the deformed line, a column a contact.
+) -> Picture:
+    """Draw u_n and u_T over a strip of the status, a column a contact.
 
     Args:
         body: A pyvista grid with the fields ``displacement`` and ``status``.
@@ -92,53 +87,42 @@ def draw_surface_displacement(
         axes: Letters of the model's axes.
         path: PNG file to write.
     """
-    names = " and ".join(surface_of(contact) for contact in contacts)
+    count = len(contacts)
+    names = in_words([surface_of(contact) for contact in contacts])
+    heights = (_HEIGHT, _HEIGHT, _STRIP)
+    title = f"Displacement of {names}"
     figure, panels = new_figure(
-        f"Displacement of {names}",
-        (_WIDTH * len(contacts), 3 * _HEIGHT),
+        "",
+        (WIDE if count == 1 else COLUMN * count, sum(heights) + _MARGIN),
         nrows=3,
-        ncols=len(contacts),
+        ncols=count,
+        height_ratios=heights,
+        sharex="col",
     )
     for number, contact in enumerate(contacts):
         found = SurfaceDisplacement.of(body, table.of(contact["name"]), contact)
-        _components(panels[number :: len(contacts)], found, axes)
-        _deformed(panels[2 * len(contacts) + number], found, axes)
+        column = panels[number::count]
+        _components(column, found)
+        draw_strip(column[-1], found.line, contact)
+        position = found.line.position[found.shown]
+        margin = 0.03 * np.ptp(position)
+        column[-1].set_xlim(position.min() - margin, position.max() + margin)
+        column[-1].set_xlabel(f"position along the surface, ${axes[found.line.axis]}$")
+        set_title(column[0], title if count == 1 else surface_of(contact))
+    for panel, label in zip(panels[::count], ("normal, $u_n$", "tangential, $u_T$"), strict=False):
+        panel.set_ylabel(label)
+    figure.align_ylabels(panels[:-1:count])
     save(figure, path)
-    return path
+    return Picture(
+        path,
+        title,
+        "Displacement of the surface along its outward normal, u_n, and along it, u_T, against the "
+        "position in the undeformed body. The strip below shows the status.",
+    )
 
 
-def _components(panels: list[Any], found: SurfaceDisplacement, axes: str) -> None:
-    values = {"normal, $u_n$": found.normal, "tangential, $u_T$": found.tangential}
+def _components(panels: list[Any], found: SurfaceDisplacement) -> None:
     position = found.line.position[found.shown]
-    for panel, (name, component) in zip(panels, values.items(), strict=False):
+    for panel, component in zip(panels, (found.normal, found.tangential), strict=False):
         panel.plot(position, component[found.shown], color=COLOURS["STICK"])
-        panel.axhline(0, color="black", linewidth=0.6)
-        panel.set_ylabel(name)
-        panel.set_xlabel(f"position along the surface, ${axes[found.line.axis]}$")
-
-
-def _deformed(panel: Any, found: SurfaceDisplacement, axes: str) -> None:
-    """Where the line was, and where its points moved to."""
-    line, other = found.line, 1 - found.line.axis
-    before = line.rows.vectors("x", "y")[found.shown]
-    after = before + found.vectors[found.shown]
-    panel.plot(
-        before[:, line.axis], before[:, other], "--", color="0.5", linewidth=1, label="undeformed"
-    )
-    panel.plot(
-        after[:, line.axis], after[:, other], color=COLOURS["STICK"], linewidth=1, label="deformed"
-    )
-    for mark in line.marks:
-        mine = np.isin(line.rows.status[found.shown], mark.status)
-        panel.plot(
-            after[mine, line.axis],
-            after[mine, other],
-            mark.shape,
-            color=mark.colour,
-            markerfacecolor=mark.colour if mark.filled else "white",
-            markersize=3.5,
-            label=mark.label if mine.any() else None,
-        )
-    panel.set_xlabel(f"${axes[line.axis]}$")
-    panel.set_ylabel(f"${axes[other]}$")
-    panel.legend(frameon=False, fontsize=9)
+        panel.axhline(0, color="black", linewidth=0.5, zorder=0)

@@ -62,10 +62,12 @@ class SurfaceLine:
         )
         return traction
 
-    def zones(self) -> Iterator[tuple[float, float]]:
-        """Where each contact zone begins and ends, about: halfway to the first open points."""
-        closed = np.concatenate([[False], self.rows.closed, [False]])
-        ends = np.flatnonzero(closed[1:] != closed[:-1])
+    def runs(self) -> Iterator[tuple[float, float, str]]:
+        """Where points of one status follow each other: begin, end, about halfway, and status."""
+        status = self.rows.status
+        changes = np.flatnonzero(status[1:] != status[:-1]) + 1
         middle = (self.position[1:] + self.position[:-1]) / 2
-        bounds = np.concatenate([self.position[:1], middle, self.position[-1:]])
-        yield from zip(bounds[ends[::2]], bounds[ends[1::2]], strict=True)
+        bounds = np.concatenate([self.position[:1], middle[changes - 1], self.position[-1:]])
+        first = np.concatenate([[0], changes]).astype(int)
+        for start, end, number in zip(bounds[:-1], bounds[1:], first, strict=True):
+            yield float(start), float(end), str(status[number])

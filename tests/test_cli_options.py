@@ -91,7 +91,7 @@ def test_version_says_what_numbers_depend_on(capsys):
     assert main(["--version"]) == 0
     found = COMM.bcast(capsys.readouterr().out)
     assert re.match(
-        r"fenics-contact \S+, with dolfinx 0\.\d+\S*, PETSc 3\.\d+\.\d+, Python 3", found
+        r"fenics-contact \d\S+, with dolfinx 0\.\d+\S*, PETSc 3\.\d+\.\d+, Python 3", found
     )
     assert "To cite it: L. T. Campos" in found
 

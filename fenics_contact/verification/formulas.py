@@ -226,3 +226,49 @@ def pressing_loss(coefficient: float, poissons_ratio: float) -> float:
     """
     lateral = (1 - 2 * poissons_ratio) / (1 - poissons_ratio)
     return 6 / pi * (pi / 4 - 2 / 3) * lateral * coefficient
+
+
+def elliptic_pressure(contact: HertzContact, distance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Hertz's pressure p₀ √(1 − r²/a²) of a point or line contact (Johnson, (3.39), (4.44)).
+
+    Args:
+        contact: Its a and p₀.
+        distance: r, from the middle (length).
+    """
+    return np.asarray(contact.peak * np.sqrt(np.maximum(1 - (distance / contact.radius) ** 2, 0)))
+
+
+def punch_pressure(
+    contact: HertzContact, line: bool, distance: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Pressure of a flat punch without friction (Johnson, (2.64), (3.34)).
+
+    Circular: P/(2 π a √(a² − r²)); a strip: P/(π √(a² − x²)). It is infinite at the edge, and 0
+    outside.
+
+    Args:
+        contact: Its force P and radius or half-width a.
+        line: Whether it is a strip.
+        distance: r or x, from the middle (length).
+    """
+    a = contact.radius
+    across = pi if line else 2 * pi * a
+    inside = np.abs(distance) < a
+    root = np.sqrt(np.where(inside, a**2 - distance**2, 1.0))
+    return np.where(inside, contact.force / (across * root), 0.0)
+
+
+def line_axis_stress(
+    contact: HertzContact, depth: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Normal and lateral stress below the middle of a line contact (Johnson, (4.46)).
+
+    With s = z/a, σ_z = −p₀/√(1 + s²), σ_x = −p₀ ((1 + 2 s²)/√(1 + s²) − 2 s).
+
+    Args:
+        contact: Its a and p₀.
+        depth: z, below the surface (length).
+    """
+    s = depth / contact.radius
+    root = np.sqrt(1 + s**2)
+    return -contact.peak / root, -contact.peak * ((1 + 2 * s**2) / root - 2 * s)

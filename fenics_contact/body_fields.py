@@ -1,0 +1,164 @@
+"""The body of a run with its fields, and its surface as triangles: from its files, by pyvista."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from fenics_contact.contact_table import ContactTable
+
+Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+# Curved cells are drawn as 4 or 16 triangles each; from so many cells on, as they are.
+_FEW, _MANY = 3_000, 20_000
+
+
+def read_body(folder: Path) -> Any:
+    """The body as a pyvista grid with the fields of the last step in ``fields.pvd``."""
+    ((_, body),) = read_series(folder, [len(times_of_fields(folder)) - 1])
+    return body
+
+
+def times_of_fields(folder: Path) -> list[float]:
+    """Pseudo-times of the steps in ``fields.pvd``."""
+    import pyvista
+
+    return list(pyvista.get_reader(str(folder / "fields.pvd")).time_values)
+
+
+def read_series(folder: Path, numbers: Iterable[int]) -> Iterator[tuple[float, Any]]:
+    """Pseudo-times of steps in ``fields.pvd``, by number, and the body with their fields."""
+    import pyvista
+
+    reader = pyvista.get_reader(str(folder / "fields.pvd"))
+    for number in numbers:
+        time = reader.time_values[number]
+        reader.set_active_time_value(time)
+        body = reader.read().combine()
+        body["von Mises stress"] = von_mises(np.asarray(body["stress"]))
+        yield time, body
+
+
+def von_mises(stress: Array) -> Array:
+    """Of stresses (points, 9), (points,) (stress)."""
+    tensor = stress.reshape(-1, 3, 3)
+    deviator = tensor - np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
+    return np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))
+
+
+def largest_shear(stress: Array) -> Array:
+    """Half of the largest less the smallest principal stress, of stresses (points, 9) (stress)."""
+    tensor = stress.reshape(-1, 3, 3)
+    principal = np.linalg.eigvalsh((tensor + tensor.transpose(0, 2, 1)) / 2)
+    shear: Array = (principal[:, 2] - principal[:, 0]) / 2
+    return shear
+
+
+def nodes_at(body: Any, rows: ContactTable, contact: dict[str, Any]) -> tuple[ContactTable, Numbers]:
+    """The points of a contact that are nodes of the body, and the numbers of these nodes.
+
+    Args:
+        body: A pyvista grid with the field ``status``.
+        rows: Points of the contact.
+        contact: Its entry in ``result.json``.
+    """
+    on_contact = np.flatnonzero(np.asarray(body["status"]) >= 0)  # not a surface opposite
+    nodes = np.asarray(body.points)[on_contact]
+    distance, found = cKDTree(nodes).query(rows.vectors("x", "y", "z"))
+    drawn = distance < 1e-6 * np.ptp(nodes)
+    if "master" in contact:  # beyond what faces it normals are others
+        drawn &= np.isfinite(rows.numbers["gap"])
+    return rows.rows(drawn), on_contact[found[drawn]]
+
+
+@dataclass(frozen=True)
+class Triangles:
+    """A surface as triangles between points that carry fields.
+
+    Attributes:
+        points: Undeformed, (points, 3) (length).
+        corners: Numbers of each triangle's points, (triangles, 3).
+        fields: Values at the points, by name.
+    """
+
+    points: Array
+    corners: Numbers
+    fields: dict[str, Array]
+
+    @classmethod
+    def of(cls, grid: Any, *names: str) -> Triangles:
+        """The surface of a grid, or all of a flat one; curved cells become several triangles."""
+        whole = surface(grid, _level(grid.n_cells)).triangulate()
+        corners = np.asarray(whole.faces).reshape(-1, 4)[:, 1:].astype(np.int64)
+        fields = {name: np.asarray(whole[name]) for name in names}
+        return cls(np.asarray(whole.points, dtype=float), corners, fields)
+
+    def moved(self, factor: float) -> Array:
+        """The points where they moved to, displacements magnified, (points, 3) (length)."""
+        return self.points + factor * self.fields["displacement"]
+
+    def inside(self, low: Array, high: Array) -> Triangles:
+        """The triangles that reach into a box; coordinates as many as wanted."""
+        axes = len(low)
+        span = self.points[self.corners][:, :, :axes]
+        kept = ((span.max(axis=1) >= low) & (span.min(axis=1) <= high)).all(axis=1)
+        used, corners = np.unique(self.corners[kept], return_inverse=True)
+        fields = {name: values[used] for name, values in self.fields.items()}
+        return Triangles(self.points[used], corners.reshape(-1, 3).astype(np.int64), fields)
+
+
+def _level(cells: int) -> int:
+    return 3 if cells < _FEW else 2 if cells < _MANY else 1
+
+
+def surface(grid: Any, subdivision: int = 1) -> Any:
+    """Surface of a grid; curved cells are subdivided."""
+    import pyvista
+    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
+
+    found = vtkDataSetSurfaceFilter()
+    found.SetInputData(grid)
+    found.SetNonlinearSubdivisionLevel(subdivision)
+    found.Update()
+    return pyvista.wrap(found.GetOutput())
+
+
+def outline(grid: Any, subdivision: int = 3) -> Any:
+    """Boundary lines, and in space sharp edges, as a pyvista surface of lines."""
+    return surface(grid, subdivision).extract_feature_edges(
+        boundary_edges=True, feature_edges=True, manifold_edges=False, non_manifold_edges=False
+    )
+
+
+def cell_edges(grid: Any) -> Any:
+    """The sides of all cells, curved ones in pieces, as a pyvista surface of lines."""
+    return outline(grid.separate_cells(), 3 if grid.n_cells < _MANY else 1)
+
+
+def segments(lines: Any, factor: float = 0.0) -> Array:
+    """Ends of the pieces of lines, (pieces, 2, 3), moved by magnified displacements (length)."""
+    points = np.asarray(lines.points, dtype=float)
+    if factor:
+        points = points + factor * np.asarray(lines["displacement"])
+    ends = np.asarray(lines.lines).reshape(-1, 3)[:, 1:]
+    found: Array = points[ends]
+    return found
+
+
+def polylines(lines: Any) -> list[Array]:
+    """Lines joined where they can be, the points of each, (points, 3) (length)."""
+    joined = lines.strip(join=True, max_length=100_000)
+    points, numbers = np.asarray(joined.points, dtype=float), np.asarray(joined.lines)
+    found, start = [], 0
+    while start < len(numbers):
+        end = start + 1 + numbers[start]
+        found.append(points[numbers[start + 1 : end]])
+        start = end
+    return found

@@ -1,0 +1,76 @@
+"""How two flat models' surfaces curve away from each other, from their meshes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.body_fields import outline, segments
+from fenics_contact.contact_table import ContactTable
+
+Array = NDArray[np.float64]
+
+_ROUND = 0.02  # of how far a surface recedes: what it may be apart from a parabola
+
+
+@dataclass(frozen=True)
+class Curvature:
+    """Two surfaces that touch at their apexes.
+
+    Attributes:
+        radius: 1/R = 1/R₁ + 1/R₂ (length).
+        smallest_radius: The least of |R₁| and |R₂| (length).
+        smallest_body: The least extent of the two bodies (length).
+        centre: The apex, (3,) (length).
+    """
+
+    radius: float
+    smallest_radius: float
+    smallest_body: float
+    centre: Array
+
+
+def relative_curvature(rows: ContactTable, body: Any) -> Curvature | None:
+    """Fit a parabola about a common apex to either surface; None where one is none.
+
+    Args:
+        rows: Points of the contact, all of one surface, which runs along x.
+        body: A pyvista grid of both bodies.
+    """
+    x, y = rows.numbers["x"], rows.numbers["y"]
+    regions = np.asarray(body.connectivity()["RegionId"])
+    if len(np.unique(regions)) != 2 or np.ptp(x) < 2 * np.ptp(y):
+        return None
+    points = np.asarray(body.points)
+    own = regions[np.argmin(np.hypot(points[:, 0] - x[0], points[:, 1] - y[0]))]
+    extents = [np.ptp(points[regions == number, :2], axis=0).min() for number in (0, 1)]
+    ends = segments(outline(body.extract_points(regions != own, adjacent_cells=False)))[:, :, :2]
+    along = np.abs(np.diff(ends, axis=1))[:, 0]
+    near = (ends[:, 0, 0] >= x.min()) & (ends[:, 0, 0] <= x.max()) & (along[:, 1] < along[:, 0])
+    height = np.abs(ends[:, 0, 1] - np.interp(ends[:, 0, 0], *np.array(sorted(zip(x, y))).T))
+    near &= height < 0.5 * np.ptp(x)
+    if near.sum() < 5 or len(x) < 5:
+        return None
+    slave, master = _parabola(x, y), _parabola(*ends[near, 0].T)
+    if slave is None or master is None:
+        return None
+    up = np.sign(rows.numbers["ny"].mean())
+    relative = up * (master[0] - slave[0])
+    apexes = [fit[1] for fit in (slave, master) if abs(fit[0]) > 1e-9 / np.ptp(x)]
+    if relative <= 0 or not apexes or np.ptp(apexes) > _ROUND * np.ptp(x):
+        return None
+    sharpest = max(abs(slave[0]), abs(master[0]))
+    centre = np.array([float(np.mean(apexes)), float(y.mean()), 0.0])
+    return Curvature(1 / relative, 1 / sharpest, float(min(extents)), centre)
+
+
+def _parabola(x: Array, y: Array) -> tuple[float, float] | None:
+    """Curvature and apex of a parabola through points; None where they lie on none."""
+    curve, slope, _ = fit = np.polyfit(x, y, 2)
+    off = np.abs(np.polyval(fit, x) - y).max()
+    if off > _ROUND * np.ptp(y) + 1e-9 * np.ptp(x):
+        return None
+    return 2 * curve, -slope / (2 * curve) if curve else 0.0
