@@ -55,7 +55,7 @@ class Body:
     @property
     def dimension(self) -> int:
         """Topological dimension of the cells."""
-        return self.mesh.topology.dim
+        return int(self.mesh.topology.dim)
 
     def group(self, name: str, key: str) -> Group:
         """A group by name, or by number; collective.
@@ -115,12 +115,14 @@ class Body:
     def entities(self, group: Group) -> NDArray[np.int32]:
         """Local indices (owned and ghost, sorted) of the cells or facets of a group."""
         tags = self.cell_tags if group.dimension == self.dimension else self.facet_tags
-        return tags.indices[np.isin(tags.values, group.tags)]
+        return np.asarray(tags.indices[np.isin(tags.values, group.tags)])
 
     def _owned(self, group: Group) -> NDArray[np.int32]:
         self.mesh.topology.create_entities(group.dimension)
         entities = self.entities(group)
-        return entities[entities < self.mesh.topology.index_map(group.dimension).size_local]
+        return np.asarray(
+            entities[entities < self.mesh.topology.index_map(group.dimension).size_local]
+        )
 
     def _known(self) -> str:
         """Names of the groups, and numbers of the geometric parts with their places."""

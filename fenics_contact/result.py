@@ -100,7 +100,7 @@ class ContactPoints:
 
     def of(self, contact: int) -> NDArray[np.bool_]:
         """Which rows belong to a contact."""
-        return self.contact == contact
+        return np.asarray(self.contact == contact)
 
 
 def reactions_by_group(supports: list[dict[str, Any]]) -> dict[str, list[float]]:

@@ -16,7 +16,8 @@ from pydantic import BeforeValidator, Field
 from fenics_contact.scene_accuracy import Accuracy, as_accuracy
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_material import Material
-from fenics_contact.scene_steps import SolverSettings, Steps
+from fenics_contact.scene_steps import SolverSettings as SolverSettings
+from fenics_contact.scene_steps import Steps as Steps
 from fenics_contact.scene_values import (
     AXES,
     RAMP,

@@ -73,7 +73,7 @@ class Profile:
 
     def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values at points of shape (3, n), shape (n,)."""
-        return np.interp(points[AXES.index(self.along)], self.at, self.values)
+        return np.asarray(np.interp(points[AXES.index(self.along)], self.at, self.values))
 
 
 PositionFunction = Callable[[NDArray[np.float64]], Any]

@@ -289,18 +289,6 @@ def test_machine_failure_and_interrupt(folder, capsys, monkeypatch, error, code,
     assert words in capsys.readouterr().err
 
 
-@pytest.mark.serial
-def test_usage_errors_exit_2(capsys):
-    for arguments in ([], ["fly"], ["run"]):
-        with pytest.raises(SystemExit) as stop:
-            main(arguments)
-        assert stop.value.code == 2
-    with pytest.raises(SystemExit) as stop:
-        main(["--help"])
-    assert stop.value.code == 0
-    assert "Exit codes" in capsys.readouterr().out
-
-
 def test_report_of_nothing_is_refused(folder, capsys):
     assert main(["report", str(folder)]) == 2
     assert "result.json: cannot be read" in error_of(capsys)

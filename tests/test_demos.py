@@ -298,7 +298,7 @@ def test_an_error_on_one_rank_alone_ends_the_others(tmp_path):
     script = tmp_path / "one_rank_fails.py"
     script.write_text(
         "import fenics_contact\n"
-        "from fenics_contact.cli import guarded\n"
+        "from fenics_contact.commands import guarded\n"
         "from mpi4py import MPI\n"
         "def action():\n"
         "    if MPI.COMM_WORLD.rank == 1:\n"

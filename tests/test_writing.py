@@ -27,7 +27,7 @@ from fenics_contact import (
     main,
     report,
 )
-from fenics_contact.cli import guarded
+from fenics_contact.commands import guarded
 from fenics_contact.errors import MachineError
 from fenics_contact.state_file import StateFile
 from fenics_contact.writing import append, replace_file
