@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import tomlkit
 from pydantic.fields import FieldInfo
+from tomlkit.items import Table
 
 from fenics_contact.errors import InputError
 from fenics_contact.scene import Scene
@@ -26,8 +27,6 @@ _NOT_RUNNABLE = (
     f"# This file cannot be run: what was {MADE_IN_PYTHON} is not in it. Run that script again.\n"
 )
 _WIDTH = 96  # of a line; longer lists have a line an entry
-_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
-_ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 _WHOLE = 1e15  # below it, floats that are whole numbers are written as these
 
 
@@ -83,9 +82,8 @@ def scene_text(scene: Scene) -> str:
     if not scene.mesh:
         table["mesh"] = _Foreign(MADE_IN_PYTHON)
     titled = {key: table[key] for key in sorted(table, key=lambda key: key != "title")}
-    lines = "\n".join(_written(titled, ()))
     foreign = any(isinstance(text, _Foreign) for text in _texts(table))
-    return f"{_NOT_RUNNABLE if foreign else ''}{_HEAD}\n{lines}\n"
+    return f"{_NOT_RUNNABLE if foreign else ''}{_HEAD}\n{tomlkit.dumps(_item(titled))}"
 
 
 def _path_from(folder: Path, file: str) -> str:
@@ -132,6 +130,8 @@ def _plain(value: Any, key: str = "") -> Any:
         return _plain(value[0]) if single else [_plain(entry) for entry in value]
     if callable(value):
         return _Foreign(f"{getattr(value, '__name__', 'a function')}, {MADE_IN_PYTHON}")
+    if isinstance(value, float) and value.is_integer() and abs(value) < _WHOLE:
+        return int(value)
     return value
 
 
@@ -144,60 +144,20 @@ def _texts(value: Any) -> Iterator[str]:
             yield from _texts(entry)
 
 
-def _written(table: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[str]:
-    """The lines of a table: its values first, as TOML wants it, then the tables in it."""
-    tables = {key: value for key, value in table.items() if _has_header(value)}
-    for key, value in table.items():
-        if key not in tables:
-            yield from _line(f"{_key(key)} = ", value)
-    for key, value in tables.items():
-        inner = (*path, key)
-        name = ".".join(map(_key, inner))
-        for entry in value if isinstance(value, list) else [value]:
-            yield ""
-            yield f"[[{name}]]" if isinstance(value, list) else f"[{name}]"
-            yield from _written(entry, inner)
-
-
-def _has_header(value: Any) -> bool:
-    if isinstance(value, list):
-        return bool(value) and all(map(_has_header, value))
-    return isinstance(value, dict) and not isinstance(value, _Inline)
-
-
-def _line(start: str, value: Any) -> Iterator[str]:
-    line = start + _value(value)
-    if len(line) <= _WIDTH or not isinstance(value, list):
-        yield line
-        return
-    yield f"{start}["
-    yield from (f"    {_value(entry)}," for entry in value)
-    yield "]"
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, float):
-        is_whole = value.is_integer() and abs(value) < _WHOLE
-        return str(int(value)) if is_whole else float.__repr__(value)
-    if isinstance(value, list):
-        return f"[{', '.join(map(_value, value))}]"
+def _item(value: Any) -> Any:
+    """The same for tomlkit, which gives tables headers."""
+    if isinstance(value, _Inline):
+        inline = tomlkit.inline_table()
+        inline.update({key: _item(entry) for key, entry in value.items()})
+        return inline
     if isinstance(value, dict):
-        pairs = ", ".join(f"{_key(key)} = {_value(entry)}" for key, entry in value.items())
-        return f"{{ {pairs} }}" if pairs else "{}"
-    return _text(value) if isinstance(value, str) else str(value)
-
-
-def _key(name: str) -> str:
-    return name if _BARE_KEY.fullmatch(name) else _text(name)
-
-
-def _text(text: str) -> str:
-    """In quotes; what a line cannot hold is escaped, and what UTF-8 cannot is a question mark."""
-    text = text.encode("utf-8", "replace").decode("utf-8")
-    return f'"{"".join(_ESCAPES.get(sign) or _unseen(sign) for sign in text)}"'
-
-
-def _unseen(sign: str) -> str:
-    return f"\\u{ord(sign):04x}" if ord(sign) < 0x20 or ord(sign) == 0x7F else sign
+        return tomlkit.item({key: _item(entry) for key, entry in value.items()})
+    if not isinstance(value, list):
+        # what UTF-8 cannot hold is a question mark
+        return value.encode("utf-8", "replace").decode() if isinstance(value, str) else value
+    items = [_item(entry) for entry in value]
+    if items and all(isinstance(item, Table) for item in items):
+        return tomlkit.item(items)
+    array = tomlkit.array()
+    array.extend(items)
+    return array.multiline(len(array.as_string()) > _WIDTH)
