@@ -60,9 +60,7 @@ def times(factor: float) -> str:
     return "" if factor == 1 else f", displacements × {factor:g}"
 
 
-def _caption(
-    view: View, contacts: list[tuple[ContactTable, dict[str, Any]]], beyond: float
-) -> str:
+def _caption(view: View, contacts: list[tuple[ContactTable, dict[str, Any]]], beyond: float) -> str:
     said = "The deformed body, coloured by the von Mises stress σ_VM"
     if beyond:
         said += f" (at single points up to {beyond:.3g})"

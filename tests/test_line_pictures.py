@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fenics_contact.axis_stress import AxisStress, contact_radius
-from fenics_contact.body_picture import read_body
+from fenics_contact.body_fields import read_body
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.surface_displacement import SurfaceDisplacement
 from fenics_contact.verification import formulas
