@@ -197,7 +197,8 @@ def _quantities(result: dict[str, Any]) -> Html:
 
 
 def _figure(picture: Picture) -> Html:
-    image = Html(f'<img src="{data_uri(picture.path)}" alt="{html(picture.title)}">')
+    name, address = html(picture.path.name), data_uri(picture.path)
+    image = Html(f'<img src="{address}" alt="{html(picture.title)}" data-file="{name}">')
     words = joined([element("b", f"{picture.title}."), picture.caption], " ")
     return element("figure", joined([image, element("figcaption", words)]))
 
