@@ -41,9 +41,10 @@ _OF_ERRORS = (
     "half-space that is meshed. A ? was not estimated."
 )
 _OF_STEPS = (
-    "The imbalance is the largest force out of balance at a node, before the first Newton step and "
-    "after the last, and the one that counts as none. The contraction is by how much a pass of the "
-    "loop on the pressure multiplies differences; below 1 the loop settles by itself."
+    "The imbalance is the sum of all nodal forces that are out of balance, before the first Newton "
+    "step and after the last, and the one that counts as none. Outer passes are those of the loop on "
+    "the pressure; a pass multiplies differences by the contraction, and below 1 the loop settles by "
+    "itself."
 )
 _TO_TRY = (
     "What the verdict above says comes first: it knows where the run ended.",
@@ -196,7 +197,8 @@ def _quantities(result: dict[str, Any]) -> Html:
 
 
 def _figure(picture: Picture) -> Html:
-    image = Html(f'<img src="{data_uri(picture.path)}" alt="{html(picture.title)}">')
+    name, address = html(picture.path.name), data_uri(picture.path)
+    image = Html(f'<img src="{address}" alt="{html(picture.title)}" data-file="{name}">')
     words = joined([element("b", f"{picture.title}."), picture.caption], " ")
     return element("figure", joined([image, element("figcaption", words)]))
 

@@ -29,7 +29,7 @@ def checks_table(result: dict[str, Any]) -> Html:
     for name, check in result["checks"].items():
         passed = check["passed"]
         verdict = element("span", "ok" if passed else "FAILED", kind="ok" if passed else "bad")
-        numbers = [written(check["value"]), written(check["limit"])]
+        numbers = [_short(check["value"]), _short(check["limit"])]
         rows.append([words(name), verdict, *numbers, _use(check), compares(name)])
     return table(rows, "Checks of the physics")
 
@@ -71,11 +71,22 @@ def quantities_table(found: dict[str, Any], caption: str) -> Html:
     """Quantities of a result or a contact, each with its error bar where there are some."""
     errors = found.get("errors") or {}
     bars = [error_bar(errors.get(name)) for name in found["quantities"]]
-    rows: list[list[str]] = [["quantity", "value", *(["± estimated error"] if any(bars) else [])]]
+    head = ["quantity", "value", "± estimated error", "relative"]
+    rows: list[list[str]] = [head if any(bars) else head[:2]]
     for (name, value), width in zip(found["quantities"].items(), bars, strict=True):
-        said = ["± " + width if width else "not estimated"] if any(bars) else []
+        said = _with_share(width, value) if any(bars) else []
         rows.append([words(name), written(value), *said])
     return table(rows, caption)
+
+
+def _with_share(width: str, value: Any) -> list[str]:
+    """An error bar, and what share it is of the value, of vectors of their length."""
+    if not width:
+        return ["not estimated", ""]
+    number, _, more = width.partition(" ")
+    size = math.hypot(*value) if isinstance(value, list) else abs(value)
+    share = f"{100 * float(number) / size:.2g} %" if size else ""
+    return [f"± {float(number):.2g} {more}".rstrip(), share]
 
 
 def errors_table(result: dict[str, Any]) -> Html:
@@ -107,7 +118,10 @@ def contact_table(contact: dict[str, Any]) -> Html:
     kind = {"contact": contact["contact"], "friction law": contact["law"]}
     kind |= {key: contact[key] for key in _OF_A_CONTACT if key in contact}
     name = f"'{contact['name']}'"
-    said = [plain_table({**kind, **contact["parameters"]}, f"Contact {name}")]
+    said = [
+        element("h3", contact["name"]),
+        plain_table({**kind, **contact["parameters"]}, f"Contact {name}"),
+    ]
     if contact["quantities"]:
         said.append(quantities_table(contact, f"Quantities of {name}"))
     return joined(said)
@@ -163,6 +177,10 @@ def plain_table(values: dict[str, Any], caption: str) -> Html:
 def words(name: str) -> str:
     """A key as text."""
     return name.replace("_", " ")
+
+
+def _short(value: float | None) -> str:
+    return "not a number" if value is None else f"{value:.3g}"
 
 
 def written(value: Any) -> str:
