@@ -44,7 +44,7 @@ def draw_curves(
     heights = [*(_HEIGHTS[name] for name in names), _STRIP]
     title = title_of(names, contact)
     figure, panels = new_figure(
-        title, (WIDE, sum(heights) + _MARGIN), nrows=len(heights), sharex=True, height_ratios=heights
+        f"Along {surface_of(contact)}", (WIDE, sum(heights) + _MARGIN), nrows=len(heights), sharex=True, height_ratios=heights
     )
     low, high = line.view
     shown = np.linspace(low, high, _POINTS)

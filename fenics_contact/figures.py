@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 from fenics_contact.picture_style import STYLE
 from fenics_contact.writing import replaced_file
+
+_LETTER = 0.068  # width of a letter of a title in inches, about
 
 
 @contextmanager
@@ -43,8 +46,10 @@ def new_figure(title: str, size: tuple[float, float], **panels: Any) -> tuple[An
 
 
 def set_title(panel: Any, title: str) -> None:
-    """Set a panel's title, any text: dollars are dollars."""
-    panel.set_title(title.replace("$", r"\$"))
+    """Set a panel's title, any text, on several lines if it is long: dollars are dollars."""
+    columns = panel.get_gridspec().ncols
+    width = int(panel.figure.get_figwidth() / columns / _LETTER)
+    panel.set_title("\n".join(wrap(title.replace("$", r"\$"), width)))
 
 
 def save(figure: Any, path: Path) -> None:
@@ -57,6 +62,7 @@ def save(figure: Any, path: Path) -> None:
     with style():
         with replaced_file(path) as temporary:
             figure.savefig(temporary)
+        figure.set_layout_engine("none")  # as it is now: to lay out again takes as long as to draw
         with replaced_file(path.with_suffix(".pdf")) as temporary:
             figure.savefig(temporary, metadata={"CreationDate": None})
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.figures import new_figure, save
+from fenics_contact.figures import new_figure, save, set_title
 from fenics_contact.history import Drive, History
 from fenics_contact.loops import Loop, last_loop
 from fenics_contact.picture import Picture
@@ -207,7 +207,7 @@ def _loop(panel: Any, drive: Drive, loop: Loop | None, is_sheared: bool) -> None
     symbol, force = (words.split(", ")[-1].strip("$") for words in (drive.moved, drive.force))
     panel.set_xlabel(f"elastic part left out, ${symbol} - C\\,{force}$" if is_sheared else drive.moved)
     panel.set_ylabel(drive.force)
-    panel.set_title(drive.title.replace("$", r"\$"))
+    set_title(panel, drive.title[0].upper() + drive.title[1:])
     if loop is not None and not is_sheared:
         panel.legend(loc="upper left")
 

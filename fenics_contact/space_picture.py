@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.body_fields import cell_edges, nodes_at, outline, surface
+from fenics_contact.body_fields import nodes_at, outline, surface, surface_edges
 from fenics_contact.body_view import View
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.display import display
@@ -22,7 +23,7 @@ _WIDTH, _HEIGHTS, _MARGIN = 1400, (0.45, 0.95), 1.04
 _STATUS = ("OPEN", "STICK", "SLIP")  # values 0, 1, 2 of the field `status`
 _FEW_CELLS = 3000
 _FEW = 60  # points that are drawn larger
-_ARROW, _MOST_ARROWS = 0.07, 200  # longest, over what is shown; and how many
+_ARROW, _APART = 0.06, 0.035  # over what is shown: the longest, and how far they are apart
 
 
 def render(
@@ -75,9 +76,12 @@ def render(
 
 
 def corners_of(view: View) -> Array:
-    """What has to fit into the window: the cells shown, before and after."""
+    """What has to fit into the window: what is shown, before and after, (points, 3) (length)."""
     points = np.asarray(view.body.points, dtype=float)
-    return np.concatenate([points, points + view.factor * np.asarray(view.body["displacement"])])
+    inside = ((points >= view.low) & (points <= view.high)).all(axis=1)
+    moved = points[inside] + view.factor * np.asarray(view.body["displacement"])[inside]
+    box = np.array(list(product(*zip(view.low, view.high, strict=True))))
+    return np.concatenate([box, moved])
 
 
 def _look(
@@ -96,9 +100,10 @@ def _look(
 
 def _add_body(plotter: Any, view: View, limits: tuple[float, float]) -> None:
     """The undeformed outline in grey, the deformed body in colour, its cells in white."""
-    plotter.add_mesh(outline(view.body, 1), color="#606060", line_width=2)
     level = 3 if view.body.n_cells < _FEW_CELLS else 1
-    smooth = surface(view.body, level).warp_by_vector("displacement", factor=view.factor)
+    block = cut_to(view.body, view) if view.is_near else view.body
+    plotter.add_mesh(outline(block, 1), color="#606060", line_width=2)
+    smooth = surface(block, level).warp_by_vector("displacement", factor=view.factor)
     plotter.add_mesh(
         smooth,
         scalars="von Mises stress",
@@ -108,18 +113,21 @@ def _add_body(plotter: Any, view: View, limits: tuple[float, float]) -> None:
         ambient=0.4,
         diffuse=0.7,
     )
-    cells = _visible_edges(view)
-    cells.points[:] += 1e-4 * view.size * view.towards  # in front of the faces
+    cells = surface_edges(view.body)
+    cells = cut_to(cells, view) if view.is_near else cells
+    cells = cells.warp_by_vector("displacement", factor=view.factor)
+    cells.points[:] += 1e-3 * view.size * view.towards  # in front of the faces
     plotter.add_mesh(cells, color="white", line_width=1.5, opacity=0.6)
 
 
-def _visible_edges(view: View) -> Any:
-    """The sides of the cells on the surface, moved; of many cells straight ones."""
-    if view.body.n_cells < _FEW_CELLS:
-        cells = cell_edges(view.body)
-    else:
-        cells = surface(view.body, 0).extract_all_edges()
-    return cells.warp_by_vector("displacement", factor=view.factor)
+def cut_to(shape: Any, view: View) -> Any:
+    """What of it lies inside the view."""
+    for axis, normal in enumerate("xyz"):
+        if shape.n_cells and shape.bounds[2 * axis + 1] > view.high[axis]:
+            shape = shape.clip(normal, origin=view.high)
+        if shape.n_cells and shape.bounds[2 * axis] < view.low[axis]:
+            shape = shape.clip("-" + normal, origin=view.low)
+    return shape
 
 
 def _add_obstacle(
@@ -141,11 +149,11 @@ def _add_obstacle(
     corners = triangles.get_masked_triangles()
     faces = np.hstack([np.full((len(corners), 1), 3), corners]).ravel()
     shape = pyvista.PolyData(obstacle.at(view.factor)[inside], faces)
-    plotter.add_mesh(shape, color="#808b96", opacity=0.25, lighting=False)
+    plotter.add_mesh(shape, color="#d5d8dc", opacity=0.3, lighting=False)
     rim = shape.extract_feature_edges(
         boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
     )
-    plotter.add_mesh(rim, color="#404040", line_width=2)
+    plotter.add_mesh(rim, color="#202020", line_width=2)
 
 
 def _in_front(view: View, points: Array, steps: float = 1.0) -> Array:
@@ -167,7 +175,7 @@ def _add_points(plotter: Any, view: View) -> None:
         mine = np.isin(status, [_STATUS.index(kind) for kind in mark.status]) & inside
         if not mine.any():
             continue
-        for colour, wider, steps in (("#303030", 4, 1.0), (mark.colour, 0, 1.02)):
+        for colour, wider, steps in (("#303030", 3, 1.0), (mark.colour, 0, 1.5)):
             cloud = pyvista.PolyData(_in_front(view, moved[mine], steps))
             plotter.add_mesh(
                 cloud,
@@ -179,7 +187,7 @@ def _add_points(plotter: Any, view: View) -> None:
 
 
 def _add_slip(plotter: Any, body: Any, view: View, contacts: Contacts) -> None:
-    """Arrows of the slip, where there is some, the longest first if there are many."""
+    """Arrows of the slip, where there is some, not at every point where these are close."""
     import pyvista
 
     starts, slips = [], []
@@ -196,8 +204,9 @@ def _add_slip(plotter: Any, body: Any, view: View, contacts: Contacts) -> None:
     sizes = np.linalg.norm(slip, axis=1)
     if not sizes.any():
         return
-    shown = np.argsort(-sizes, kind="stable")[:: max(1, len(sizes) // _MOST_ARROWS)]
-    cloud = pyvista.PolyData(_in_front(view, np.concatenate(starts)[shown], 1.04))
+    places = np.concatenate(starts)
+    _, shown = np.unique(np.round(places / (_APART * view.size)), axis=0, return_index=True)
+    cloud = pyvista.PolyData(_in_front(view, places[shown], 2.5))
     cloud["slip"] = slip[shown] / sizes.max()
     arrow = pyvista.Arrow(tip_length=0.35, tip_radius=0.13, shaft_radius=0.045)
     glyphs = cloud.glyph(orient="slip", scale="slip", factor=_ARROW * view.size, geom=arrow)

@@ -41,7 +41,7 @@ def relative_curvature(rows: ContactTable, body: Any) -> Curvature | None:
         body: A pyvista grid of both bodies.
     """
     x, y = rows.numbers["x"], rows.numbers["y"]
-    regions = np.asarray(body.connectivity()["RegionId"])
+    regions = np.asarray(body.connectivity().point_data["RegionId"])
     if len(np.unique(regions)) != 2 or np.ptp(x) < 2 * np.ptp(y):
         return None
     points = np.asarray(body.points)
@@ -50,7 +50,7 @@ def relative_curvature(rows: ContactTable, body: Any) -> Curvature | None:
     ends = segments(outline(body.extract_points(regions != own, adjacent_cells=False)))[:, :, :2]
     along = np.abs(np.diff(ends, axis=1))[:, 0]
     near = (ends[:, 0, 0] >= x.min()) & (ends[:, 0, 0] <= x.max()) & (along[:, 1] < along[:, 0])
-    height = np.abs(ends[:, 0, 1] - np.interp(ends[:, 0, 0], *np.array(sorted(zip(x, y))).T))
+    height = np.abs(ends[:, 0, 1] - np.interp(ends[:, 0, 0], x[np.argsort(x)], y[np.argsort(x)]))
     near &= height < 0.5 * np.ptp(x)
     if near.sum() < 5 or len(x) < 5:
         return None
