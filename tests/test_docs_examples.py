@@ -31,8 +31,10 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").r
 PAGES = [page for page in PAGES if not {"_build", "gallery"} & set(page.parts)]
 COMMANDS = ("run", "check", "report", "verify", "new")
 # Programs of others, whose words are not looked at.
-OTHERS = """. alias apptainer bash cd code= docker done export exit fc fi for git if mkdir mpirun
-    pip rm sbatch scontrol set source srun then""".split()
+OTHERS = set(
+    ". alias apptainer bash cd code= docker done export exit fc fi "
+    "for git if mkdir mpirun pip rm sbatch scontrol set source srun then".split()
+)
 # README has no comments: the first line of its fragments → what each is of.
 README = {
     "accuracy = 1e-3                   # relative, of force, peak pressure and areas; or a table, "
@@ -95,7 +97,7 @@ def copy_of_repository(tmp_path, monkeypatch):
 
 def merged(base, change):
     """A table with what another one says instead; of lists the entries in order."""
-    if isinstance(base, list) and isinstance(change, dict):  # [contact.x] is of the last [[contact]]
+    if isinstance(base, list) and isinstance(change, dict):  # of the last [[contact]]
         return [*base[:-1], merged(base[-1], change)]
     if isinstance(base, list) and isinstance(change, list):
         if not all(isinstance(entry, dict) for entry in [*base, *change]):
@@ -104,8 +106,7 @@ def merged(base, change):
         return same + change[len(base) :] + base[len(change) :]
     if isinstance(base, dict) and isinstance(change, dict):
         return base | {
-            key: merged(base[key], value) if key in base else value
-            for key, value in change.items()
+            key: merged(base[key], value) if key in base else value for key, value in change.items()
         }
     return change
 
@@ -179,6 +180,7 @@ def names_of(data):
             yield from (entry[key] for key in ("on", "against") if key in entry)
 
 
+@pytest.mark.errors
 @pytest.mark.parametrize("block", of_language("python"), ids=str)
 def test_python(block, copy_of_repository):
     exec(compile(block.text, str(block), "exec"), {"__name__": "__example__"})

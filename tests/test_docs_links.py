@@ -1,7 +1,8 @@
-"""Links of the pages, as they are read in the repository: each leads to a file, and to a heading."""
+"""Links of the pages as they stand in the repository: each leads to a file, and to a heading."""
 
 import functools
 import re
+from itertools import pairwise
 
 import pytest
 from markdown_it import MarkdownIt
@@ -25,11 +26,7 @@ def links_of(page):
 def anchors_of(page):
     """Anchors of a page's headings, as GitHub and MyST make them."""
     tokens = MarkdownIt().parse(page.read_text(encoding="utf-8"))
-    titles = [
-        after.content
-        for before, after in zip(tokens, tokens[1:], strict=False)
-        if before.type == "heading_open"
-    ]
+    titles = [after.content for before, after in pairwise(tokens) if before.type == "heading_open"]
     return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
 
 
