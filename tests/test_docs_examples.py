@@ -31,10 +31,20 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").r
 PAGES = [page for page in PAGES if not {"_build", "gallery"} & set(page.parts)]
 COMMANDS = ("run", "check", "report", "verify", "new")
 # Programs of others, whose words are not looked at.
-OTHERS = set(
-    ". alias apptainer bash cd code= docker done export exit fc fi "
-    "for git if mkdir mpirun pip rm sbatch scontrol set source srun then".split()
-)
+OTHERS = {
+    "alias",
+    "apptainer",
+    "cd",
+    "docker",
+    "exit",
+    "export",
+    "fc",
+    "fi",
+    "if",
+    "mkdir",
+    "mpirun",
+}
+OTHERS |= {"pip", "rm", "sbatch", "scontrol", "source", "srun"}
 # README has no comments: the first line of its fragments → what each is of.
 README = {
     "accuracy = 1e-3                   # relative, of force, peak pressure and areas; or a table, "
