@@ -97,7 +97,8 @@ def _check(options: argparse.Namespace) -> int:
         model = prepared.model
         plan = adaptive_plan(prepared)
     if comm.rank == 0 and not options.quiet:
-        print_model(scene, model, prepared.contacts(), plan)
+        groups = prepared.problem.body.known_groups()
+        print_model(scene, model, groups, prepared.contacts(), plan)
     return 0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import logging
 import re
 from collections.abc import Iterator, Sequence
@@ -101,8 +102,7 @@ def given(options: dict[str, str], comm: MPI.Comm) -> Iterator[None]:
 
 def _report_unused(options: dict[str, str], comm: MPI.Comm) -> None:
     """Name what was used on no rank."""
-    database = PETSc.Options()
-    used = [name for name in options if database.used(name)]
+    used = [name for name in options if is_used(name)]
     used_anywhere = {name for names in comm.allgather(used) for name in names}
     unused = {name: value for name, value in options.items() if name not in used_anywhere}
     if unused:
@@ -111,6 +111,17 @@ def _report_unused(options: dict[str, str], comm: MPI.Comm) -> None:
             "run's? Those of PETSc as a whole, such as -log_view, go into PETSC_OPTIONS",
             _listed(unused),
         )
+
+
+def is_used(name: str) -> bool:
+    """Whether PETSc was asked for an option on this rank; older petsc4py does not say.
+
+    Args:
+        name: With its prefix, without a dash.
+    """
+    found = ctypes.c_int(0)  # PETSc writes one byte or four, by its version
+    ctypes.CDLL(PETSc.__file__).PetscOptionsUsed(None, name.encode(), ctypes.byref(found))
+    return bool(found.value)
 
 
 def _listed(options: dict[str, str]) -> str:
