@@ -113,14 +113,16 @@ def draw_axis_stress(
         r"$\tau = |\sigma_{zz} - \sigma_{rr}|\,/\,2$",
     )
     computed = (stress.axial, stress.radial, stress.shear)
+    joined = "none" if analytic is not None and not analytic.punch else "-"
     for values, label, (colour, _), mark in zip(computed, labels, LINES, "os^", strict=False):
         panel.plot(
             values[shown] / unit,
             stress.depth[shown] / radius,
-            mark,
+            marker=mark,
+            linestyle=joined,
             color=colour,
             markerfacecolor="white",
-            markevery=max(int(shown.sum()) // 14, 1),
+            markevery=0.06,
             label=label,
         )
     said = ""

@@ -148,7 +148,7 @@ def draw_section(
         return None
     across, up = section.high - section.low
     height = float(np.clip(0.8 * WIDE * up / across, *_HEIGHTS))
-    title = f"Stress below {surface_of(contact)}"
+    title = f"Stress near {surface_of(contact)}"
     figure, (panel,) = new_figure(title, (WIDE, height + 0.45))
     from matplotlib.ticker import MaxNLocator
 
