@@ -188,7 +188,7 @@ def _conclude(result: Result, folder: Path, pictures: bool) -> int:
     comm = MPI.COMM_WORLD
     if comm.rank == 0 and (logger.isEnabledFor(logging.INFO) or not result.passed):
         print_result(result, folder)
-    if pictures and result.converged:
+    if pictures:
         on_root(comm, lambda: _draw(folder))
     return result.exit_code
 

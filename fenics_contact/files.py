@@ -1,4 +1,4 @@
-"""Result files: ``result.json``, ``contact.csv``, ``steps.csv``, fields (see ``interface``)."""
+"""A run's files: ``scene.toml``, ``result.json``, ``contact.csv``, ``steps.csv``, fields."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from fenics_contact.fields import FieldSeries
 from fenics_contact.parallel import on_root
 from fenics_contact.result import ContactPoints, Result
 from fenics_contact.scene import Steps
+from fenics_contact.scene_writing import write_scene
 from fenics_contact.simulation import Run
 from fenics_contact.state_file import SavedRun, StateFile
 from fenics_contact.step_table import StepTable
@@ -87,11 +88,25 @@ def solve_and_write(
         MachineError: A file could not be written; those of before are whole.
     """
     with failing_together(run.problem.comm):
-        steps = StepFiles(run, folder, None if saved is None else saved.last.unknowns.time)
-        result = run.solve(state, saved, stopped, announce, steps.add, guess)
-        with run.timings.phase("output"):
-            steps.complete()
-        _finish(run, result, folder)
+        _write_scene(run, folder)
+        return _solve(run, folder, state, saved, stopped, announce, guess)
+
+
+def _solve(
+    run: Run,
+    folder: Path,
+    state: StateFile | None,
+    saved: SavedRun | None,
+    stopped: Callable[[], bool] | None,
+    announce: Callable[[int, dict[str, Any]], None] | None,
+    guess: Unknowns | None,
+) -> Result:
+    """As ``solve_and_write``, without the scene."""
+    steps = StepFiles(run, folder, None if saved is None else saved.last.unknowns.time)
+    result = run.solve(state, saved, stopped, announce, steps.add, guess)
+    with run.timings.phase("output"):
+        steps.complete()
+    _finish(run, result, folder)
     return result
 
 
@@ -116,15 +131,16 @@ def solve_levels_and_write(
     """
     comm, aside = first.problem.comm, folder / _LEVEL
     levels = AdaptiveRun(first)
-    on_root(comm, lambda: _clear(folder, f"{_OF_THE_END}|{_OF_STEPS}"))
 
     def solve_level(run: Run, guess: Unknowns | None) -> Result:
-        result = solve_and_write(run, aside, None, None, stopped, announce, guess)
+        result = _solve(run, aside, None, None, stopped, announce, guess)
         if result.converged or not levels.levels:
             on_root(comm, lambda: _take_place(aside, folder))
         return result
 
     with failing_together(comm):
+        on_root(comm, lambda: _clear(folder, f"{_OF_THE_END}|{_OF_STEPS}"))
+        _write_scene(first, folder)
         result = levels.solve(solve_level)
         on_root(comm, lambda: _write_level(result, folder, aside))
     return result
@@ -154,11 +170,22 @@ def write(run: Run, result: Result, folder: Path) -> None:
         MachineError: A file could not be written.
     """
     with failing_together(run.problem.comm):
+        _write_scene(run, folder)
         steps = StepFiles(run, folder)
         steps.catch_up()
         if run.solution is not None:
             steps.add_fields()
         _finish(run, result, folder)
+
+
+def _write_scene(run: Run, folder: Path) -> None:
+    """First of all, so that a run that is killed has said what it was."""
+
+    def written() -> None:
+        make_folder(folder)
+        write_scene(run.scene, folder, run.own_mesh)
+
+    on_root(run.problem.comm, written)
 
 
 def _finish(run: Run, result: Result, folder: Path) -> None:
@@ -225,8 +252,8 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 
 # Files of a run and of its report, and nothing else that may lie in the folder.
 _PICTURES = (
-    r"(deformed|mesh|axis_stress|surface_displacement|history_\w+|contact_\d+)\.png"
-    r"|animation_\d+\.gif"
+    r"(deformed|mesh|axis_stress|surface_displacement|convergence|accuracy|history_\w+"
+    r"|contact_\d+|contact_\d+_formula|stress_\d+)\.(png|pdf)|animation_(body|\d+)\.gif"
 )
 # Those that say how a run ended, which is not true any more when it goes on.
 _OF_THE_END = rf"result\.json|contact\.csv|report\.html|{_PICTURES}"

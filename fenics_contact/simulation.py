@@ -49,6 +49,8 @@ class Run:
     are given back when nobody refers to it any more.
 
     Attributes:
+        scene: What to solve.
+        own_mesh: Whether the mesh was passed, in place of the one that the scene names.
         problem: The model: spaces, energies, forms.
         free_motion: Rigid motions that the supports leave to friction.
         choice: The solver, and how much memory it is to need.
@@ -74,7 +76,7 @@ class Run:
     def __init__(
         self, scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None
     ) -> None:
-        self.scene = scene
+        self.scene, self.own_mesh = scene, body is not None
         self.solution: Solution | None = None
         self.last: Unknowns | None = None
         self.others = OtherAnswers()
@@ -230,6 +232,7 @@ class Run:
                 "outer_contraction": solution.contraction,
                 "attempts": list(solution.attempts),
                 "residual_history": list(solution.residual_history),
+                "imbalance_limit": solution.imbalance_limit,
                 "quantities": quantities,
                 "contacts": [
                     {"name": contact.label, "quantities": found}
