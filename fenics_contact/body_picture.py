@@ -52,7 +52,7 @@ def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path
         picture = render(body, view, contacts, obstacles, (low, high))
         figure, panel = framed(picture, view, (low, high), bool(beyond))
         add_legend(panel, title)
-    save(figure, path)
+    save(figure, path, tight=view.flat)
     return Picture(path, title, _caption(view, contacts, beyond))
 
 

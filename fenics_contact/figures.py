@@ -76,6 +76,12 @@ def save(figure: Any, path: Path, tight: bool = False) -> None:
             figure.savefig(temporary, metadata={"CreationDate": None}, **box)
 
 
+def save_png(figure: Any, path: Path) -> None:
+    """Write a figure as a PNG alone, as the pages of the documentation want it."""
+    with style(), replaced_file(path) as temporary:
+        figure.savefig(temporary)
+
+
 def surface_of(contact: dict[str, Any]) -> str:
     """The surface that a contact of ``result.json`` is of, and the one opposite, in words."""
     if "master" in contact:

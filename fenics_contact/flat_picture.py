@@ -91,6 +91,8 @@ def _draw_obstacle(panel: Any, obstacle: ObstacleSurface, view: View) -> None:
     axis = int(np.argmax(np.ptp(obstacle.points[:, :2], axis=0)))
     order = np.argsort(obstacle.points[:, axis])
     near = obstacle.at(view.factor)[order, :2]
+    if view.axisymmetric and axis == 0 and len(near) > 1 and near[0, 0] < 2 * np.diff(near[:2, 0]):
+        near = np.concatenate([[[0.0, near[0, 1]]], near])  # no contact point lies on the axis
     across = 1 - axis
     up = float(np.sign(obstacle.normals[:, across].mean()))
     behind = near[[-1, 0]]
@@ -128,7 +130,7 @@ def point_look(mark: Mark, few: bool = True) -> dict[str, Any]:
     return mark.look | {
         "markerfacecolor": mark.colour,
         "markeredgecolor": edge,
-        "markeredgewidth": 0.4,
+        "markeredgewidth": 0.4 if few else 0.15,
         "markersize": 4.2 if few else 3.2,
     }
 

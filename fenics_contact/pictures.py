@@ -93,11 +93,8 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Picture]:
         InputError: matplotlib, pyvista or a display is missing; says what to install.
     """
     require("matplotlib", "pyvista")
-    table, body, scene = (
-        ContactTable.read(folder / "contact.csv"),
-        read_body(folder),
-        _scene(folder),
-    )
+    table, body = ContactTable.read(folder / "contact.csv"), read_body(folder)
+    scene = _scene(folder)
     run = _Run(folder, result, table, body, scene, recognise(scene, result, table, body))
     with style():
         return [

@@ -47,7 +47,7 @@
       const stands = moved(axis, factor, obstacle);
       (data.flat ? obstacleLines : obstacleTriangles).forEach((n) => hold(stands[n]));
     });
-    return [low - 0.01 * (high - low), high + 0.01 * (high - low)];
+    return [low - 0.02 * (high - low), high + 0.02 * (high - low)];
   }
   const whole = axes.map(boxOf);
   // Unit normals at the points: lines lie a little before the surface.
@@ -116,10 +116,10 @@
   }
   function sides(x, y, z) {
     const line = { type: "scatter3d", mode: "lines", hoverinfo: "skip", showlegend: false,
-      line: { color: "rgba(255,255,255,0.4)", width: 2 }, x: [], y: [], z: [] };
+      line: { color: "#98a4ac", width: 1.5 }, x: [], y: [], z: [] };
     const before = data.flat
       ? 0.5 * depth(box())
-      : 0.004 * Math.hypot(...box().map((range) => range[1] - range[0]));
+      : 0.003 * Math.hypot(...box().map((range) => range[1] - range[0]));
     [[line.x, x], [line.y, y], [line.z, z]].forEach(([pieces, from], axis) => {
       for (let n = 0; n < ends.length; n++) {
         pieces.push(from[ends[n]] + before * outward[3 * ends[n] + axis]);
