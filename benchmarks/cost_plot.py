@@ -10,36 +10,42 @@ from typing import Any
 
 from cost_measure import is_wide, limit_of
 
-from fenics_contact.figures import new_figure, save
+from fenics_contact.figures import new_figure, save_png, style
+from fenics_contact.picture_style import DOUBLE, LINES
 
 MARKERS = {"Q2": "o", "P1 tets": "^", "P2 tets": "v", "Q1 hexes": "s", "Q2 hexes": "D"}
-GREYS = {"Q2": "0.1", "P1 tets": "0.65", "P2 tets": "0.4", "Q1 hexes": "0.55", "Q2 hexes": "0.1"}
+COLOURS = dict(zip(MARKERS, (colour for colour, _ in LINES), strict=False))
 APPLIES_TO = {1.4: ",\ncontact ≤ 2.5 %", 2.0: ",\ncontact 8 %", 3.0: ",\niterative"}
 
 
 def plot(rows: list[dict[str, Any]], path: Path) -> None:
     """Draw the rows of one load step, but for what is far above the others."""
+    with style():
+        _plot(rows, path)
+
+
+def _plot(rows: list[dict[str, Any]], path: Path) -> None:
     from matplotlib.ticker import LogLocator
 
     shown = [row for row in rows if row["steps"] == 1 and not _is_far_above(row)]
     titles = sorted({_title(row) for row in shown})
-    size = (4.8 * len(titles), 4.2)
+    size = (DOUBLE * max(1.0, len(titles) / 3), 3.0)
     figure, panels = new_figure("", size, ncols=len(titles), sharey=True)
-    figure.suptitle("Frictional solve over linear solve", fontsize=11)
+    figure.suptitle("Frictional solve over linear solve", x=0.01, ha="left", fontsize=8.5)
     for panel, title in zip(panels, titles, strict=True):
         chosen = [row for row in shown if _title(row) == title]
         for label, points in _lines(chosen).items():
-            panel.semilogx(*points, markersize=7, linewidth=1.0, label=label, **_style(label))
+            panel.semilogx(*points, markersize=4.5, linewidth=0.9, label=label, **_style(label))
         _draw_limits(panel, chosen)
-        panel.set_title(title, fontsize=10)
+        panel.set_title(title)
         panel.set_xlabel("dofs")
         panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         panel.xaxis.set_major_formatter(lambda value, _: f"{value / 1000:g}k")
         panel.xaxis.set_minor_formatter("")
-        panel.legend(frameon=False, fontsize=8, loc="lower right")
+        panel.legend(loc="lower right")
     panels[0].set_ylabel("ratio")
     panels[0].set_ylim(0.0, 1.05 * max([3.0, *(row["ratio"] for row in shown)]))
-    save(figure, path)
+    save_png(figure, path)
 
 
 def _is_far_above(row: dict[str, Any]) -> bool:
@@ -70,8 +76,8 @@ def _style(label: str) -> dict[str, Any]:
     element, *special = label.split(", ")
     return {
         "marker": MARKERS[element],
-        "color": GREYS[element],
-        "markerfacecolor": "white" if special else GREYS[element],
+        "color": COLOURS[element],
+        "markerfacecolor": "white" if special else COLOURS[element],
         "linestyle": "--" if special else "-",
     }
 
@@ -85,6 +91,6 @@ def _draw_limits(panel: Any, rows: list[dict[str, Any]]) -> None:
             (1.01, limit),
             xycoords=("axes fraction", "data"),
             va="center",
-            fontsize=8,
+            fontsize=7,
             color="0.3",
         )

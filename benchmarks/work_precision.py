@@ -19,13 +19,14 @@ from rich.console import Console
 from rich.table import Table
 
 from fenics_contact import Result, Scene, run
-from fenics_contact.figures import new_figure, save
+from fenics_contact.figures import new_figure, save_png, style
+from fenics_contact.picture_style import DOUBLE, LINES
 
 COLOURS = {
-    "P1 uniform": "#c0392b",
-    "Q2 uniform": "#e67e22",
-    "Q2 graded": "#2e86c1",
-    ADAPTIVE: "#1b2631",
+    ADAPTIVE: LINES[0][0],
+    "Q2 uniform": LINES[1][0],
+    "Q2 graded": LINES[2][0],
+    "P1 uniform": LINES[3][0],
 }
 MARKERS = {"P1 uniform": "^", "Q2 uniform": "s", "Q2 graded": "v", ADAPTIVE: "o"}
 TARGETS = (1e-2, 1e-3)
@@ -98,16 +99,22 @@ def print_table(case: Case, rows: list[dict[str, Any]]) -> None:
 
 def plot(case: Case, rows: list[dict[str, Any]], path: Path) -> None:
     """A panel a quantity: true and estimated error against seconds."""
+    with style():
+        _plot(case, rows, path)
+
+
+def _plot(case: Case, rows: list[dict[str, Any]], path: Path) -> None:
     from matplotlib.ticker import LogLocator
 
     names = list(case.references)
-    figure, panels = new_figure("", (3.4 * len(names), 4.6), ncols=len(names), sharey=True)
-    figure.suptitle(case.title, fontsize=11)
+    size = (DOUBLE * max(1.0, len(names) / 4), 3.2)
+    figure, panels = new_figure("", size, ncols=len(names), sharey=True)
+    figure.suptitle(case.title, x=0.01, ha="left", fontsize=8.5)
     for panel, quantity in zip(panels, names, strict=True):
         for method in case.levels:
             one = select(rows, case=case.name, quantity=quantity, method=method)
             seconds = [row["seconds"] for row in one]
-            style = {"color": COLOURS[method], "markersize": 5, "linewidth": 1.2}
+            style = {"color": COLOURS[method], "markersize": 3.5, "linewidth": 1.0}
             panel.loglog(
                 seconds, [r["error"] for r in one], marker=MARKERS[method], label=method, **style
             )
@@ -121,15 +128,15 @@ def plot(case: Case, rows: list[dict[str, Any]], path: Path) -> None:
             )
         for target in TARGETS:
             panel.axhline(target, color="0.75", linewidth=0.8, zorder=0)
-        panel.set_title(quantity.replace("_", " "), fontsize=10)
+        panel.set_title(quantity.replace("_", " "))
         panel.set_xlabel("seconds")
         panel.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
         panel.xaxis.set_major_formatter("{x:g}")
         panel.xaxis.set_minor_formatter("")
     panels[0].set_ylabel("relative error (dotted: estimated)")
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
-    save(figure, path)
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    save_png(figure, path)
 
 
 def chosen_cases(names: list[str]) -> list[Case]:

@@ -15,10 +15,10 @@ import numpy as np
 
 from fenics_contact import Run, files
 from fenics_contact.animation import Film, draw_film
-from fenics_contact.body_picture import read_series, times_of_fields
+from fenics_contact.body_fields import read_series, times_of_fields
 from fenics_contact.contact_table import ContactTable
-from fenics_contact.figures import new_figure, save
-from fenics_contact.picture_style import COLOURS
+from fenics_contact.figures import new_figure, save_png, style
+from fenics_contact.picture_style import COLOURS, DOUBLE, FORMULA
 from fenics_contact.report import read_result
 from fenics_contact.scene_file import load_scene
 from fenics_contact.surface_line import SurfaceLine
@@ -35,7 +35,8 @@ def filmed(demo: str, folder: Path) -> tuple[Any, dict[str, Any], Film]:
     files.solve_and_write(Run(scene), folder)
     result, rows = read_result(folder), ContactTable.read(folder / "contact.csv")
     series = read_series(folder, range(len(times_of_fields(folder))))
-    return scene, result, Film.of(series, rows, result["contacts"][0], result)
+    far = (", ".join(scene.half_space.on),)
+    return scene, result, Film.of(series, rows, result["contacts"][0], result, far)
 
 
 def draw_cycle(scene: Any, film: Film) -> None:
@@ -56,22 +57,22 @@ def draw_cycle(scene: Any, film: Film) -> None:
     ends = [TURNS[1], TURNS[2]]
     stiff = (np.diff(moved[ends]) - 2 * added(np.array(turn))) / np.diff(force[ends])
     slipped = moved - stiff * force
-    figure, panels = new_figure("Parabola moved to and fro: the loop", (10, 4.4), ncols=2)
+    figure, panels = new_figure("Parabola moved to and fro: the loop", (DOUBLE, 3.3), ncols=2)
     first, rest = slice(0, TURNS[0] + 1), slice(TURNS[0], None)
-    panels[0].plot(back, there, color="0", linewidth=1, label="formula")
-    panels[0].plot(-back, -there, color="0", linewidth=1)
+    panels[0].plot(back, there, label="formula", **FORMULA)
+    panels[0].plot(-back, -there, **FORMULA)
     up = np.linspace(0, turn, 101)
-    panels[0].plot(added(up), up, "--", color="0", linewidth=1, label="formula, first quarter")
+    panels[0].plot(added(up), up, "--", label="formula, first quarter", **FORMULA)
     for part, key, size, label in (
-        (first, "SLIP", 5, "first quarter"),
-        (rest, "STICK", 4, "two cycles"),
+        (first, "SLIP", 4, "first quarter"),
+        (rest, "STICK", 3, "two cycles"),
     ):
         panels[0].plot(
             slipped[part], force[part], "o", color=COLOURS[key], markersize=size, label=label
         )
     panels[0].set_xlabel(r"displacement beyond sticking, $(\delta - C\,Q)\,\pi E^* / \mu P$")
     panels[0].set_ylabel(r"force along the surface, $Q / \mu P$")
-    panels[0].legend(frameon=False, fontsize=9, loc="upper left")
+    panels[0].legend(loc="upper left")
     shades = {15: "0.75", 19: "0.5", 22: "0.25", 25: "0"}
     for number, shade in shades.items():
         line = SurfaceLine.of(film.frames[number], film.contact)
@@ -80,13 +81,13 @@ def draw_cycle(scene: Any, film: Film) -> None:
     bound = contact.friction_coefficient * line.rows.numbers["contact_pressure"]
     for side in (1, -1):
         panels[1].plot(line.position, side * bound, "--", color=COLOURS["SLIP"], linewidth=1)
-    panels[1].set_title(r"Friction on the way back, and $\pm\mu p$", loc="left", fontsize=11)
+    panels[1].set_title(r"Friction on the way back, and $\pm\mu p$")
     panels[1].set_xlim(-1.3, 1.3)
     panels[1].set_ylim(top=1.6 * bound.max())
     panels[1].set_xlabel("position along the surface, $x$")
     panels[1].set_ylabel(r"friction traction on the body, $\sigma_T$")
-    panels[1].legend(frameon=False, fontsize=9, ncols=2, loc="upper center")
-    save(figure, DOCS / "pictures" / "cycle.png")
+    panels[1].legend(ncols=2, loc="upper center")
+    save_png(figure, DOCS / "pictures" / "cycle.png")
 
 
 def draw_stick(scene: Any, result: dict[str, Any], film: Film) -> None:
@@ -96,14 +97,14 @@ def draw_stick(scene: Any, result: dict[str, Any], film: Film) -> None:
     steps = [step["quantities"] for step in result["steps"]][PRESSED:]
     used = np.array([step["friction_force"][0] for step in steps]) / most
     found = np.sqrt([step["stick_area"] / step["contact_area"] for step in steps])
-    figure, panels = new_figure("Sheared sphere: what sticks", (10, 4.2), ncols=2)
+    figure, panels = new_figure("Sheared sphere: what sticks", (DOUBLE, 3.2), ncols=2)
     share = np.linspace(0, 1, 201)
-    panels[0].plot(share, np.cbrt(1 - share), color="0", linewidth=1, label="Cattaneo, Mindlin")
+    panels[0].plot(share, np.cbrt(1 - share), label="Cattaneo, Mindlin", **FORMULA)
     panels[0].plot(used, found, "o", color=COLOURS["STICK"], label="from the areas")
     panels[0].set_xlabel(r"force along the surface, $Q / \mu P$")
     panels[0].set_ylabel("stick radius, $c / a$")
     panels[0].set_ylim(0, 1.05)
-    panels[0].legend(frameon=False, fontsize=9)
+    panels[0].legend()
     material = scene.material[0]
     modulus = formulas.plane_strain_modulus(material.youngs_modulus, material.poissons_ratio)
     depth = result["quantities"]["indentation"]
@@ -116,23 +117,25 @@ def draw_stick(scene: Any, result: dict[str, Any], film: Film) -> None:
         at, traction = (rows.numbers[name][order] for name in ("x", "traction_x"))
         now = used[number - PRESSED]
         label = f"$Q = {now:.2f}\\,\\mu P$"
-        panels[1].plot(at, traction, "o", color=key, markersize=4, label=label)
+        panels[1].plot(at, traction, "o", color=key, label=label)
         sticks = hertz.radius * np.cbrt(1 - now)
         full, relief = (np.sqrt(np.maximum(1 - (x / c) ** 2, 0)) for c in (hertz.radius, sticks))
         formula = full - sticks / hertz.radius * relief
         peak = contact.friction_coefficient * hertz.peak
         panels[1].plot(x, peak * formula, color=key, linewidth=1)
-    panels[1].set_title("Friction traction along y = 0, and formulas", loc="left", fontsize=11)
+    panels[1].set_title("Friction traction along y = 0, and formulas")
     panels[1].set_xlabel("$x$")
     panels[1].set_ylabel(r"friction traction on the body, $\sigma_{T,x}$")
-    panels[1].legend(frameon=False, fontsize=9)
-    save(figure, DOCS / "pictures" / "cattaneo.png")
+    panels[1].legend()
+    save_png(figure, DOCS / "pictures" / "cattaneo.png")
 
 
 if __name__ == "__main__":
     with TemporaryDirectory() as temporary:
         scene, _, film = filmed("cycle", Path(temporary) / "cycle")
-        draw_cycle(scene, film)
+        with style():
+            draw_cycle(scene, film)
         scene, result, film = filmed("cattaneo", Path(temporary) / "cattaneo")
-        draw_stick(scene, result, film)
+        with style():
+            draw_stick(scene, result, film)
         draw_film(film, False, "xyz", DOCS / "pictures" / "cattaneo.gif")

@@ -17,10 +17,11 @@ import numpy as np
 
 from fenics_contact import Run, Scene, files
 from fenics_contact.axis_stress import AxisStress
-from fenics_contact.body_picture import read_body
+from fenics_contact.body_fields import read_body
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.curves import cut_peaks
-from fenics_contact.figures import new_figure, save
+from fenics_contact.figures import new_figure, save_png, style
+from fenics_contact.picture_style import COLUMN, DOUBLE, LINES
 from fenics_contact.scene_file import load_scene
 from fenics_contact.surface_displacement import SurfaceDisplacement
 from fenics_contact.verification import formulas
@@ -32,7 +33,8 @@ NAMES = {
     "normal": "normal, $u_n$",
     "tangential": "tangential, $u_T$",
 }
-STYLES = {"with friction": ("-", "0"), "without": ("--", "0.45")}
+STYLES = {"with friction": dict(zip(("color", "linestyle"), LINES[0], strict=True))}
+STYLES["without"] = dict(zip(("color", "linestyle"), LINES[1], strict=True))
 AROUND = [0, 4, 1, 5, 2, 6, 3, 7, 0]  # VTK's nodes around a quadrilateral of degree 2
 DEPTH = 3.0  # of the axis that is shown, in Hertz's radii
 
@@ -53,11 +55,13 @@ class Example:
     title: str
     window: tuple[float, float, float, float]
     factor: float
-    layout: tuple[int, int, float, float] = (1, 2, 9, 4.6)
+    layout: tuple[int, int, float, float] = (1, 2, DOUBLE, 3.8)
 
 
 EXAMPLES = {
-    2: Example("winkler", "a slab on a Winkler foundation", (0, 10.2, -0.5, 2.6), 5, (2, 1, 9, 6)),
+    2: Example(
+        "winkler", "a slab on a Winkler foundation", (0, 10.2, -0.5, 2.6), 5, (2, 1, DOUBLE, 4.6)
+    ),
     3: Example("sphere", "a sphere on a half-space", (0, 5, -4.4, 0.6), 1),
     4: Example("annulus", "an annular punch", (0, 2, -1.7, 0.3), 20),
 }
@@ -103,20 +107,26 @@ class Solved:
         return points[nodes, 0], (up * y if name == "normal" else x)[nodes]
 
 
+def picture(figure: Any, name: str) -> None:
+    """Write one of docs/pictures."""
+    save_png(figure, DOCS / "pictures" / f"{name}.png")
+
+
 def draw_curves(number: int, runs: dict[str, Solved]) -> None:
     """Pressure, friction and displacements along the surface; peaks at edges are cut off."""
     example = EXAMPLES[number]
-    figure, panels = new_figure(f"Example {number}: {example.title}", (9, 5.4), nrows=2, ncols=2)
+    figure, panels = new_figure("", (DOUBLE, 4.2), nrows=2, ncols=2)
+    figure.suptitle(f"Example {number}: {example.title}", x=0.01, ha="left", fontsize=8.5)
     for (name, label), panel in zip(NAMES.items(), panels, strict=True):
-        for run, (line, shade) in STYLES.items():
-            panel.plot(*runs[run].curve(name, example.window[1]), line, color=shade, label=run)
-        panel.axhline(0, color="black", linewidth=0.6)
+        for run, look in STYLES.items():
+            panel.plot(*runs[run].curve(name, example.window[1]), label=run, **look)
+        panel.axhline(0, color="black", linewidth=0.5, zorder=0)
         if name in ("pressure", "friction"):
             cut_peaks(panel, runs["with friction"].curve(name, example.window[1])[1])
         panel.set_ylabel(label)
-        panel.set_xlabel("position along the surface")
-    panels[0].legend(frameon=False, fontsize=9)
-    save(figure, DOCS / "pictures" / f"example{number}.png")
+        panel.set_xlabel(f"position along the surface, ${'x' if number == 2 else 'r'}$")
+    panels[0].legend()
+    picture(figure, f"example{number}")
 
 
 def draw_cells(
@@ -128,15 +138,13 @@ def draw_cells(
     body, found = run.body, run.surface
     cells = body.cell_connectivity.reshape(body.n_cells, -1)[:, AROUND]
     moved = body.points + factor * body["displacement"]
-    panel.add_collection(LineCollection(moved[cells, :2], colors="0.4", linewidths=0.5))
+    panel.add_collection(LineCollection(moved[cells, :2], colors="0.5", linewidths=0.3))
     points = found.line.rows.vectors("x", "y") + factor * found.vectors
     for mark in found.line.marks:
         mine = np.isin(found.line.rows.status, mark.status) & found.line.rows.closed
-        fill = mark.colour if mark.filled else "white"
-        style = {"color": mark.colour, "markerfacecolor": fill, "markersize": 3.5}
         if mine.any():
-            panel.plot(*points[mine].T, mark.shape, label=mark.label, **style)
-    panel.legend(framealpha=0.9, edgecolor="white", fontsize=9, loc="upper left", ncols=2)
+            panel.plot(*points[mine].T, **mark.look | {"markersize": 3})
+    panel.legend(frameon=True, framealpha=0.9, edgecolor="white", loc="upper left", ncols=2)
     panel.set_aspect("equal")
     panel.set_xlim(window[:2])
     panel.set_ylim(window[2:])
@@ -148,13 +156,16 @@ def draw_deformed(number: int, runs: dict[str, Solved]) -> None:
     rows, columns, *size = example.layout
     title = f"Example {number}, displacements x {example.factor:g}: without friction"
     figure, panels = new_figure(title, tuple(size), nrows=rows, ncols=columns)
-    panels[1].set_title("with friction", loc="left", fontsize=11)
+    panels[1].set_title("with friction")
     for panel, run in zip(panels, ("without", "with friction"), strict=True):
         left, right, bottom, top = runs[run].body.bounds[:4]
         outline = [left, right, right, left, left], [bottom, bottom, top, top, bottom]
-        panel.plot(*outline, "--", color="0.5", linewidth=0.8)
+        panel.plot(*outline, "--", color="0.35", linewidth=0.7)
         draw_cells(panel, runs[run], example.window, example.factor)
-    save(figure, DOCS / "pictures" / f"example{number}_deformed.png")
+        axes = "xy" if number == 2 else "rz"
+        panel.set_xlabel(f"${axes[0]}$")
+        panel.set_ylabel(f"${axes[1]}$")
+    picture(figure, f"example{number}_deformed")
 
 
 def draw_axis(number: int, runs: dict[str, Solved]) -> None:
@@ -163,24 +174,26 @@ def draw_axis(number: int, runs: dict[str, Solved]) -> None:
     material, obstacle = scene.material[0], scene.contact[0].obstacle
     modulus = formulas.plane_strain_modulus(material.youngs_modulus, material.poissons_ratio)
     hertz = formulas.paraboloid(modulus, obstacle.radius, obstacle.indentation)
-    title = f"Example {number}: stresses on the axis, σ_zz (left) and σ_rr (right)"
-    figure, (panel,) = new_figure(title, (5.6, 5.2))
-    for run, (line, shade) in STYLES.items():
+    title = f"Example {number}: stresses on the axis"
+    figure, (panel,) = new_figure(title, (COLUMN, 3.4))
+    for run, look in STYLES.items():
         stress = AxisStress.of(runs[run].body, runs[run].surface.line.rows)
         values = np.stack([stress.axial, stress.radial], axis=1) / hertz.peak
-        first, _ = panel.plot(values, stress.depth / hertz.radius, line, color=shade)
+        first, _ = panel.plot(values, stress.depth / hertz.radius, **look)
         first.set_label(run)
     depth = np.linspace(0, DEPTH, 25)
     formula = formulas.axis_stress(hertz, depth * hertz.radius, material.poissons_ratio)
     values = np.stack(formula, axis=1) / hertz.peak
-    first, _ = panel.plot(values, depth, "o", color="0", markerfacecolor="white", markersize=4)
+    first, _ = panel.plot(values, depth, "o", color="0", markerfacecolor="white")
     first.set_label("Hertz's formula")
-    panel.axvline(0, color="black", linewidth=0.6)
+    panel.text(-0.93, 0.12, r"$\sigma_{zz}$", va="bottom")
+    panel.text(-0.3, 0.12, r"$\sigma_{rr}$", va="bottom")
+    panel.axvline(0, color="black", linewidth=0.5, zorder=0)
     panel.set_ylim(1.02 * DEPTH, -0.03 * DEPTH)
     panel.set_xlabel("stress over Hertz's peak of the pressure, $p_0$")
-    panel.set_ylabel("depth over Hertz's radius of the contact, $z / a$")
-    panel.legend(frameon=False, fontsize=9)
-    save(figure, DOCS / "pictures" / f"example{number}_axis.png")
+    panel.set_ylabel("depth over Hertz's radius, $z / a$")
+    panel.legend()
+    picture(figure, f"example{number}_axis")
 
 
 if __name__ == "__main__":
@@ -191,7 +204,8 @@ if __name__ == "__main__":
                 "with friction": Solved.of(example.demo, Path(temporary) / "rough"),
                 "without": Solved.of(example.demo, Path(temporary) / "smooth", smooth),
             }
-            draw_curves(number, runs)
-            draw_deformed(number, runs)
-            if number == 3:
-                draw_axis(number, runs)
+            with style():
+                draw_curves(number, runs)
+                draw_deformed(number, runs)
+                if number == 3:
+                    draw_axis(number, runs)

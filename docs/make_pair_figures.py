@@ -12,10 +12,10 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from make_figures import DOCS, Solved, draw_cells
+from make_figures import Solved, draw_cells, picture
 
-from fenics_contact.figures import new_figure, save
-from fenics_contact.picture_style import COLOURS
+from fenics_contact.figures import new_figure, style
+from fenics_contact.picture_style import COLOURS, DOUBLE, FORMULA
 from fenics_contact.verification import formulas
 
 TITLES = {
@@ -31,12 +31,15 @@ def draw_pair(
     """Solve a demo, and draw its deformed bodies beside a panel of its own."""
     with TemporaryDirectory() as temporary:
         run = Solved.of(name, Path(temporary))
-    figure, panels = new_figure(TITLES[name], (10, 4.4), ncols=2)
-    draw(panels[0], run)
-    draw_cells(panels[1], run, window, factor)
-    times = "" if factor == 1 else f", displacements x {factor:g}"
-    panels[1].set_title(f"Deformed{times}", loc="left", fontsize=11)
-    save(figure, DOCS / "pictures" / f"{name}.png")
+    with style():
+        figure, panels = new_figure(TITLES[name], (DOUBLE, 3.3), ncols=2)
+        draw(panels[0], run)
+        draw_cells(panels[1], run, window, factor)
+        times = "" if factor == 1 else f", displacements × {factor:g}"
+        panels[1].set_title(f"Deformed{times}")
+        panels[1].set_xlabel("$x$")
+        panels[1].set_ylabel("$y$")
+        picture(figure, name)
 
 
 def draw_tractions(panel: Any, run: Solved) -> None:
@@ -55,12 +58,12 @@ def draw_tractions(panel: Any, run: Solved) -> None:
     computed = {"pressure, $p$": line.rows.numbers["contact_pressure"]}
     computed["friction, $-\\sigma_T$"] = -line.traction
     for (label, values), key in zip(computed.items(), ("STICK", "SLIP"), strict=True):
-        panel.plot(line.position, values, "o", color=COLOURS[key], markersize=3.5, label=label)
-    panel.plot(x, pressure, color="0", linewidth=1, label="Hertz")
-    panel.plot(x, cattaneo, "--", color="0", linewidth=1, label="Cattaneo, Mindlin")
+        panel.plot(line.position, values, "o", color=COLOURS[key], markersize=3, label=label)
+    panel.plot(x, pressure, label="Hertz", **FORMULA)
+    panel.plot(x, cattaneo, "--", label="Cattaneo, Mindlin", **FORMULA)
     panel.set_xlabel("position along the surface, $x$")
     panel.set_ylabel("stress")
-    panel.legend(frameon=False, fontsize=9, loc="upper right")
+    panel.legend(loc="upper right", ncols=2)
     panel.set_ylim(0, 1.35 * hertz.peak)
 
 
@@ -72,15 +75,16 @@ def draw_push(panel: Any, run: Solved) -> None:
     lean = slope / np.sqrt(1 + slope**2)
     push = [step["normal_force"] * lean - step["friction_force"][0] for step in steps]
     motion = [0.02 * (step["load_factor"] - 1) for step in run.result["steps"]]
-    panel.plot(motion, np.array(push) / weight, "o-", color=COLOURS["STICK"], markersize=4)
+    panel.plot(motion, np.array(push) / weight, "o-", color=COLOURS["STICK"])
     limit = (friction + slope) / (1 - friction * slope)
     panel.axhline(limit, linestyle="--", color="0", linewidth=1)
     text = r"$(\mu + \tan\alpha)\,/\,(1 - \mu\,\tan\alpha)$ = " + f"{limit:.4f}"
-    panel.text(0, limit, text, va="bottom", fontsize=9)
-    panel.axhline(0, color="black", linewidth=0.6)
+    panel.text(0, limit, text, va="bottom")
+    panel.axhline(0, color="black", linewidth=0.5, zorder=0)
     panel.set_xlabel("displacement of the rear face")
     panel.locator_params(axis="x", nbins=5)
     panel.set_ylabel("push over weight, $F / G$")
+    panel.set_ylim(top=1.12 * limit)
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from fenics_contact.picture_style import COLOURS, DOUBLE, FORMULA, LINES, WIDE
 Array = NDArray[np.float64]
 
 _MARKS = "os^vDP"
+_FEWEST = 3
 _TINY = 1e-18  # of the largest residual: what 0 is drawn as
 
 
@@ -25,11 +26,16 @@ def draw_convergence(folder: Path, result: dict[str, Any]) -> list[Picture]:
         folder: Where to.
         result: The content of its ``result.json``.
     """
-    steps = [step for step in result["steps"] if step.get("residual_history")]
+    steps = [step for step in result["steps"] if _shows(step.get("residual_history") or [])]
     drawn = [_iterations(steps, folder / "convergence.png")] if steps else []
     if len(result.get("levels", [])) > 1:
         drawn.append(_levels(result, folder / "accuracy.png"))
     return drawn
+
+
+def _shows(residuals: list[float]) -> bool:
+    """Whether residuals say more than that a linear system was solved."""
+    return len(residuals) >= _FEWEST and max(residuals) > 0
 
 
 def _iterations(steps: list[dict[str, Any]], path: Path) -> Picture:
@@ -77,62 +83,73 @@ def _per_step(panel: Any, steps: list[dict[str, Any]]) -> None:
 
 
 def _levels(result: dict[str, Any], path: Path) -> Picture:
-    """Estimated errors against dofs, with what was asked for and the observed orders."""
+    """Estimated errors against dofs with their orders, or where dofs also fall, mesh by mesh."""
     levels, asked = result["levels"], result["accuracy"]["asked"]
     dofs = np.array([level["dofs"] for level in levels], dtype=float)
-    figure, (panel,) = new_figure("Estimated errors of the meshes", (WIDE, 3.0))
-    last: list[tuple[float, float]] = []
+    grows = bool((np.diff(dofs) > 0).all())
+    along = dofs if grows else np.arange(1.0, len(dofs) + 1)
+    figure, (panel,) = new_figure("Estimated errors of the meshes", (WIDE, 2.8))
+    panel.set_yscale("log")
     for number, name in enumerate(asked):
         errors = np.array([level["errors"][name] or np.nan for level in levels], dtype=float)
         colour, dashes = LINES[number % len(LINES)]
-        known = np.isfinite(errors) & (errors > 0)
-        if not known.any():
-            continue
-        order = _order(dofs[known], errors[known])
-        label = name.replace("_", " ") + ("" if order is None else rf", $N^{{-{order:.2g}}}$")
+        order = _order(dofs, errors) if grows else None
+        label = name.replace("_", " ") + ("" if order is None else f", order {order:.2g}")
         mark = _MARKS[number % len(_MARKS)]
-        panel.loglog(dofs, errors, mark, linestyle=dashes, color=colour, label=label)
-        last.append((float(dofs[known][-1]), float(errors[known][-1])))
-    for limit in sorted(set(asked.values())):
+        panel.plot(along, errors, mark, linestyle=dashes, color=colour, label=label)
+    limits = sorted(set(asked.values()))
+    for limit in limits:
         panel.axhline(limit, color="0.4", linewidth=0.8, linestyle=":", zorder=0)
-        panel.annotate(
-            f"asked for: {100 * limit:g} %", (0.01, limit), xycoords=("axes fraction", "data"),
-            va="bottom", color="0.3", fontsize=7,
-        )  # fmt: skip
-    if last:
-        _triangle(panel, dofs, min(error for _, error in last))
-    panel.set_xlabel("degrees of freedom, $N$")
+    words = ", ".join(f"{100 * limit:g} %" for limit in limits)
+    panel.plot([], [], ":", color="0.4", linewidth=0.8, label=f"asked for: {words}")
+    if grows:
+        _along_dofs(panel, dofs)
+    else:
+        panel.set_xticks(
+            along, [f"{n:.0f}\n{d / 1000:.3g}k" for n, d in zip(along, dofs, strict=True)]
+        )
+        panel.set_xlabel("mesh, and its degrees of freedom")
     panel.set_ylabel("estimated relative error")
     panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     save(figure, path)
     caption = (
-        "Estimated relative errors of the quantities against the degrees of freedom N of the "
-        "meshes, with their orders by least squares. The triangle has the slope of N⁻¹, "
-        "second order in the size of flat cells; dotted, what was asked for."
+        "Estimated relative errors of the quantities, mesh after mesh, and what was asked for."
     )
+    if grows:
+        caption = (
+            "Estimated relative errors of the quantities against the degrees of freedom N, and "
+            "what was asked for. An order is the power of 1/N by which they fall, by least "
+            "squares; the triangle has the order 1."
+        )
     return Picture(path, "Estimated errors of the meshes", caption)
 
 
 def _order(dofs: Array, errors: Array) -> float | None:
     """By which power of the dofs errors fall, by least squares; None if they do not."""
-    if len(dofs) < 2 or dofs[-1] <= dofs[0]:
+    known = np.isfinite(errors) & (errors > 0)
+    if known.sum() < 2:
         return None
-    order = -float(np.polyfit(np.log(dofs), np.log(errors), 1)[0])
+    order = -float(np.polyfit(np.log(dofs[known]), np.log(errors[known]), 1)[0])
     return order if order > 0 else None
 
 
-def _triangle(panel: Any, dofs: Array, lowest: float) -> None:
-    """A triangle with the slope −1, below the curves."""
-    start = float(np.sqrt(dofs[0] * dofs[-1]))
-    end = start * (dofs[-1] / dofs[0]) ** 0.3
-    top = 0.6 * lowest
+def _along_dofs(panel: Any, dofs: Array) -> None:
+    """A logarithmic axis with a triangle of the slope −1 below the curves."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    panel.set_xscale("log")
+    panel.set_xlabel("degrees of freedom, $N$")
+    panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    panel.xaxis.set_major_formatter(lambda value, _: f"{value / 1000:g}k")
+    panel.xaxis.set_minor_formatter(NullFormatter())
+    lowest = panel.get_ylim()[0]
+    start, end = (float(np.quantile(np.log(dofs), q)) for q in (0.0, 0.6))
+    start, end = np.exp(start), np.exp(end)
+    top = 0.8 * lowest
     bottom = top * start / end
-    panel.plot([start, end, start, start], [top, bottom, bottom, top], **FORMULA)
+    panel.plot([start, start, end, start], [top, bottom, bottom, top], **FORMULA)
     panel.annotate(
         "1", (start, np.sqrt(top * bottom)), xytext=(-3, 0), textcoords="offset points",
-        ha="right", va="center", fontsize=7,
+        ha="right", va="center",
     )  # fmt: skip
-    panel.annotate(
-        "1", (np.sqrt(start * end), bottom), xytext=(0, -3), textcoords="offset points",
-        ha="center", va="top", fontsize=7,
-    )  # fmt: skip
+    panel.set_ylim(bottom=0.7 * bottom)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.body_fields import Triangles, flat_sides, nodes_at, outline, polylines
+from fenics_contact.body_fields import Triangles, flat_outline, flat_sides, nodes_at
 from fenics_contact.body_view import View
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.obstacle_picture import ObstacleSurface
@@ -56,13 +56,13 @@ def draw_flat(
         zorder=0.5,
     )
     moved = np.asarray(view.body.points) + view.factor * np.asarray(view.body["displacement"])
-    sides = moved[flat_sides(view.body)][:, :, :2]
+    sides: Any = moved[flat_sides(view.body)[0]][:, :, :2]
     width = 0.5 if view.body.n_cells < _FEW_CELLS else 0.25
     panel.add_collection(
         LineCollection(sides, colors="white", linewidths=width, alpha=0.5, zorder=0.6)
     )
     panel.set_rasterization_zorder(1)  # in the PDF: these two as pixels
-    before = [line[:, :2] for line in polylines(outline(body))]
+    before = [line[:, :2] for line in flat_outline(body)]
     panel.add_collection(
         LineCollection(before, colors="0.35", linewidths=0.7, linestyles=(0, (4, 2)), zorder=1.4)
     )
@@ -91,6 +91,8 @@ def _draw_obstacle(panel: Any, obstacle: ObstacleSurface, view: View) -> None:
     axis = int(np.argmax(np.ptp(obstacle.points[:, :2], axis=0)))
     order = np.argsort(obstacle.points[:, axis])
     near = obstacle.at(view.factor)[order, :2]
+    if view.axisymmetric and axis == 0 and len(near) > 1 and near[0, 0] < 2 * np.diff(near[:2, 0]):
+        near = np.concatenate([[[0.0, near[0, 1]]], near])  # no contact point lies on the axis
     across = 1 - axis
     up = float(np.sign(obstacle.normals[:, across].mean()))
     behind = near[[-1, 0]]
@@ -110,7 +112,9 @@ def _draw_points(
         line = SurfaceLine.of(found, contact) if len(nodes) else None
         if line is None:
             continue
-        moved = np.asarray(body.points)[nodes] + view.factor * np.asarray(body["displacement"])[nodes]
+        moved = (
+            np.asarray(body.points)[nodes] + view.factor * np.asarray(body["displacement"])[nodes]
+        )
         few = len(nodes) < _FEW
         for mark in line.marks:
             mine = np.isin(found.status, mark.status)
@@ -126,7 +130,7 @@ def point_look(mark: Mark, few: bool = True) -> dict[str, Any]:
     return mark.look | {
         "markerfacecolor": mark.colour,
         "markeredgecolor": edge,
-        "markeredgewidth": 0.4,
+        "markeredgewidth": 0.4 if few else 0.15,
         "markersize": 4.2 if few else 3.2,
     }
 

@@ -1,0 +1,47 @@
+"""Pictures of README that are those of a run: ``python docs/make_run_figures.py``.
+
+Runs four scenes and draws into docs/pictures what ``fenics-contact report`` draws of them:
+
+- slab_friction.png, slab_deformed.png: example 1;
+- sphere_pressure.png, sphere_deformed.png: example 3;
+- adapted_mesh.png: example 3 to an accuracy of a thousandth;
+- bracket.png: the bracket of docs/bracket.md.
+"""
+
+import json
+import shutil
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from fenics_contact.cli import main
+from fenics_contact.pictures import draw_pictures
+
+DOCS = Path(__file__).resolve().parent
+DEMOS = DOCS.parent / "demos"
+# Scene, what is set in it, and its pictures by the names that they get.
+RUNS: tuple[tuple[Path, tuple[str, ...], dict[str, str]], ...] = (
+    (DEMOS / "slab.toml", (), {"contact_0": "slab_friction", "deformed": "slab_deformed"}),
+    (DEMOS / "sphere.toml", (), {"contact_0": "sphere_pressure", "deformed": "sphere_deformed"}),
+    (DEMOS / "sphere.toml", ("accuracy=1e-3",), {"mesh": "adapted_mesh"}),
+    (DOCS / "bracket.toml", (), {"deformed": "bracket"}),
+)
+
+
+def draw(path: Path, settings: tuple[str, ...], names: dict[str, str]) -> None:
+    """Solve a scene, draw it and keep some of the pictures."""
+    with TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        changes = [word for setting in settings for word in ("--set", setting)]
+        code = main(["run", str(path), "--out", str(folder), *changes])
+        if code != 0:
+            raise SystemExit(code)
+        shutil.copy(path, folder / "scene.toml")
+        result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+        draw_pictures(folder, result)
+        for drawn, kept in names.items():
+            shutil.copy(folder / f"{drawn}.png", DOCS / "pictures" / f"{kept}.png")
+
+
+if __name__ == "__main__":
+    for run in RUNS:
+        draw(*run)
