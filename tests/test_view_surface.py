@@ -110,7 +110,7 @@ def joined(first, second):
 @pytest.mark.parametrize("kind", CELLS)
 def test_pieces_of_a_body_are_one_and_bodies_that_touch_are_two(kind):
     first, second = grid_of(kind, 2), grid_of(kind, 2)
-    second.points = np.round(second.points + [SIZE[0], 0, 0], 12)
+    second.points = np.round(second.points + np.array([SIZE[0], 0, 0]), 12)
     both = joined(first, second)
     moved = fields_of(both)
     both.points[len(first.points) :] += 1e-15  # each rank has its own round-off in places
@@ -133,7 +133,7 @@ def test_pieces_of_a_body_are_one_and_bodies_that_touch_are_two(kind):
 def test_three_quarters_of_a_ring(kind, inner):
     """Between polygons of as many sides as there are strips, two sections cut by planes."""
     grid = grid_of(kind, 2)
-    grid.points = grid.points + [inner, 0, 0]
+    grid.points = grid.points + np.array([inner, 0, 0])
     surface = revolved(grid, fields_of(grid))
     radii, height = (inner, inner + SIZE[0]), SIZE[1]
     strips = 60
