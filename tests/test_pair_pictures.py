@@ -15,7 +15,7 @@ from fenics_contact.figures import surface_of
 from fenics_contact.picture_style import COLOURS
 from fenics_contact.surface_displacement import SurfaceDisplacement
 from tests.pair_bodies import Box, boxes
-from tests.test_pictures import BELOW, LINE, drawn, has_colour, pixels
+from tests.test_pictures import BELOW, LINE, coarse, drawn, has_colour, pixels  # noqa: F401
 
 pytestmark = pytest.mark.serial
 

@@ -97,7 +97,7 @@ def test_last_loop():
         assert loop.is_thin == (stiffness > 0)
         if stiffness:
             assert loop.compliance == pytest.approx(1 / stiffness, rel=0.01)
-        assert (loop.first, loop.last) == (219, 419)  # the second of the two
+        assert (loop.first, loop.last) == (220, 420)  # the second of the two
     assert last_loop(np.linspace(0, 1, 9), np.linspace(0, 1, 9)) is None
     there_and_back = np.array([0, 1, 2, 1, 0.5])
     assert last_loop(there_and_back, there_and_back) is None

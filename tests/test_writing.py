@@ -173,7 +173,8 @@ def test_folder_that_cannot_be_written_is_bad_input(prepared, capsys):
 def test_pictures_and_pages_on_a_full_disk(tmp_path, prepared, monkeypatch, capsys):
     out = tmp_path / "out"
     assert written(prepared, out) == 0
-    monkeypatch.setattr(report, "draw_pictures", lambda folder, result: [])
+    for name in ("draw_pictures", "draw_convergence"):
+        monkeypatch.setattr(report, name, lambda folder, result: [])
     (out / ".report.html").symlink_to("/dev/full")
     assert main(["report", str(out)]) == 5
     said = capsys.readouterr().err
