@@ -42,9 +42,9 @@ _OF_ERRORS = (
 )
 _OF_STEPS = (
     "The imbalance is the sum of all nodal forces that are out of balance, before the first Newton "
-    "step and after the last, and the one that counts as none. Outer passes are those of the loop on "
-    "the pressure; a pass multiplies differences by the contraction, and below 1 the loop settles by "
-    "itself."
+    "step and after the last, and the one that counts as none. Outer passes are those of the loop "
+    "on the pressure; a pass multiplies differences by the contraction, and below 1 the loop "
+    "settles by itself."
 )
 _TO_TRY = (
     "What the verdict above says comes first: it knows where the run ended.",

@@ -84,6 +84,7 @@
     return lines.join("<br>");
   });
 
+  function isNarrow() { return place.clientWidth < 520; }
   function body(x, y, z) {
     const mesh = {
       type: "mesh3d", x: x, y: y, z: z, i: corners[0], j: corners[1], k: corners[2],
@@ -92,12 +93,14 @@
         ? { ambient: 1, diffuse: 0, specular: 0, fresnel: 0 }
         : { ambient: 0.8, diffuse: 0.35, specular: 0.05, roughness: 0.9, fresnel: 0 },
       lightposition: { x: 1e4 * data.towards[0], y: 5e3 * data.towards[1], z: 2e4 },
-      colorbar: { thickness: 14, len: 0.8, x: 1, xpad: 4 },
+      colorbar: isNarrow()
+        ? { orientation: "h", thickness: 12, len: 0.9, x: 0.5, y: 0, yanchor: "bottom" }
+        : { thickness: 14, len: 0.8, x: 1, xpad: 4 },
     };
     if (chosen.field === data.fields.length) return Object.assign(mesh, coloured(mesh.colorbar));
     const field = data.fields[chosen.field];
     const title = field.name + " " + field.symbol + (field.beyond && "<br>" + field.beyond);
-    mesh.colorbar.title = { text: title, side: "right" };
+    mesh.colorbar.title = { text: title, side: isNarrow() ? "top" : "right" };
     return Object.assign(mesh, {
       intensity: field.values, colorscale: "Viridis", cmin: field.low, cmax: field.high,
     });
@@ -107,7 +110,7 @@
     const scale = [];
     shades.forEach((shade, n) => scale.push([n / 4, shade], [(n + 1) / 4, shade]));
     Object.assign(bar, {
-      title: { text: "status", side: "right" },
+      title: { text: "status", side: isNarrow() ? "top" : "right" },
       tickvals: [-1, 0, 1, 2], ticktext: ["no contact"].concat(data.statusNames),
     });
     return {
@@ -177,7 +180,7 @@
     const sizes = box().map((ends) => ends[1] - ends[0]);
     const wide = place.clientWidth / place.clientHeight;
     const scale = data.flat
-      ? Math.min((1.5 * wide - 0.3) / sizes[0], 1.5 / sizes[1])
+      ? Math.min((1.5 * wide - (isNarrow() ? 0.1 : 0.3)) / sizes[0], 1.4 / sizes[1])
       : (1.9 * Math.min(1, 0.8 * wide)) / Math.hypot(...sizes);
     return { x: scale * sizes[0], y: scale * sizes[1], z: scale * sizes[2] };
   }

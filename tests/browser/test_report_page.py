@@ -1,0 +1,200 @@
+"""The page of a run in a browser: no error, nothing fetched, a view that turns and changes."""
+
+import io
+import json
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+from PIL import Image
+
+from fenics_contact import Obstacle, Run, files
+from fenics_contact.contact_table import ContactTable
+from fenics_contact.field_files import whole_body
+from fenics_contact.report import read_result, write_report
+from fenics_contact.report_page import Content, page
+from fenics_contact.view_3d import make_view, view_html
+from tests.browser.conftest import WINDOW
+from tests.pages import page_of
+from tests.scenes import PULLED_BLOCK, box_body, slab
+from tests.test_pictures import pressed
+
+pytestmark = pytest.mark.serial
+
+PHONE = 390
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory):
+    """Pages of runs by the kinematics of their models."""
+    pytest.importorskip("plotly")
+    pytest.importorskip("pyvista")
+    indented = pressed(Obstacle(indentation=0.05), "axisymmetric", friction_coefficient=0.3)
+    runs = {
+        "3D": (PULLED_BLOCK, box_body((4, 4, 2), comm=MPI.COMM_SELF)),
+        "plane": (slab(300), None),
+        "axisymmetric": (indented, box_body((4, 4), comm=MPI.COMM_SELF)),
+    }
+    found = {}
+    for name, (scene, body) in runs.items():
+        folder = tmp_path_factory.mktemp(name)
+        files.solve_and_write(Run(scene, MPI.COMM_SELF, body), folder)
+        if name == "3D":
+            *_, found[name] = write_report(folder)
+        else:  # the view alone: pictures take their time
+            found[name] = folder / "report.html"
+            found[name].write_text(view_page(folder), encoding="utf-8")
+    return found
+
+
+def view_page(folder):
+    """A page with the view of a run, and no pictures."""
+    result, table = read_result(folder), ContactTable.read(folder / "contact.csv")
+    view = view_html(make_view(whole_body(folder), result, table))
+    return page(Content("folder", result, "", [], [], view))
+
+
+def drawn(browser):
+    """How often the view has been drawn, waiting for the first time."""
+    return browser.driver.execute_async_script(
+        """const done = arguments[0];
+        (function look() {
+            const times = document.getElementById("view").dataset.drawn;
+            times ? requestAnimationFrame(() => setTimeout(() => done(Number(times)), 300))
+                  : setTimeout(look, 50);
+        })();"""
+    )
+
+
+def seen(browser):
+    """Pixels of the view's canvas, (rows, columns, 3)."""
+    canvas = browser.driver.find_element("css selector", "#view .gl-container, #view canvas")
+    browser.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", canvas)
+    content = browser.driver.find_element("id", "view").screenshot_as_png
+    return np.array(Image.open(io.BytesIO(content)).convert("RGB"), dtype=int)
+
+
+def press(browser, group, number):
+    """Press a button of the view, and wait until it is drawn again."""
+    times = drawn(browser)
+    buttons = browser.driver.find_elements("css selector", f'button[data-group="{group}"]')
+    browser.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", buttons[number])
+    buttons[number].click()
+    browser.driver.execute_async_script(
+        """const [times, done] = arguments;
+        (function look() {
+            Number(document.getElementById("view").dataset.drawn) > times
+                ? setTimeout(done, 300) : setTimeout(look, 50);
+        })();""",
+        times,
+    )
+    return buttons[number]
+
+
+def share(a, b):
+    """Of pixels that differ visibly."""
+    return float((np.abs(a - b).max(axis=2) > 30).mean())
+
+
+@pytest.mark.parametrize("kind", ["3D", "plane", "axisymmetric"])
+def test_the_view_is_drawn_turns_and_changes_its_colours(kind, pages, browser):
+    browser.open(pages[kind])
+    assert drawn(browser) == 1
+    first = seen(browser)
+    colours = np.unique((first // 32).reshape(-1, 3), axis=0)
+    assert len(colours) > 10  # not blank: a map of colours
+    assert share(first, np.broadcast_to(first[2, 2], first.shape)) > 0.03
+
+    view = browser.driver.find_element("id", "view")
+    from selenium.webdriver import ActionChains
+
+    ActionChains(browser.driver).move_to_element(view).click_and_hold().move_by_offset(
+        90, 40
+    ).release().perform()
+    drawn(browser)
+    turned = seen(browser)
+    assert share(first, turned) > 0.02
+
+    for number in (1, -1):  # displacement, status
+        button = press(browser, "field", number)
+        assert button.get_attribute("aria-pressed") == "true"
+        other = seen(browser)
+        assert share(turned, other) > 0.01
+        turned = other
+    press(browser, "factor", 0)
+    assert share(turned, seen(browser)) > 0.0005
+    assert browser.errors() == []
+
+
+def test_the_view_says_the_values_pointed_at(pages, browser):
+    browser.open(pages["plane"])
+    drawn(browser)
+    said = browser.driver.execute_script("return document.getElementById('view').data[0].text")
+    result = json.loads((pages["plane"].parent / "result.json").read_text())
+    assert any(text.endswith("SLIP") for text in said)
+    pressure = result["quantities"]["max_contact_pressure"]
+    assert any(f"contact pressure p = {pressure:g}" in text for text in said)
+
+
+@pytest.mark.parametrize("width", [WINDOW[0], PHONE])
+@pytest.mark.parametrize("dark", [False, True])
+def test_all_pictures_are_shown_and_nothing_is_wider_than_the_window(width, dark, pages, browser):
+    browser.open(pages["3D"], width, dark)
+    drawn(browser)
+    images = browser.driver.execute_script(
+        "return [...document.images].map((i) => [i.complete, i.naturalWidth, i.width, i.alt])"
+    )
+    assert len(images) > 2
+    assert all(
+        done and natural > 0 and 0 < shown <= width and alt for done, natural, shown, alt in images
+    )
+    assert browser.driver.execute_script("return document.documentElement.scrollWidth") <= width
+    colour = browser.driver.execute_script("return getComputedStyle(document.body).backgroundColor")
+    assert (min(map(int, colour[4:-1].split(","))) < 128) == dark
+
+
+def test_nothing_is_fetched(pages, browser):
+    browser.open(pages["3D"])
+    drawn(browser)
+    fetched = browser.driver.execute_script(
+        "return performance.getEntriesByType('resource').map((entry) => entry.name)"
+    )
+    assert [name for name in fetched if not name.startswith(("data:", "blob:"))] == []
+
+
+def test_anchors_lead_somewhere(pages, browser):
+    browser.open(pages["3D"])
+    lost = browser.driver.execute_script(
+        """return [...document.querySelectorAll("nav a")].map((a) => a.getAttribute("href"))
+            .filter((href) => !document.querySelector(href))"""
+    )
+    assert lost == []
+
+
+def test_a_page_without_fields_has_no_error(browser, tmp_path):
+    result = {
+        "title": "<b>", "verdict": "No answer", "converged": False, "checks": {}, "quantities": {},
+        "model": {}, "contacts": [], "supports": [], "timings": {"total": 1.0}, "versions": {},
+        "steps": [],
+    }  # fmt: skip
+    path = tmp_path / "report.html"
+    path.write_text(page_of(result), encoding="utf-8")
+    browser.open(path)
+    assert browser.driver.title == "<b>"
+    assert browser.driver.find_element("tag name", "h1").text == "<b>"
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        "<script>nothing.here()</script>",
+        "<script>Promise.reject(new Error('lost'))</script>",
+        "<img src='http://example.invalid/x.png' alt=''>",
+    ],
+)
+def test_what_the_fixture_asserts_can_fail(fault, browser, tmp_path):
+    path = tmp_path / "faulty.html"
+    path.write_text(f"<!DOCTYPE html><title>x</title>{fault}", encoding="utf-8")
+    browser.open(path)
+    browser.driver.execute_async_script("setTimeout(arguments[0], 500)")
+    assert len(browser.errors()) == 1
