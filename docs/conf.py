@@ -67,10 +67,13 @@ nb_execution_cache_path = str(DOCS / "_build" / "cells" / make_gallery.fingerpri
 nb_execution_timeout = 180
 nb_execution_raise_on_error = True
 nb_merge_streams = True
+nb_code_prompt_show = "Show the code"
+nb_code_prompt_hide = "Hide the code"
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 napoleon_use_ivar = True
+napoleon_use_rtype = False  # "The exit code: 0 …" is no type
 
 # Names in signatures that have no page here: those of other projects, whose pages are not asked, as
 # nothing is fetched, and those of modules that are not shown.
