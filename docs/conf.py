@@ -55,6 +55,7 @@ html_css_files = ["site.css"]
 html_extra_path = ["_build/extra"]  # the reports of the demos
 html_show_sphinx = False
 html_copy_source = False
+html_show_search_summary = False  # which would be fetched; browsers refuse that of files
 copybutton_exclude = ".linenos, .gp, .go"
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]

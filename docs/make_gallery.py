@@ -240,7 +240,7 @@ def _table(findings: Iterable[Finding], said_of: str) -> str:
                 f"{said_of}: {found.quantity} is {found.value:g}, but should be "
                 f"{found.reference:g} within {found.tolerance:g}"
             )
-        error = f"{found.error:.1e}" if found.absolute else f"{100 * found.error:.2g} %"
+        error = f"{found.error:.2g}" if found.absolute else f"{100 * found.error:.2g} %"
         bar = error_bar({"total": found.bar}) if found.bar is not None else ""
         rows.append(
             f"| {found.quantity} | {found.reference:.6g} | {found.value:.6g} | {error} | "
