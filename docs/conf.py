@@ -28,7 +28,6 @@ with (ROOT / "pyproject.toml").open("rb") as _file:
 
 project = "fenics_contact"
 author = "the authors of fenics_contact"
-copyright = "LGPL-3.0-or-later"
 language = "en"
 
 extensions = [
@@ -54,6 +53,7 @@ html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_extra_path = ["_build/extra"]  # the reports of the demos
 html_show_sphinx = False
+html_show_copyright = False
 html_copy_source = False
 html_show_search_summary = False  # which would be fetched; browsers refuse that of files
 copybutton_exclude = ".linenos, .gp, .go"
