@@ -65,7 +65,7 @@ myst_fence_as_directive = ["include", "literalinclude", "figure", "toctree"]
 # Results are used again while the cells, the package and the meshes are the same.
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(DOCS / "_build" / "cells" / make_gallery.fingerprint([])[:16])
-nb_execution_timeout = 180
+nb_execution_timeout = 600  # seconds a cell
 nb_execution_raise_on_error = True
 nb_merge_streams = True
 nb_code_prompt_show = "Show the code"
