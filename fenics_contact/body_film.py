@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,6 @@ from numpy.typing import NDArray
 from fenics_contact.animation import frame_rows, write_gif
 from fenics_contact.body_picture import (
     add_bar,
-    add_legend,
     colour_range,
     flat_figure,
     framed,
@@ -23,7 +23,7 @@ from fenics_contact.body_view import View, cells_inside, choose_view
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.display import display
 from fenics_contact.figures import style
-from fenics_contact.flat_picture import draw_flat
+from fenics_contact.flat_picture import add_legend, draw_flat
 from fenics_contact.obstacle_picture import ObstacleSurface, obstacles_of
 from fenics_contact.picture import Picture
 from fenics_contact.space_picture import corners_of, render
@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 Contacts = list[tuple[ContactTable, dict[str, Any]]]
 
 _DPI, _PIXELS = 110, 800
+MOST_BODIES = 30  # frames at most
 
 
 @dataclass(frozen=True)
@@ -53,13 +54,16 @@ class Overview:
     @classmethod
     def of(
         cls, bodies: Iterable[Any], result: dict[str, Any], table: ContactTable
-    ) -> Overview:
+    ) -> Overview | None:
         """Look at all frames: where anything ever touches, and the largest displacement.
 
         Args:
             bodies: Grids with their fields, in order.
             result: The content of ``result.json``.
             table: The content of ``contact.csv``.
+
+        Returns:
+            None where nothing ever moves.
         """
         ranges, last, ever, farthest = [], None, None, None
         for last in bodies:
@@ -69,7 +73,8 @@ class Overview:
             if farthest is None or _size(moved) > _size(farthest):
                 farthest = moved
             ranges.append(colour_range(np.asarray(last["von Mises stress"])))
-        assert last is not None
+        if last is None or farthest is None or not farthest.any():
+            return None
         whole = last.copy(deep=False)
         whole["status"], whole["displacement"] = ever, farthest
         view = choose_view(whole, result, table)
@@ -101,14 +106,15 @@ def draw_body_film(
         InputError: A display is missing for a body in space; says what to install.
     """
     standing = obstacles_of(body, contacts)
-    draw = _flat_frame if overview.view.flat else _space_frame
-    frames = []
-    with style():
-        if overview.view.flat:
-            frames = [draw(*frame, overview, contacts, standing) for frame in series]
-        else:
-            with display():
-                frames = [draw(*frame, overview, contacts, standing) for frame in series]
+    frames: list[NDArray[np.uint8]] = []
+    with style(), nullcontext() if overview.view.flat else display():
+        screen: _Flat | _Space = (_Flat if overview.view.flat else _Space)(overview)
+        for time, now in series:
+            view = replace(overview.view, body=cells_inside(now, overview.view))
+            rows = [(frame_rows(points, now, contact), contact) for points, contact in contacts]
+            moved = [then for obstacle in standing if (then := obstacle.then(now)) is not None]
+            title = f"$t$ = {time:.4g}{times(view.factor)}"
+            frames.append(screen.draw(now, view, rows, moved, title))
     write_gif(frames, path)
     caption = (
         "The deformed body over the load steps, coloured by the von Mises stress σ_VM"
@@ -118,42 +124,73 @@ def draw_body_film(
     return Picture(path, "Deformed body over the load steps", caption)
 
 
-def _then(
-    time: float, body: Any, overview: Overview, contacts: Contacts, standing: list[ObstacleSurface]
-) -> tuple[View, Contacts, list[ObstacleSurface], str]:
-    """View, contacts, obstacles and title of a frame."""
-    view = replace(overview.view, body=cells_inside(body, overview.view))
-    rows = [(frame_rows(points, body, contact), contact) for points, contact in contacts]
-    moved = [found for obstacle in standing if (found := obstacle.then(body)) is not None]
-    return view, rows, moved, f"$t$ = {time:.4g}{times(view.factor)}"
+class _Flat:
+    """Frames of a flat body: the figure stays, its panel is drawn anew."""
+
+    def __init__(self, overview: Overview) -> None:
+        self._overview = overview
+        self._figure, self._panel = flat_figure(overview.view)
+        self._labels = self._panel.get_xlabel(), self._panel.get_ylabel()
+        self._is_first = True
+
+    def draw(
+        self,
+        body: Any,
+        view: View,
+        contacts: Contacts,
+        obstacles: list[ObstacleSurface],
+        title: str,
+    ) -> NDArray[np.uint8]:
+        """A frame's pixels, (height, width, 3)."""
+        panel = self._panel
+        panel.clear()
+        panel.set_xlabel(self._labels[0])
+        panel.set_ylabel(self._labels[1])
+        colours = draw_flat(panel, body, view, contacts, obstacles, self._overview.limits)
+        if self._is_first:
+            add_bar(self._figure, panel, colours, self._overview.beyond)
+        add_legend(panel, title, all_marks=view.marks)
+        pixels = _pixels(self._figure, self._is_first)
+        self._is_first = False
+        return pixels
 
 
-def _flat_frame(
-    time: float, body: Any, overview: Overview, contacts: Contacts, standing: list[ObstacleSurface]
-) -> NDArray[np.uint8]:
-    view, rows, obstacles, title = _then(time, body, overview, contacts, standing)
-    figure, panel = flat_figure(view)
-    colours = draw_flat(panel, body, view, rows, obstacles, overview.limits)
-    return _pixels(figure, panel, colours, title, overview.beyond)
+class _Space:
+    """Frames of a body in space: the figure stays, but for the picture in it and the title."""
+
+    def __init__(self, overview: Overview) -> None:
+        self._overview = overview
+        self._figure: Any = None
+        self._panel: Any = None
+
+    def draw(
+        self,
+        body: Any,
+        view: View,
+        contacts: Contacts,
+        obstacles: list[ObstacleSurface],
+        title: str,
+    ) -> NDArray[np.uint8]:
+        """A frame's pixels, (height, width, 3)."""
+        overview, is_first = self._overview, self._figure is None
+        picture = render(body, view, [], obstacles, overview.limits, overview.corners, _PIXELS)
+        if is_first:
+            self._figure, self._panel = framed(
+                picture, overview.view, overview.limits, overview.beyond
+            )
+            add_legend(self._panel, title)
+        self._panel.images[0].set_data(picture)
+        self._panel.set_title(title, pad=16)
+        return _pixels(self._figure, is_first)
 
 
-def _space_frame(
-    time: float, body: Any, overview: Overview, contacts: Contacts, standing: list[ObstacleSurface]
-) -> NDArray[np.uint8]:
-    view, _, obstacles, title = _then(time, body, overview, contacts, standing)
-    picture = render(body, view, [], obstacles, overview.limits, overview.corners, _PIXELS)
-    figure, panel = framed(picture, overview.view, overview.limits, overview.beyond)
-    return _pixels(figure, panel, None, title, overview.beyond)
-
-
-def _pixels(
-    figure: Any, panel: Any, colours: Any, title: str, beyond: bool
-) -> NDArray[np.uint8]:
-    if colours is not None:
-        add_bar(figure, panel, colours, beyond)
-    add_legend(panel, "")
-    panel.set_title(title)
-    figure.set_dpi(_DPI)
+def _pixels(figure: Any, is_first: bool) -> NDArray[np.uint8]:
+    """What a figure shows; from the first frame on nothing moves any more."""
+    if is_first:
+        figure.set_dpi(_DPI)
+        for _ in range(2):
+            figure.canvas.draw()
+        figure.set_layout_engine("none")
     figure.canvas.draw()
     found: NDArray[np.uint8] = np.asarray(figure.canvas.buffer_rgba())[..., :3].copy()
     return found

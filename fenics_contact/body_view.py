@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 _MOVE = 0.06  # of what is shown: the largest displacement, where it is magnified
 _READABLE = (0.02, 0.2)  # displacements of this size, over what is shown, are drawn as they are
 _MISFIT = 0.01  # of what is shown: false gaps and overlaps that magnification may make
+_AROUND = 0.15  # of a view from near by: cells so far outside of it are taken along
 _NEAR = 0.4  # neighbourhoods smaller than this share of the body are looked at from near by
 
 
@@ -85,8 +86,7 @@ def choose_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
         if (last - first).max() < _NEAR * (high - low).max():
             near = np.maximum(low, first), np.minimum(high, last)
             aside = (near[0] + near[1] - low - high) / (high - low).max()
-            inside = ((body.points >= near[0]) & (body.points <= near[1])).all(axis=1)
-            body = _cells_at(body, inside)
+            body = _cells_around(body, *near)
             sight, factor = _towards(flat, front, aside), _factor(body, *near, gap)
             return View(body, *near, True, flat, sight, looks, factor, hides, axial)
     sight, factor = _towards(flat, front, np.zeros(3)), _factor(body, low, high, gap)
@@ -97,7 +97,13 @@ def cells_inside(body: Any, view: View) -> Any:
     """Of the body at another time, the cells that a view from near by shows."""
     if not view.is_near:
         return body
-    inside = ((body.points >= view.low) & (body.points <= view.high)).all(axis=1)
+    return _cells_around(body, view.low, view.high)
+
+
+def _cells_around(body: Any, low: Array, high: Array) -> Any:
+    """The cells in a box and somewhat around, so that it stays full where they move."""
+    aside = _AROUND * (high - low).max()
+    inside = ((body.points >= low - aside) & (body.points <= high + aside)).all(axis=1)
     return _cells_at(body, inside)
 
 

@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.body_fields import Triangles, cell_edges, nodes_at, outline, polylines, segments
+from fenics_contact.body_fields import Triangles, flat_outline, flat_sides, nodes_at
 from fenics_contact.body_view import View
 from fenics_contact.contact_table import ContactTable
-from fenics_contact.figures import set_title
 from fenics_contact.obstacle_picture import ObstacleSurface
 from fenics_contact.picture_style import COLOUR_MAP, EDGE, Mark
 from fenics_contact.surface_line import SurfaceLine
@@ -18,7 +17,7 @@ from fenics_contact.surface_line import SurfaceLine
 Array = NDArray[np.float64]
 
 _THICK = 0.035  # of what is shown: how much of an obstacle is drawn
-_FEW = 60
+_FEW, _FEW_CELLS = 60, 1000
 
 
 def draw_flat(
@@ -54,12 +53,16 @@ def draw_flat(
         cmap=COLOUR_MAP,
         vmin=limits[0],
         vmax=limits[1],
-        rasterized=True,
+        zorder=0.5,
     )
-    sides = segments(cell_edges(view.body), view.factor)[:, :, :2]
-    width = 0.5 if view.body.n_cells < 2000 else 0.2
-    panel.add_collection(LineCollection(sides, colors="white", linewidths=width, alpha=0.55))
-    before = [line[:, :2] for line in polylines(outline(body))]
+    moved = np.asarray(view.body.points) + view.factor * np.asarray(view.body["displacement"])
+    sides: Any = moved[flat_sides(view.body)[0]][:, :, :2]
+    width = 0.5 if view.body.n_cells < _FEW_CELLS else 0.25
+    panel.add_collection(
+        LineCollection(sides, colors="white", linewidths=width, alpha=0.5, zorder=0.6)
+    )
+    panel.set_rasterization_zorder(1)  # in the PDF: these two as pixels
+    before = [line[:, :2] for line in flat_outline(body)]
     panel.add_collection(
         LineCollection(before, colors="0.35", linewidths=0.7, linestyles=(0, (4, 2)), zorder=1.4)
     )
@@ -107,7 +110,9 @@ def _draw_points(
         line = SurfaceLine.of(found, contact) if len(nodes) else None
         if line is None:
             continue
-        moved = np.asarray(body.points)[nodes] + view.factor * np.asarray(body["displacement"])[nodes]
+        moved = (
+            np.asarray(body.points)[nodes] + view.factor * np.asarray(body["displacement"])[nodes]
+        )
         few = len(nodes) < _FEW
         for mark in line.marks:
             mine = np.isin(found.status, mark.status)
@@ -128,8 +133,19 @@ def point_look(mark: Mark, few: bool = True) -> dict[str, Any]:
     }
 
 
-def add_legend(panel: Any, title: str) -> None:
-    """The title above on the left, and the legend above on the right."""
-    set_title(panel, title)
-    if panel.get_legend_handles_labels()[1]:
-        panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, handletextpad=0.1)
+def add_legend(panel: Any, title: str, all_marks: tuple[Mark, ...] = ()) -> None:
+    """The legend above the panel, and the title above that.
+
+    Args:
+        panel: Matplotlib's axes.
+        title: In matplotlib's words.
+        all_marks: Those of the legend; by default of what is drawn.
+    """
+    handles = [panel.plot([], [], **point_look(mark))[0] for mark in all_marks]
+    handles = handles or panel.get_legend_handles_labels()[0]
+    panel.set_title(title, pad=16 if handles else None)
+    if handles:
+        panel.legend(
+            handles=handles, loc="lower left", bbox_to_anchor=(-0.02, 0.995), ncols=3,
+            handletextpad=0.1,
+        )  # fmt: skip

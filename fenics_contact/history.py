@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _AXES = "xyz"
-# What varies by less than this share of the largest stands still.
-_STILL = 1e-9
+# What varies by less than this share of the largest stands still: a pressed obstacle that is moved
+# sideways sinks in by next to nothing.
+_STILL = 1e-3
 
 
 @dataclass(frozen=True)

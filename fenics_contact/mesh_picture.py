@@ -8,16 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.body_fields import flat_sides
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.figures import new_figure, save
 from fenics_contact.picture import Picture
 from fenics_contact.picture_style import DOUBLE, marks, neighbourhood
 
 Array = NDArray[np.float64]
-
-# Corners of VTK's flat cells, by type: triangles of 3 and 6 nodes and quadrilaterals of 4, 8 and
-# 9, and both with nodes in Lagrange's order.
-_CORNERS = {5: 3, 22: 3, 69: 3, 9: 4, 23: 4, 28: 4, 70: 4}
 
 
 def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Picture:
@@ -38,9 +35,11 @@ def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path
     figure, panels = new_figure("", (DOUBLE, 3.6), ncols=2)
     figure.set_layout_engine("compressed")  # for panels of equal scales
     figure.suptitle(title, x=0.01, ha="left", fontsize=8.5)
-    lines = list(_sides(body))
+    lines: Any = np.asarray(body.points)[flat_sides(body)[0]][:, :, :2]
     for panel, width in zip(panels, (0.15, 0.3), strict=True):
-        panel.add_collection(LineCollection(lines, colors="#566573", linewidths=width))
+        panel.add_collection(
+            LineCollection(lines, colors="#566573", linewidths=width, rasterized=True)
+        )
         panel.set_aspect("equal")
         panel.autoscale()
     laws = {contact["law"] for contact in result["contacts"]}
@@ -58,19 +57,9 @@ def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path
     for panel in panels:
         panel.set_xlabel(f"${axes[0]}$")
     panels[0].set_ylabel(f"${axes[1]}$")
-    save(figure, path)
+    save(figure, path, tight=True)
     caption = (
         f"The mesh that the estimated errors led to, the last of {len(result['levels'])}: all of "
         "it, and around the contact with its points."
     )
     return Picture(path, title, caption)
-
-
-def _sides(body: Any) -> Array:
-    """Ends of every side of every cell once, (sides, 2, 2) (length)."""
-    pairs = []
-    for kind, nodes in body.cells_dict.items():
-        around = nodes[:, : _CORNERS[int(kind)]]
-        pairs.append(np.stack([around, np.roll(around, -1, axis=1)], axis=2).reshape(-1, 2))
-    sides = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
-    return np.asarray(np.asarray(body.points)[sides][:, :, :2])

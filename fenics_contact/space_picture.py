@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from fenics_contact.body_fields import cell_edges, nodes_at, outline, surface
+from fenics_contact.body_fields import nodes_at, outline, surface, surface_edges
 from fenics_contact.body_view import View
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.display import display
@@ -21,8 +23,8 @@ Contacts = list[tuple[ContactTable, dict[str, Any]]]
 _WIDTH, _HEIGHTS, _MARGIN = 1400, (0.45, 0.95), 1.04
 _STATUS = ("OPEN", "STICK", "SLIP")  # values 0, 1, 2 of the field `status`
 _FEW_CELLS = 3000
-_FEW = 60  # points that are drawn larger
-_ARROW, _MOST_ARROWS = 0.07, 200  # longest, over what is shown; and how many
+_BALL = (0.003, 0.009)  # over what is shown: radius of a contact point
+_ARROW, _APART = 0.06, 0.035  # over what is shown: the longest, and how far they are apart
 
 
 def render(
@@ -75,14 +77,15 @@ def render(
 
 
 def corners_of(view: View) -> Array:
-    """What has to fit into the window: the cells shown, before and after."""
+    """What has to fit into the window: what is shown, before and after, (points, 3) (length)."""
     points = np.asarray(view.body.points, dtype=float)
-    return np.concatenate([points, points + view.factor * np.asarray(view.body["displacement"])])
+    inside = ((points >= view.low) & (points <= view.high)).all(axis=1)
+    moved = points[inside] + view.factor * np.asarray(view.body["displacement"])[inside]
+    box = np.array(list(product(*zip(view.low, view.high, strict=True))))
+    return np.concatenate([box, moved])
 
 
-def _look(
-    view: View, corners: Array, pixels: int
-) -> tuple[tuple[int, int], Array, float]:
+def _look(view: View, corners: Array, pixels: int) -> tuple[tuple[int, int], Array, float]:
     """The window's width and height in pixels, its middle, and half its height (length)."""
     right, up = view.screen
     across, along = corners @ right, corners @ up
@@ -96,35 +99,37 @@ def _look(
 
 def _add_body(plotter: Any, view: View, limits: tuple[float, float]) -> None:
     """The undeformed outline in grey, the deformed body in colour, its cells in white."""
-    plotter.add_mesh(outline(view.body, 1), color="#606060", line_width=2)
     level = 3 if view.body.n_cells < _FEW_CELLS else 1
-    smooth = surface(view.body, level).warp_by_vector("displacement", factor=view.factor)
+    block = cut_to(view.body, view) if view.is_near else view.body
+    plotter.add_mesh(outline(block, 1), color="#606060", line_width=2)
+    smooth = surface(block, level).warp_by_vector("displacement", factor=view.factor)
     plotter.add_mesh(
         smooth,
         scalars="von Mises stress",
         clim=limits,
         cmap=COLOUR_MAP,
         show_scalar_bar=False,
-        ambient=0.4,
-        diffuse=0.7,
+        ambient=0.6,
+        diffuse=0.5,
     )
-    cells = _visible_edges(view)
-    cells.points[:] += 1e-4 * view.size * view.towards  # in front of the faces
+    cells = surface_edges(view.body)
+    cells = cut_to(cells, view) if view.is_near else cells
+    cells = cells.warp_by_vector("displacement", factor=view.factor)
+    cells.points[:] += 1e-3 * view.size * view.towards  # in front of the faces
     plotter.add_mesh(cells, color="white", line_width=1.5, opacity=0.6)
 
 
-def _visible_edges(view: View) -> Any:
-    """The sides of the cells on the surface, moved; of many cells straight ones."""
-    if view.body.n_cells < _FEW_CELLS:
-        cells = cell_edges(view.body)
-    else:
-        cells = surface(view.body, 0).extract_all_edges()
-    return cells.warp_by_vector("displacement", factor=view.factor)
+def cut_to(shape: Any, view: View) -> Any:
+    """What of it lies inside the view."""
+    for axis, normal in enumerate("xyz"):
+        if shape.n_cells and shape.bounds[2 * axis + 1] > view.high[axis]:
+            shape = shape.clip(normal, origin=view.high)
+        if shape.n_cells and shape.bounds[2 * axis] < view.low[axis]:
+            shape = shape.clip("-" + normal, origin=view.low)
+    return shape
 
 
-def _add_obstacle(
-    plotter: Any, view: View, obstacle: ObstacleSurface
-) -> None:
+def _add_obstacle(plotter: Any, view: View, obstacle: ObstacleSurface) -> None:
     """A translucent surface with its rim."""
     import pyvista
 
@@ -141,11 +146,11 @@ def _add_obstacle(
     corners = triangles.get_masked_triangles()
     faces = np.hstack([np.full((len(corners), 1), 3), corners]).ravel()
     shape = pyvista.PolyData(obstacle.at(view.factor)[inside], faces)
-    plotter.add_mesh(shape, color="#808b96", opacity=0.25, lighting=False)
+    plotter.add_mesh(shape, color="#d5d8dc", opacity=0.3, lighting=False)
     rim = shape.extract_feature_edges(
         boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
     )
-    plotter.add_mesh(rim, color="#404040", line_width=2)
+    plotter.add_mesh(rim, color="#202020", line_width=2)
 
 
 def _in_front(view: View, points: Array, steps: float = 1.0) -> Array:
@@ -155,31 +160,40 @@ def _in_front(view: View, points: Array, steps: float = 1.0) -> Array:
 
 
 def _add_points(plotter: Any, view: View) -> None:
-    """Contact points where they moved to, coloured by status, each on a dark disc."""
+    """Contact points where they moved to: balls in the colour of their status, with a rim."""
     import pyvista
 
     points, status = np.asarray(view.body.points), np.asarray(view.body["status"])
     margin = 1e-9 * view.size
     inside = ((points >= view.low - margin) & (points <= view.high + margin)).all(axis=1)
+    inside &= status >= 0
+    if not inside.any():
+        return
     moved = points + view.factor * np.asarray(view.body["displacement"])
-    size = 20 if (inside & (status >= 0)).sum() < _FEW else 13
+    radius = _radius(points[inside], view.size)
     for mark in view.marks:
         mine = np.isin(status, [_STATUS.index(kind) for kind in mark.status]) & inside
         if not mine.any():
             continue
-        for colour, wider, steps in (("#303030", 4, 1.0), (mark.colour, 0, 1.02)):
-            cloud = pyvista.PolyData(_in_front(view, moved[mine], steps))
-            plotter.add_mesh(
-                cloud,
-                color=colour,
-                point_size=size + wider,
-                lighting=False,
-                render_points_as_spheres=True,
-            )
+        cloud = pyvista.PolyData(_in_front(view, moved[mine]))
+        rim = "#505050" if mark.status == ("OPEN",) else "white"
+        for size, colour, hidden in ((1.0, mark.colour, None), (1.3, rim, "front")):
+            ball = pyvista.Sphere(radius=size * radius, theta_resolution=16, phi_resolution=12)
+            balls = cloud.glyph(orient=False, scale=False, geom=ball)
+            # Of the larger ball only the inside of its far half is drawn, which makes the rim.
+            plotter.add_mesh(balls, color=colour, lighting=False, culling=hidden)
+
+
+def _radius(points: Array, size: float) -> float:
+    """Of the balls: smaller than half of what the points are apart (length)."""
+    if len(points) < 2:
+        return _BALL[1] * size
+    near, _ = cKDTree(points).query(points, k=2)
+    return float(np.clip(0.26 * np.median(near[:, 1]), _BALL[0] * size, _BALL[1] * size))
 
 
 def _add_slip(plotter: Any, body: Any, view: View, contacts: Contacts) -> None:
-    """Arrows of the slip, where there is some, the longest first if there are many."""
+    """Arrows of the slip, where there is some, not at every point where these are close."""
     import pyvista
 
     starts, slips = [], []
@@ -196,8 +210,9 @@ def _add_slip(plotter: Any, body: Any, view: View, contacts: Contacts) -> None:
     sizes = np.linalg.norm(slip, axis=1)
     if not sizes.any():
         return
-    shown = np.argsort(-sizes, kind="stable")[:: max(1, len(sizes) // _MOST_ARROWS)]
-    cloud = pyvista.PolyData(_in_front(view, np.concatenate(starts)[shown], 1.04))
+    places = np.concatenate(starts)
+    _, shown = np.unique(np.round(places / (_APART * view.size)), axis=0, return_index=True)
+    cloud = pyvista.PolyData(_in_front(view, places[shown], 2.5))
     cloud["slip"] = slip[shown] / sizes.max()
     arrow = pyvista.Arrow(tip_length=0.35, tip_radius=0.13, shaft_radius=0.045)
     glyphs = cloud.glyph(orient="slip", scale="slip", factor=_ARROW * view.size, geom=arrow)

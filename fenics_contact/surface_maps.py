@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 
 _LONG = 3.0  # sides of triangles, over their median, that bridge what is no surface
 _MOST_ARROWS = 350
-_HEIGHTS = (1.4, 4.5)  # of a panel, in inches
+_SHORT = 0.03  # of the longest: vectors that are left out
+_HEIGHTS = (1.8, 4.5)  # of a panel, in inches
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,9 @@ class Surface:
 
         low, high = self.points.min(axis=0), self.points.max(axis=0)
         step = np.sqrt(np.prod(high - low) / _MOST_ARROWS)
-        grid = np.stack(np.meshgrid(*(np.arange(a, b, step) for a, b in zip(low, high, strict=True))))
+        grid = np.stack(
+            np.meshgrid(*(np.arange(a, b, step) for a, b in zip(low, high, strict=True)))
+        )
         _, found = cKDTree(self.points).query(grid.reshape(2, -1).T)
         return np.unique(found)
 
@@ -89,8 +92,10 @@ def triangulation(points: Array) -> Any:
         corners = Delaunay(points).simplices
     except QhullError:
         return None
-    sides = np.linalg.norm(points[corners] - points[np.roll(corners, 1, axis=1)], axis=2).max(axis=1)
-    return Triangulation(*points.T, corners, mask=sides > _LONG * np.median(sides))
+    sides = np.linalg.norm(points[corners] - points[np.roll(corners, 1, axis=1)], axis=2).max(
+        axis=1
+    )
+    return Triangulation(points[:, 0], points[:, 1], corners, mask=sides > _LONG * np.median(sides))
 
 
 def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> Picture:
@@ -110,14 +115,16 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> Pictur
     }
     across, up = np.ptp(surface.points, axis=0)
     width = DOUBLE / len(draw)
-    height = float(np.clip((width - 0.6) * up / across + 1.0, *_HEIGHTS))
+    height = float(np.clip((width - 0.5) * up / across + 1.2, *_HEIGHTS))
     title = f"Contact zone {surface_of(contact)}"
     figure, panels = new_figure("", (DOUBLE, height), ncols=len(draw), sharey=True)
     for draw_panel, panel in zip(draw.values(), panels, strict=True):
         draw_panel(figure, panel, surface, contact)
         surface.label(panel, panel is panels[0])
+        panel.margins(0.08)
+    figure.set_layout_engine("compressed")  # for panels of equal scales
     figure.suptitle(title.replace("$", r"\$"), x=0.01, ha="left", fontsize=8.5)
-    save(figure, path)
+    save(figure, path, tight=True)
     said = f"{in_words(list(draw))} on {surface_of(contact)}."
     said += " Arrows on the left: slip; on the right: the friction traction." if frictional else ""
     return Picture(path, title, f"{said[0].upper()}{said[1:]}")
@@ -185,6 +192,7 @@ def draw_arrows(panel: Any, surface: Surface, vectors: Array, most: float) -> No
     if not most:  # else their scale would be none
         return
     some = surface.arrows
+    some = some[np.linalg.norm(vectors[some], axis=1) > _SHORT * most]
     panel.quiver(
         *surface.points[some].T,
         *vectors[some][:, surface.axes].T,
