@@ -121,7 +121,7 @@ def _solve(scene: Scene, folder: Path, options: argparse.Namespace, pictures: bo
             return result
     if comm.rank == 0 and (not options.quiet or not result.passed):
         print_result(result, folder)
-    if pictures and result.converged:
+    if pictures:
         on_root(comm, lambda: _draw(folder, options.quiet))
     return result.exit_code
 

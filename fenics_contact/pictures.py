@@ -92,13 +92,7 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Picture]:
     Raises:
         InputError: matplotlib, pyvista or a display is missing; says what to install.
     """
-    for library in ("matplotlib", "pyvista"):
-        try:
-            importlib.import_module(library)
-        except ImportError:
-            raise InputError(
-                f"pictures need {library}: install it with pip install 'fenics-contact[pictures]'"
-            ) from None
+    require("matplotlib", "pyvista")
     table, body, scene = (
         ContactTable.read(folder / "contact.csv"),
         read_body(folder),
@@ -115,6 +109,21 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Picture]:
             *_adapted(run),
             *draw_convergence(folder, result),
         ]
+
+
+def require(*libraries: str) -> None:
+    """Whether libraries for pictures are there.
+
+    Raises:
+        InputError: One is not; says what to install.
+    """
+    for library in libraries:
+        try:
+            importlib.import_module(library)
+        except ImportError:
+            raise InputError(
+                f"pictures need {library}: install it with pip install 'fenics-contact[pictures]'"
+            ) from None
 
 
 def _scene(folder: Path) -> Scene | None:

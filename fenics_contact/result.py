@@ -61,7 +61,7 @@ class Check:
         return bool(self.value <= self.limit)
 
     def as_dict(self) -> dict[str, Any]:
-        """For ``result.json``; where it comes nearest is told once it fails.
+        """For ``result.json``; what it compares and where it comes nearest is told once it fails.
 
         While it passes, that is often round-off, here or there.
         """
@@ -69,7 +69,8 @@ class Check:
         if self.parts:
             found["parts"] = {part.part: part.as_dict() for part in self.parts}
         if not self.passed:
-            where = {"contact": self.contact, "part": self.part, "place": list(self.place)}
+            said = {"kind": self.kind, "contact": self.contact, "part": self.part}
+            where = {**said, "place": list(self.place)}
             found |= {key: value for key, value in where.items() if value}
         return found
 

@@ -250,6 +250,7 @@ class Run:
                 "outer_contraction": solution.contraction,
                 "attempts": list(solution.attempts),
                 "residual_history": list(solution.residual_history),
+                "imbalance_limit": solution.imbalance_limit,
                 "quantities": quantities,
                 "contacts": [
                     {"name": contact.label, "quantities": found}

@@ -38,9 +38,17 @@ def test_wheel_has_types_templates_and_meshes(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     (wheel,) = (project / "dist").glob("*.whl")
     files = set(zipfile.ZipFile(wheel).namelist())
-    wanted = {path.relative_to(PROJECT) for path in (PROJECT / "fenics_contact").rglob("*.toml")}
-    wanted |= {path.relative_to(PROJECT) for path in (PROJECT / "fenics_contact").rglob("*.py")}
+    sources = (PROJECT / "fenics_contact").rglob("*.*")
+    wanted = {path.relative_to(PROJECT) for path in sources if path.suffix != ".pyc"}
     assert len(wanted) > 100 and "fenics_contact/py.typed" in files
     assert {path.as_posix() for path in wanted} <= files
     for geometry in (PROJECT / "meshes").glob("*.geo"):
         assert f"fenics_contact/meshes/{geometry.name}" in files
+
+
+def test_every_other_file_of_the_package_is_installed() -> None:
+    settings = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))
+    patterns = settings["tool"]["setuptools"]["package-data"]["fenics_contact"]
+    files = {path for path in (PROJECT / "fenics_contact").rglob("*.*") if path.is_file()}
+    kept = {path for pattern in patterns for path in (PROJECT / "fenics_contact").glob(pattern)}
+    assert {path.name for path in files - kept if path.suffix not in (".py", ".pyc")} == set()

@@ -245,12 +245,3 @@ def test_axisymmetric_stress_on_the_axis(tmp_path):
     stress = body["stress"].reshape(-1, 3, 3)
     assert stress[:, 1, 1] == pytest.approx(10, rel=1e-6)
     assert np.abs(stress[:, 2, 2]).max() < 1e-4
-
-
-def test_run_without_an_answer_is_not_drawn(tmp_path):
-    from fenics_contact import InputError
-    from tests.scenes import with_solver
-
-    write_run(with_solver(slab(600), max_iterations=1), tmp_path)
-    with pytest.raises(InputError, match="did not converge"):
-        report.write_report(tmp_path)
