@@ -15,7 +15,7 @@ import numpy as np
 
 from fenics_contact import Run, files
 from fenics_contact.animation import Film, draw_film
-from fenics_contact.body_picture import read_series, times_of_fields
+from fenics_contact.body_fields import read_series, times_of_fields
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.figures import new_figure, save
 from fenics_contact.picture_style import COLOURS

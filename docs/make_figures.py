@@ -17,7 +17,7 @@ import numpy as np
 
 from fenics_contact import Run, Scene, files
 from fenics_contact.axis_stress import AxisStress
-from fenics_contact.body_picture import read_body
+from fenics_contact.body_fields import read_body
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.curves import cut_peaks
 from fenics_contact.figures import new_figure, save

@@ -347,9 +347,32 @@ def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None)
         Global numbers, the same on every rank and any number of ranks.
 
     Raises:
-        InputError: The scene or its mesh cannot be used, or has no equilibrium.
+        InputError: The scene or its mesh cannot be used; of it, ``NoEquilibriumError``: supports
+            and friction cannot hold the loads (paper, (2.4)).
+        MachineError: The machine has not the memory, or a file could not be written.
 
-    What goes wrong on one rank alone ends all ranks, with a message and ``MPI_Abort``.
+    That Newton's method fails is no error, but a result that says so. What goes wrong on one rank
+    alone ends all ranks, with a message and ``MPI_Abort``.
+
+    A sphere on a half-space, with Hertz's force 4/3 E* √R d^(3/2) (K. L. Johnson, Contact
+    Mechanics, 1985, (4.23)):
+
+    >>> from fenics_contact import load_scene, main
+    >>> main(["new", "hertz", "--quiet"])  # writes hertz.toml and hertz.geo
+    0
+    >>> result = run(load_scene("hertz.toml"))
+    >>> exact = 4 / 3 * 1000 / (1 - 0.3**2) * 8**0.5
+    >>> abs(result.quantities["normal_force"] / exact - 1) < 0.01
+    True
+    >>> result.passed, result.exit_code
+    (True, 0)
+
+    Each contact point stands for a piece of the surface, in axisymmetric models for a ring:
+
+    >>> points = result.points
+    >>> force = float(points.weights @ points.contact_pressure)
+    >>> abs(force / exact - 1) < 0.01
+    True
     """
     prepared = Run(scene, comm, body)
     if scene.accuracy is None:

@@ -52,7 +52,7 @@ class AddedTangents:
 
         def column_of(columns: NDArray[np.int32]) -> NDArray[np.int64]:
             owners = np.searchsorted(starts, columns, side="right") - 1
-            return columns + shifts[owners]
+            return np.asarray(columns + shifts[owners])
 
         self._column_of = column_of
 

@@ -163,7 +163,9 @@ def _of_bodies(
     if shape is None:
         return None
     first, second = (pair for pair in both if pair is not None)
-    modulus = 1 / (1 / formulas.plane_strain_modulus(*first) + 1 / formulas.plane_strain_modulus(*second))
+    modulus = 1 / (
+        1 / formulas.plane_strain_modulus(*first) + 1 / formulas.plane_strain_modulus(*second)
+    )
     mismatch = _dundurs(first, second)
     line = scene.kinematics == "plane strain"
     assert slave is not None
@@ -236,7 +238,9 @@ def _sheared(
     if contact.law != "incremental" or not isinstance(coefficient, float | int):
         return smooth
     assert normal is not None and tangential is not None
-    mirrored = {"xyz".index(axis) for axis in re.findall(r"([xyz]) = ", result["model"]["symmetry"])}
+    mirrored = {
+        "xyz".index(axis) for axis in re.findall(r"([xyz]) = ", result["model"]["symmetry"])
+    }
     axes = [i for i in range(tangential.shape[1]) if i != across and i not in mirrored]
     if not axes:
         return smooth

@@ -109,9 +109,9 @@ def _drive(
     return replace(drive, x=drive.x[kept], y=drive.y[kept])
 
 
-def frame_numbers(steps: int) -> NDArray[np.int64]:
+def frame_numbers(steps: int, most: int = _MOST_FRAMES) -> NDArray[np.int64]:
     """Which of so many steps are shown: all, or as many evenly spread, with the last."""
-    return np.unique(np.linspace(0, steps - 1, min(steps, _MOST_FRAMES)).round().astype(np.int64))
+    return np.unique(np.linspace(0, steps - 1, min(steps, most)).round().astype(np.int64))
 
 
 def draw_film(film: Film, flat: bool, axes: str, path: Path) -> Picture:
@@ -136,7 +136,9 @@ def draw_film(film: Film, flat: bool, axes: str, path: Path) -> Picture:
     write_gif(pictures, path)
     what = "friction traction σ_T" if rough else "contact pressure p"
     said = f"Status and {what} on {surface_of(film.contact)} over the load steps"
-    said += f"; on the right, {film.drive.title}: force against displacement." * bool(film.drive)
+    said += (
+        f"; on the right, {film.drive.title}: force against displacement." if film.drive else "."
+    )
     return Picture(path, f"Contact {surface_of(film.contact)} over the load steps", said)
 
 
@@ -149,7 +151,7 @@ def _picture(
     screen.draw(figure, panels, number)
     if film.drive:
         _follow(panels[-1], film.drive, number)
-    set_title(panels[0], f"{surface_of(film.contact)}, t = {film.time[number]:.4g}")
+    set_title(panels[0], f"{surface_of(film.contact)}, t = {film.time[number]:.4g}", screen.pad)
     if number == 0:
         for _ in range(2):  # then nothing moves any more
             figure.canvas.draw()
@@ -164,7 +166,10 @@ def write_gif(pictures: list[NDArray[np.uint8]], path: Path) -> None:
     from PIL import Image
 
     some = [pictures[i] for i in np.linspace(0, len(pictures) - 1, 4).round().astype(int)]
-    palette = Image.fromarray(np.concatenate(some)).quantize(256)
+    # Without a share of their own, colours of a few points alone would be given up.
+    height, width = some[0].shape[:2]
+    own = [np.full((height // 12, width, 3), _rgb(colour)) for colour in COLOURS.values()]
+    palette = Image.fromarray(np.concatenate([*some, *own]).astype(np.uint8)).quantize(256)
     no_dither = Image.Dither.NONE
     first, *others = (
         Image.fromarray(picture).quantize(palette=palette, dither=no_dither) for picture in pictures
@@ -176,18 +181,25 @@ def write_gif(pictures: list[NDArray[np.uint8]], path: Path) -> None:
         )
 
 
+def _rgb(colour: str) -> tuple[int, ...]:
+    return tuple(int(colour[i : i + 2], 16) for i in (1, 3, 5))
+
+
 class _Map:
     """A contact surface in 3D: what sticks and slips, and the friction traction.
 
     Attributes:
         height: Of the figure in inches.
+        pad: Between the first panel and its title, in points: the legend is there.
     """
+
+    pad = 16.0
 
     def __init__(self, film: Film, _: str) -> None:
         self._film = film
         self._surface = Surface.of(film.zone, film.contact)
         across, up = np.ptp(self._surface.points, axis=0)
-        self.height = float(np.clip(_WIDTHS["zones"] * up / across + 0.8, 2.2, 4.5))
+        self.height = float(np.clip(_WIDTHS["zones"] * up / across + 1.0, 2.4, 4.5))
         shown = self._surface.shown
         rows = [frame.rows(shown) for frame in film.frames]
         self._status = [frame.status for frame in rows]
@@ -218,7 +230,7 @@ class _Map:
     def _zones(self, panel: Any, status: NDArray[np.str_]) -> None:
         draw_status(panel, self._surface.points, status, self._film.contact["law"])
         entries = [panel.plot([], [], **mark.look)[0] for mark in marks(self._film.contact["law"])]
-        above = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.18), "ncols": 3}
+        above = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.99), "ncols": 3}
         panel.legend(handles=entries, handletextpad=0.1, **above)
 
 
@@ -227,9 +239,10 @@ class _Line:
 
     Attributes:
         height: Of the figure in inches.
+        pad: Between the panel and its title, in points.
     """
 
-    height = _HEIGHT
+    height, pad = _HEIGHT, 6.0
 
     def __init__(self, film: Film, axes: str) -> None:
         self._film, self._axes = film, axes
@@ -242,9 +255,7 @@ class _Line:
             line.traction if rough else line.rows.numbers["contact_pressure"]
             for line in self._lines
         ]
-        self._label = (
-            r"friction traction, $\sigma_T$" if rough else "contact pressure, $p$"
-        )
+        self._label = r"friction traction, $\sigma_T$" if rough else "contact pressure, $p$"
         self._most = max(float(np.abs(values).max()) for values in self._values)
         if self._coefficient:
             self._most = self._coefficient * max(

@@ -107,27 +107,32 @@ def draw_axis_stress(
     shown = stress.depth <= _DEPTH * radius
     title = f"Stresses on the axis below '{contact.get('slave', contact['name'])}'"
     figure, (panel,) = new_figure(title, (COLUMN, 3.4))
-    labels = (r"$\sigma_{zz}$", r"$\sigma_{rr} = \sigma_{\theta\theta}$")
-    labels = (*labels, r"$\tau = |\sigma_{zz} - \sigma_{rr}|\,/\,2$")
+    labels = (
+        r"$\sigma_{zz}$",
+        r"$\sigma_{rr} = \sigma_{\theta\theta}$",
+        r"$\tau = |\sigma_{zz} - \sigma_{rr}|\,/\,2$",
+    )
     computed = (stress.axial, stress.radial, stress.shear)
+    joined = "none" if analytic is not None and not analytic.punch else "-"
     for values, label, (colour, _), mark in zip(computed, labels, LINES, "os^", strict=False):
         panel.plot(
             values[shown] / unit,
             stress.depth[shown] / radius,
-            mark,
+            marker=mark,
+            linestyle=joined,
             color=colour,
             markerfacecolor="white",
-            markevery=max(int(shown.sum()) // 14, 1),
+            markevery=0.06,
             label=label,
         )
     said = ""
     if analytic is not None and not analytic.punch:
         depth = np.linspace(0, _DEPTH * radius, 200)
         axial, radial = analytic.axis_stress(depth)
-        label: str | None = analytic.label if analytic.smooth else "Hertz, without friction"
-        for values in (axial, radial, np.abs(axial - radial) / 2):
-            panel.plot(values / unit, depth / radius, label=label, zorder=1, **FORMULA)
-            label = None
+        name = analytic.label if analytic.smooth else "Hertz, without friction"
+        curves = np.stack([axial, radial, np.abs(axial - radial) / 2], axis=1) / unit
+        first, *_ = panel.plot(curves, depth / radius, zorder=1, **FORMULA)
+        first.set_label(name)
         said = f" Lines: {formula_words(analytic)}."
     panel.axvline(0, color="black", linewidth=0.5, zorder=0)
     panel.invert_yaxis()

@@ -24,7 +24,15 @@ _CURVED = 1_000
 # 9, and both with nodes in Lagrange's order. A node on each side follows where there are more.
 _CORNERS = {5: 3, 22: 3, 69: 3, 9: 4, 23: 4, 28: 4, 70: 4}
 # Cells in space by VTK's types: corners, and the type of a cell of corners alone.
-_LINEAR = {10: (4, 10), 24: (4, 10), 71: (4, 10), 12: (8, 12), 25: (8, 12), 29: (8, 12), 72: (8, 12)}
+_LINEAR = {
+    10: (4, 10),
+    24: (4, 10),
+    71: (4, 10),
+    12: (8, 12),
+    25: (8, 12),
+    29: (8, 12),
+    72: (8, 12),
+}
 
 
 def read_body(folder: Path) -> Any:
@@ -57,7 +65,8 @@ def von_mises(stress: Array) -> Array:
     """Of stresses (points, 9), (points,) (stress)."""
     tensor = stress.reshape(-1, 3, 3)
     deviator = tensor - np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
-    return np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))
+    found: Array = np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))
+    return found
 
 
 def largest_shear(stress: Array) -> Array:
@@ -68,7 +77,9 @@ def largest_shear(stress: Array) -> Array:
     return shear
 
 
-def nodes_at(body: Any, rows: ContactTable, contact: dict[str, Any]) -> tuple[ContactTable, Numbers]:
+def nodes_at(
+    body: Any, rows: ContactTable, contact: dict[str, Any]
+) -> tuple[ContactTable, Numbers]:
     """The points of a contact that are nodes of the body, and the numbers of these nodes.
 
     Args:
@@ -144,11 +155,12 @@ def outline(grid: Any, subdivision: int = 3) -> Any:
     )
 
 
-def flat_sides(grid: Any) -> Numbers:
+def flat_sides(grid: Any) -> tuple[Numbers, NDArray[np.bool_]]:
     """Nodes of every side of every cell of a flat grid once: ends, and one between where it has it.
 
     Returns:
-        Shape (sides, 2) or (sides, 3); all cells are of one degree.
+        Shape (sides, 2) or (sides, 3), as all cells are of one degree; and which of them lie on
+        the boundary.
     """
     found = []
     for kind, nodes in grid.cells_dict.items():
@@ -158,9 +170,29 @@ def flat_sides(grid: Any) -> Numbers:
         if nodes.shape[1] > corners:
             sides.insert(1, nodes[:, corners : 2 * corners])
         found.append(np.stack(sides, axis=2).reshape(-1, len(sides)))
-    sides_of_all = np.concatenate(found)
-    _, first = np.unique(np.sort(sides_of_all[:, [0, -1]], axis=1), axis=0, return_index=True)
-    return np.asarray(sides_of_all[first], dtype=np.int64)
+    every = np.concatenate(found).astype(np.int64)
+    ends = np.sort(every[:, [0, -1]], axis=1)
+    _, first, count = np.unique(ends, axis=0, return_index=True, return_counts=True)
+    return every[first], count == 1
+
+
+def flat_outline(grid: Any) -> list[Array]:
+    """The boundary of a flat grid as lines, the points of each, (points, 3) (length)."""
+    sides, outer = flat_sides(grid)
+    onwards: dict[int, list[list[int]]] = {}
+    for side in sides[outer].tolist():
+        onwards.setdefault(side[0], []).append(side[1:])
+    points, lines = np.asarray(grid.points, dtype=float), []
+    while onwards:  # the cells are on the left all along
+        line = [next(iter(onwards))]
+        while line[-1] in onwards:
+            nexts = onwards[line[-1]]
+            end = nexts.pop()
+            if not nexts:
+                del onwards[line[-1]]
+            line += end
+        lines.append(points[line])
+    return lines
 
 
 def surface_edges(grid: Any) -> Any:
@@ -184,16 +216,4 @@ def segments(lines: Any) -> Array:
     """Ends of the pieces of lines, (pieces, 2, 3) (length)."""
     ends = np.asarray(lines.lines).reshape(-1, 3)[:, 1:]
     found: Array = np.asarray(lines.points, dtype=float)[ends]
-    return found
-
-
-def polylines(lines: Any) -> list[Array]:
-    """Lines joined where they can be, the points of each, (points, 3) (length)."""
-    joined = lines.strip(join=True, max_length=100_000)
-    points, numbers = np.asarray(joined.points, dtype=float), np.asarray(joined.lines)
-    found, start = [], 0
-    while start < len(numbers):
-        end = start + 1 + numbers[start]
-        found.append(points[numbers[start + 1 : end]])
-        start = end
     return found

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from fenics_contact.animation import frame_rows, write_gif
 from fenics_contact.body_picture import (
     add_bar,
-    add_legend,
     colour_range,
     flat_figure,
     framed,
@@ -24,7 +23,7 @@ from fenics_contact.body_view import View, cells_inside, choose_view
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.display import display
 from fenics_contact.figures import style
-from fenics_contact.flat_picture import draw_flat
+from fenics_contact.flat_picture import add_legend, draw_flat
 from fenics_contact.obstacle_picture import ObstacleSurface, obstacles_of
 from fenics_contact.picture import Picture
 from fenics_contact.space_picture import corners_of, render
@@ -33,6 +32,7 @@ Array = NDArray[np.float64]
 Contacts = list[tuple[ContactTable, dict[str, Any]]]
 
 _DPI, _PIXELS = 110, 800
+MOST_BODIES = 30  # frames at most
 
 
 @dataclass(frozen=True)
@@ -54,13 +54,16 @@ class Overview:
     @classmethod
     def of(
         cls, bodies: Iterable[Any], result: dict[str, Any], table: ContactTable
-    ) -> Overview:
+    ) -> Overview | None:
         """Look at all frames: where anything ever touches, and the largest displacement.
 
         Args:
             bodies: Grids with their fields, in order.
             result: The content of ``result.json``.
             table: The content of ``contact.csv``.
+
+        Returns:
+            None where nothing ever moves.
         """
         ranges, last, ever, farthest = [], None, None, None
         for last in bodies:
@@ -70,7 +73,8 @@ class Overview:
             if farthest is None or _size(moved) > _size(farthest):
                 farthest = moved
             ranges.append(colour_range(np.asarray(last["von Mises stress"])))
-        assert last is not None
+        if last is None or farthest is None or not farthest.any():
+            return None
         whole = last.copy(deep=False)
         whole["status"], whole["displacement"] = ever, farthest
         view = choose_view(whole, result, table)

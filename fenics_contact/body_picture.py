@@ -20,7 +20,8 @@ from fenics_contact.space_picture import render
 Array = NDArray[np.float64]
 
 _STRESS = r"von Mises stress, $\sigma_{VM}$"
-_HEIGHTS = (2.3, 5.0)  # of a flat model's panel, in inches
+_HEIGHTS = (1.0, 5.0)  # of a flat model's panel, in inches
+_FLAT = 0.35  # height over width of panels that have their colour bar below
 
 
 def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Picture:
@@ -60,9 +61,7 @@ def times(factor: float) -> str:
     return "" if factor == 1 else f", displacements × {factor:g}"
 
 
-def _caption(
-    view: View, contacts: list[tuple[ContactTable, dict[str, Any]]], beyond: float
-) -> str:
+def _caption(view: View, contacts: list[tuple[ContactTable, dict[str, Any]]], beyond: float) -> str:
     said = "The deformed body, coloured by the von Mises stress σ_VM"
     if beyond:
         said += f" (at single points up to {beyond:.3g})"
@@ -85,8 +84,9 @@ def _caption(
 def flat_figure(view: View) -> tuple[Any, Any]:
     """A figure for a flat body, and its panel."""
     across, up = (view.high - view.low)[:2]
+    margin = 1.3 if up < _FLAT * across else 0.6
     height = float(np.clip(0.8 * WIDE * up / across, *_HEIGHTS))
-    figure, (panel,) = new_figure("", (WIDE, height + 0.6))
+    figure, (panel,) = new_figure("", (WIDE, height + margin))
     axes = "rz" if view.axisymmetric else "xy"
     panel.set_xlabel(f"${axes[0]}$")
     panel.set_ylabel(f"${axes[1]}$")
@@ -94,11 +94,14 @@ def flat_figure(view: View) -> tuple[Any, Any]:
 
 
 def add_bar(figure: Any, panel: Any, colours: Any, beyond: bool) -> None:
-    """The colour bar of the stress; an arrow at its end where some is beyond."""
-    figure.colorbar(
-        colours, ax=panel, label=_STRESS, extend="max" if beyond else "neither",
-        shrink=0.85, aspect=28, pad=0.02,
-    )  # fmt: skip
+    """The colour bar of the stress, below wide panels; an arrow at its end where some is beyond."""
+    low, high = np.sort(np.array([panel.get_xlim(), panel.get_ylim()])).T
+    across, up = high - low
+    look: dict[str, Any] = {"shrink": 0.85, "pad": 0.02}
+    if up < _FLAT * across:
+        look = {"location": "bottom", "shrink": 0.6}
+    extend = "max" if beyond else "neither"
+    figure.colorbar(colours, ax=panel, label=_STRESS, extend=extend, aspect=28, **look)
 
 
 def framed(

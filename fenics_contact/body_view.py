@@ -154,7 +154,7 @@ def _towards(flat: bool, front: Array, aside: Array) -> Array:
         return np.array([0.0, 0.0, 1.0])
     side = np.where(aside < -0.05, -1.0, 1.0)
     side = np.where(np.abs(front) > 0.1, np.sign(front), side)
-    return side / np.sqrt(3)
+    return np.asarray(side / np.sqrt(3))
 
 
 def _round_factor(factor: float) -> float:

@@ -1,18 +1,10 @@
-"""The one place that knows dolfinx 0.9 from 0.10 and 0.11.
-
-Imported before anything else of FEniCSx: on the PyPI wheel, ``dolfinx_solver``
-must load its libraries first.
-"""
+"""The one place that knows dolfinx 0.9 from 0.10 and 0.11."""
 
 from __future__ import annotations
 
 import importlib.metadata
-import importlib.util
 import platform
 from typing import Any
-
-if importlib.util.find_spec("dolfinx_solver") is not None:
-    import dolfinx_solver  # noqa: F401
 
 import basix
 import basix.ufl
@@ -101,7 +93,7 @@ def input_nodes(mesh: Any) -> NDArray[np.int64]:
 def exterior_facets(mesh: Any) -> NDArray[np.int32]:
     """Owned facets on the boundary of the body."""
     mesh.topology.create_connectivity(mesh.topology.dim - 1, mesh.topology.dim)
-    return dolfinx.mesh.exterior_facet_indices(mesh.topology)
+    return np.asarray(dolfinx.mesh.exterior_facet_indices(mesh.topology))
 
 
 def create_submesh(
@@ -122,14 +114,14 @@ def boundary_entities(topology: Any, facets: NDArray[np.int32]) -> NDArray[np.in
     # From 0.10 on, facets inside the body are not left out by themselves.
     facets = np.intersect1d(facets, exterior_facet_indices(topology)).astype(np.int32)
     if DOLFINX_VERSION >= (0, 10):
-        return fem.compute_integration_domains(kind, topology, facets)
-    return fem.compute_integration_domains(kind, topology, facets, topology.dim - 1)
+        return np.asarray(fem.compute_integration_domains(kind, topology, facets))
+    return np.asarray(fem.compute_integration_domains(kind, topology, facets, topology.dim - 1))
 
 
 def interpolation_points(element: Any) -> NDArray[np.float64]:
     """Reference points at which the element interpolates."""
     points = element.interpolation_points
-    return points() if callable(points) else points
+    return np.asarray(points() if callable(points) else points)
 
 
 def interior_element(mesh: Any, degree: int) -> Any:
@@ -148,7 +140,7 @@ def interior_element(mesh: Any, degree: int) -> Any:
 def quadrature_points(mesh: Any, degree: int) -> NDArray[np.float64]:
     """Points of the rule that integrals over cells use, on the reference cell."""
     cell = getattr(basix.CellType, mesh.topology.cell_name())
-    return basix.make_quadrature(cell, degree)[0]
+    return np.asarray(basix.make_quadrature(cell, degree)[0])
 
 
 def geometry_nodes(mesh: Any) -> NDArray[np.int32]:

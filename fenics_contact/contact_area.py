@@ -131,7 +131,7 @@ def _parts_inside(contact: ContactSurface, zone: _Zone, chosen: NDArray[np.int64
         share *= reach
         density += (weights[rows, other] - weights[rows, corner]) * reach / count
     cut = pieces.areas[chosen] * share * density
-    return np.where(alone, cut, pieces.areas[chosen] * weights.mean(axis=1) - cut)
+    return np.asarray(np.where(alone, cut, pieces.areas[chosen] * weights.mean(axis=1) - cut))
 
 
 def _edges(

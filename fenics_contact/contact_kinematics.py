@@ -111,7 +111,7 @@ class ContactKinematics(ABC):
 
     def normal(self, vectors: Array) -> Array:
         """Normal part of vectors given at the contact points, or at their nodes."""
-        return np.einsum("ij,ij->i", vectors, self.trace.normals[: len(vectors)])
+        return np.asarray(np.einsum("ij,ij->i", vectors, self.trace.normals[: len(vectors)]))
 
     def tangential(self, vectors: Array) -> Array:
         """Tangential part of vectors given at the contact points, or at their nodes."""

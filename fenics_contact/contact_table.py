@@ -51,7 +51,7 @@ class ContactTable:
     @property
     def closed(self) -> NDArray[np.bool_]:
         """Which points touch the obstacle."""
-        return self.status != "OPEN"
+        return np.asarray(self.status != "OPEN")
 
     def of(self, contact: str) -> ContactTable:
         """The rows of one contact."""

@@ -12,13 +12,11 @@ from petsc4py import PETSc
 from fenics_contact import mumps
 from fenics_contact.contact_matrix import ContactMatrix
 from fenics_contact.errors import MachineError
+from fenics_contact.petsc_options import ZONE_PREFIX
 from fenics_contact.problem import Problem
 
 Array = NDArray[np.float64]
 Nodes = NDArray[np.bool_]
-
-# What the user sets with it wins over our defaults.
-OPTIONS_PREFIX = "fenics_contact_zone_"
 
 
 class ContactZone:
@@ -82,7 +80,7 @@ class ContactZone:
 
     def _create_factor(self) -> Any:
         factor = PETSc.PC().create(self._tangent.comm)
-        factor.setOptionsPrefix(OPTIONS_PREFIX)
+        factor.setOptionsPrefix(ZONE_PREFIX)
         factor.setOperators(self._tangent)
         factor.setType("lu")
         factor.setFactorSolverType("mumps")

@@ -15,6 +15,7 @@ from fenics_contact.picture_style import COLOURS, DOUBLE, FORMULA, LINES, WIDE
 Array = NDArray[np.float64]
 
 _MARKS = "os^vDP"
+_FEWEST = 3
 _TINY = 1e-18  # of the largest residual: what 0 is drawn as
 
 
@@ -25,11 +26,16 @@ def draw_convergence(folder: Path, result: dict[str, Any]) -> list[Picture]:
         folder: Where to.
         result: The content of its ``result.json``.
     """
-    steps = [step for step in result["steps"] if step.get("residual_history")]
+    steps = [step for step in result["steps"] if _shows(step.get("residual_history") or [])]
     drawn = [_iterations(steps, folder / "convergence.png")] if steps else []
     if len(result.get("levels", [])) > 1:
         drawn.append(_levels(result, folder / "accuracy.png"))
     return drawn
+
+
+def _shows(residuals: list[float]) -> bool:
+    """Whether residuals say more than that a linear system was solved."""
+    return len(residuals) >= _FEWEST and max(residuals) > 0
 
 
 def _iterations(steps: list[dict[str, Any]], path: Path) -> Picture:

@@ -44,7 +44,11 @@ def draw_curves(
     heights = [*(_HEIGHTS[name] for name in names), _STRIP]
     title = title_of(names, contact)
     figure, panels = new_figure(
-        f"Along {surface_of(contact)}", (WIDE, sum(heights) + _MARGIN), nrows=len(heights), sharex=True, height_ratios=heights
+        f"Along {surface_of(contact)}",
+        (WIDE, sum(heights) + _MARGIN),
+        nrows=len(heights),
+        sharex=True,
+        height_ratios=heights,
     )
     low, high = line.view
     shown = np.linspace(low, high, _POINTS)
@@ -83,7 +87,9 @@ def _symbol(name: str) -> str:
 def formula_words(analytic: AnalyticContact) -> str:
     """What the formulas are, with the size of the contact."""
     size = "half-width" if analytic.line else "radius"
-    words = f"{analytic.label}, for the force that was found ({size} a = {analytic.hertz.radius:.4g}"
+    words = (
+        f"{analytic.label}, for the force that was found ({size} a = {analytic.hertz.radius:.4g}"
+    )
     words += "" if analytic.punch else f", peak p₀ = {analytic.hertz.peak:.4g}"
     if analytic.stick:
         words += f"; Cattaneo and Mindlin: sticks up to c = {analytic.stick:.4g}"
@@ -173,9 +179,7 @@ def _plot(panel: Any, line: SurfaceLine, values: Array) -> None:
     for mark in line.marks:
         mine = np.isin(line.rows.status, mark.status) & shown
         if mine.any():
-            panel.plot(
-                line.position[mine], values[mine], markersize=size, zorder=2, **mark.look
-            )
+            panel.plot(line.position[mine], values[mine], markersize=size, zorder=2, **mark.look)
 
 
 def cut_peaks(panel: Any, values: Array) -> None:

@@ -170,7 +170,9 @@ def _resistance(
     across = np.einsum("q,qi,qj->ij", weights, normal, normal)
     # Only ratios within one motion matter, so that the unit of c is free.
     share = np.trace(across)
-    return friction + across * ((np.trace(friction) or 1.0) / share if share > 0 else 0.0)
+    return np.asarray(
+        friction + across * ((np.trace(friction) or 1.0) / share if share > 0 else 0.0)
+    )
 
 
 def _unresisted(problem: Problem, rigid: RigidMotions) -> Array:

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 
 class FenicsContactError(Exception):
-    """A failure that one sentence explains to the user."""
+    """A failure that one sentence explains to the user.
+
+    Attributes:
+        exit_code: With which ``fenics-contact`` ends.
+    """
 
     exit_code = 1
 
@@ -20,7 +24,19 @@ class SceneError(InputError, ValueError):
 
 
 class NoEquilibriumError(InputError):
-    """The loads exceed what friction and supports can carry (paper, (2.4))."""
+    """The loads exceed what friction and supports can carry (paper, (2.4)).
+
+    A block that friction can hold up to .5 × 20 is pulled by 30:
+
+    >>> from fenics_contact import load_scene, main, run
+    >>> main(["new", "own", "--quiet"])  # writes own.toml and own.geo
+    0
+    >>> try:
+    ...     run(load_scene("own.toml", ["load.1.traction=[30, 0]"]))
+    ... except NoEquilibriumError as error:
+    ...     print(error.exit_code)
+    2
+    """
 
 
 class NotConvergedError(FenicsContactError):
@@ -30,6 +46,8 @@ class NotConvergedError(FenicsContactError):
         message: What happened and what to try, in words.
         residual_history: Force imbalance after every Newton step (force units).
         attempts: Every strategy that was tried, with what happened.
+
+    ``run`` turns it into a result that has not converged.
     """
 
     exit_code = 3

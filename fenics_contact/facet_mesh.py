@@ -51,7 +51,7 @@ class FacetMesh:
     @property
     def dimension(self) -> int:
         """Of space."""
-        return self.geometry.shape[2]
+        return int(self.geometry.shape[2])
 
     @property
     def node_count(self) -> int:
@@ -71,7 +71,7 @@ class FacetMesh:
 
     def shape_functions(self, reference: Array) -> Array:
         """Those of the space at reference points, (points, nodes of a facet)."""
-        return _tabulate(self.shape, self.degree, reference, 0)[0]
+        return np.asarray(_tabulate(self.shape, self.degree, reference, 0)[0])
 
     def shape_gradients(self, reference: Array) -> Array:
         """Their gradients, (dimension − 1, points, nodes of a facet)."""
@@ -88,17 +88,19 @@ class FacetMesh:
 
     def interpolate(self, nodal: Array, facets: IntArray, reference: Array) -> Array:
         """A function of the space, given at all nodes (nodes, components), at points."""
-        return np.einsum("pn,pnc->pc", self.shape_functions(reference), nodal[self.nodes[facets]])
+        return np.asarray(
+            np.einsum("pn,pnc->pc", self.shape_functions(reference), nodal[self.nodes[facets]])
+        )
 
     def positions(self, facets: IntArray, reference: Array) -> Array:
         """Places of points, (points, dimension) (length)."""
         values = _tabulate(self.shape, self.order, reference, 0)[0]
-        return np.einsum("pn,pnd->pd", values, self.geometry[facets])
+        return np.asarray(np.einsum("pn,pnd->pd", values, self.geometry[facets]))
 
     def tangents(self, facets: IntArray, reference: Array) -> Array:
         """Derivatives of the place by reference coordinates, (points, dimension, dimension − 1)."""
         _, gradients = self.geometry_functions(reference)
-        return np.einsum("kpn,pnd->pdk", gradients, self.geometry[facets])
+        return np.asarray(np.einsum("kpn,pnd->pdk", gradients, self.geometry[facets]))
 
     def node_positions(self) -> Array:
         """Places of the displacement nodes, (nodes, dimension) (length)."""

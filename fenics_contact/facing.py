@@ -206,7 +206,9 @@ def _solve(matrices: Array, vectors: Array) -> Array:
             return vectors / matrices[:, 0]
         (a, b), (c, d) = matrices.transpose(1, 2, 0)
         x, y = vectors.T
-        return np.stack([d * x - b * y, a * y - c * x], axis=1) / (a * d - b * c)[:, None]
+        return np.asarray(
+            np.stack([d * x - b * y, a * y - c * x], axis=1) / (a * d - b * c)[:, None]
+        )
 
 
 def _is_inside(shape: str, reference: Array) -> BoolArray:

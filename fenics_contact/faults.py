@@ -54,7 +54,7 @@ def explain(error: BaseException) -> tuple[int, str]:
             f"the machine failed: a form could not be compiled: {said}; is there a C compiler, and "
             "room in the cache of FEniCSx (XDG_CACHE_HOME, else ~/.cache)?"
         )
-    if isinstance(error, BrokenPipeError):
+    if isinstance(error, BrokenPipeError) or _is_of_printing(error):
         return READER_LEFT, "nobody reads the output any more"
     if isinstance(error, OSError):
         return MachineError.exit_code, f"the machine failed: {error}"
@@ -74,6 +74,11 @@ def _is_want_of_memory(error: BaseException) -> bool:
         return bool(getattr(error, "ierr", 0) == _NO_MEMORY)
     is_said = isinstance(error, RuntimeError) and _NO_MEMORY_SAID in str(error)
     return is_said or isinstance(error, MemoryError)
+
+
+def _is_of_printing(error: BaseException) -> bool:
+    """Of PETSc, as it monitored a solve to a reader that has left."""
+    return isinstance(error, PETSc.Error) and "Broken pipe" in str(error)
 
 
 def _is_of_compiler(error: BaseException) -> bool:

@@ -19,7 +19,8 @@ def style() -> Iterator[None]:
     """Within it, all that matplotlib draws is in the style of this program."""
     import matplotlib
 
-    with matplotlib.rc_context(STYLE):
+    settings: Any = STYLE
+    with matplotlib.rc_context(settings):
         yield
 
 
@@ -37,7 +38,7 @@ def new_figure(title: str, size: tuple[float, float], **panels: Any) -> tuple[An
     with style():
         figure = Figure(figsize=size, layout="constrained", dpi=panels.pop("dpi", None))
         FigureCanvasAgg(figure)
-        ratios = {
+        ratios: dict[str, Any] = {
             key: panels.pop(key) for key in ("height_ratios", "width_ratios") if key in panels
         }
         axes = figure.subplots(squeeze=False, gridspec_kw=ratios, **panels)
@@ -45,26 +46,34 @@ def new_figure(title: str, size: tuple[float, float], **panels: Any) -> tuple[An
     return figure, list(axes.flat)
 
 
-def set_title(panel: Any, title: str) -> None:
-    """Set a panel's title, any text, on several lines if it is long: dollars are dollars."""
+def set_title(panel: Any, title: str, pad: float | None = None) -> None:
+    """Set a panel's title, any text, on several lines if it is long: dollars are dollars.
+
+    Args:
+        panel: Matplotlib's axes.
+        title: Of it.
+        pad: Distance from it, in points; by default the style's.
+    """
     columns = panel.get_gridspec().ncols
     width = int(panel.figure.get_figwidth() / columns / _LETTER)
-    panel.set_title("\n".join(wrap(title.replace("$", r"\$"), width)))
+    panel.set_title("\n".join(wrap(title.replace("$", r"\$"), width)), pad=pad)
 
 
-def save(figure: Any, path: Path) -> None:
+def save(figure: Any, path: Path, tight: bool = False) -> None:
     """Write a figure as a PNG, and beside it as a PDF that is the same in every run.
 
     Args:
         figure: Matplotlib's.
         path: Of the PNG file.
+        tight: Whether its margins are cut off, where panels of equal scales leave some.
     """
+    box = {"bbox_inches": "tight", "pad_inches": 0.04} if tight else {}
     with style():
         with replaced_file(path) as temporary:
-            figure.savefig(temporary)
+            figure.savefig(temporary, **box)
         figure.set_layout_engine("none")  # as it is now: to lay out again takes as long as to draw
         with replaced_file(path.with_suffix(".pdf")) as temporary:
-            figure.savefig(temporary, metadata={"CreationDate": None})
+            figure.savefig(temporary, metadata={"CreationDate": None}, **box)
 
 
 def surface_of(contact: dict[str, Any]) -> str:

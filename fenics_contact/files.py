@@ -252,8 +252,8 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 
 # Files of a run and of its report, and nothing else that may lie in the folder.
 _PICTURES = (
-    r"(deformed|mesh|axis_stress|surface_displacement|history_\w+|contact_\d+)\.png"
-    r"|animation_\d+\.gif"
+    r"(deformed|mesh|axis_stress|surface_displacement|convergence|accuracy|history_\w+"
+    r"|contact_\d+|contact_\d+_formula|stress_\d+)\.(png|pdf)|animation_(body|\d+)\.gif"
 )
 # Those that say how a run ended, which is not true any more when it goes on.
 _OF_THE_END = rf"result\.json|contact\.csv|report\.html|{_PICTURES}"

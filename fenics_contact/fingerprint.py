@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -69,11 +69,12 @@ class _Probe:
 
     def _given_by(self, function: Any) -> str:
         """What a function gives: of places, of pseudo-times, or as UFL; else only its name."""
-        for ask in (
+        ways: tuple[Callable[[], str], ...] = (
             lambda: np.asarray(function(self._points), dtype=np.float64).tobytes().hex(),
             lambda: np.array([float(function(t)) for t in _TIMES]).tobytes().hex(),
             lambda: str(function(self._position)),
-        ):
+        )
+        for ask in ways:
             try:
                 return _digest(ask())
             except Exception:  # whatever a user's function raises, when it is asked amiss

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.body_fields import Triangles, flat_sides, nodes_at, outline, polylines
+from fenics_contact.body_fields import Triangles, flat_outline, flat_sides, nodes_at
 from fenics_contact.body_view import View
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.obstacle_picture import ObstacleSurface
@@ -56,13 +56,13 @@ def draw_flat(
         zorder=0.5,
     )
     moved = np.asarray(view.body.points) + view.factor * np.asarray(view.body["displacement"])
-    sides = moved[flat_sides(view.body)][:, :, :2]
+    sides: Any = moved[flat_sides(view.body)[0]][:, :, :2]
     width = 0.5 if view.body.n_cells < _FEW_CELLS else 0.25
     panel.add_collection(
         LineCollection(sides, colors="white", linewidths=width, alpha=0.5, zorder=0.6)
     )
     panel.set_rasterization_zorder(1)  # in the PDF: these two as pixels
-    before = [line[:, :2] for line in polylines(outline(body))]
+    before = [line[:, :2] for line in flat_outline(body)]
     panel.add_collection(
         LineCollection(before, colors="0.35", linewidths=0.7, linestyles=(0, (4, 2)), zorder=1.4)
     )
@@ -110,7 +110,9 @@ def _draw_points(
         line = SurfaceLine.of(found, contact) if len(nodes) else None
         if line is None:
             continue
-        moved = np.asarray(body.points)[nodes] + view.factor * np.asarray(body["displacement"])[nodes]
+        moved = (
+            np.asarray(body.points)[nodes] + view.factor * np.asarray(body["displacement"])[nodes]
+        )
         few = len(nodes) < _FEW
         for mark in line.marks:
             mine = np.isin(found.status, mark.status)

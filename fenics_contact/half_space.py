@@ -123,7 +123,7 @@ class FarField:
 
     def _points(self) -> Array:
         """Where the dofs are, (dofs, 3)."""
-        return self._spaces.coordinates[self.dofs // self._spaces.components]
+        return np.asarray(self._spaces.coordinates[self.dofs // self._spaces.components])
 
     def _reach(self, foot: Array) -> float:
         """Distance of the outer boundary's farthest point; collective."""

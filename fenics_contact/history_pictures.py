@@ -24,9 +24,7 @@ _SHOWN = 0.01
 _MANY = 60
 
 
-def draw_history(
-    folder: Path, result: dict[str, Any], far: tuple[str, ...] = ()
-) -> list[Picture]:
+def draw_history(folder: Path, result: dict[str, Any], far: tuple[str, ...] = ()) -> list[Picture]:
     """Draw ``history_*.png`` of a run with several load steps.
 
     Args:
@@ -205,7 +203,9 @@ def _loop(panel: Any, drive: Drive, loop: Loop | None, is_sheared: bool) -> None
     panel.axhline(0, color="black", linewidth=0.5, zorder=0)
     panel.locator_params(axis="x", nbins=6)
     symbol, force = (words.split(", ")[-1].strip("$") for words in (drive.moved, drive.force))
-    panel.set_xlabel(f"elastic part left out, ${symbol} - C\\,{force}$" if is_sheared else drive.moved)
+    panel.set_xlabel(
+        f"elastic part left out, ${symbol} - C\\,{force}$" if is_sheared else drive.moved
+    )
     panel.set_ylabel(drive.force)
     set_title(panel, drive.title[0].upper() + drive.title[1:])
     if loop is not None and not is_sheared:

@@ -245,7 +245,9 @@ class IterativeSystem(BodySystem):
     def _forces_in_zone(self, solution: Any) -> Array:
         """(K + K_c) times displacements of ``_outer``, in the zone."""
         self.contacts.matrix.mult(solution, self._work)
-        return self.zone.forces_of_body(self._outer) + self._work.array_r[self.zone.places]
+        return np.asarray(
+            self.zone.forces_of_body(self._outer) + self._work.array_r[self.zone.places]
+        )
 
     def round_off(self) -> float:
         """20 × machine epsilon × ‖|K + K_c| |u|‖₁; collective."""

@@ -86,7 +86,7 @@ class LocalErrors:
     @property
     def squared(self) -> Array:
         """a_K(e, e) of this rank's own cells, (cells,) (energy)."""
-        return self._squared_by_block[self._blocks]
+        return np.asarray(self._squared_by_block[self._blocks])
 
     @property
     def total(self) -> float:
@@ -178,7 +178,9 @@ class LocalErrors:
         count, size = self._space.dofmap.list.shape[1], self._space.dofmap.index_map_bs
         blocks = fem.assemble_matrix(form).to_scipy().data
         blocks = blocks.reshape(-1, count, count, size, size)[: self._cells]
-        return blocks.transpose(0, 1, 3, 2, 4).reshape(self._cells, count * size, count * size)
+        return np.asarray(
+            blocks.transpose(0, 1, 3, 2, 4).reshape(self._cells, count * size, count * size)
+        )
 
     def _assembled(self, form: Any) -> Array:
         """A linear form on the bubbles of this rank's cells, (cells, dofs); collective."""

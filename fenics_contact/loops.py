@@ -39,7 +39,7 @@ class Loop:
     @property
     def is_thin(self) -> bool:
         """Whether it looks like a line."""
-        return self.area < THIN * np.ptp(self.x) * np.ptp(self.y)
+        return bool(self.area < THIN * np.ptp(self.x) * np.ptp(self.y))
 
     @property
     def compliance(self) -> float:

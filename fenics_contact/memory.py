@@ -49,7 +49,8 @@ def _free_for(comm: MPI.Comm) -> _Free:
     machine.Free()
     together = [(free * comm.size / share, what) for free, what in _shared()]
     together += [(free * comm.size, what) for free, what in _own()]
-    return min(comm.allgather(min(together)))
+    every: list[_Free] = comm.allgather(min(together))
+    return min(every)
 
 
 def _shared() -> Iterator[_Free]:

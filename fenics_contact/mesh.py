@@ -43,6 +43,38 @@ class Body:
         source: What messages call this mesh, such as the names of its files.
         numbers: Number → group: physical groups by their tags, or, where the boundary
             has none, its geometric parts.
+
+    A mesh of your own goes into ``run`` as a body. This square is pressed against the floor,
+    without friction, so the pressure there is what presses on it:
+
+    >>> import numpy as np
+    >>> from dolfinx import mesh
+    >>> from mpi4py import MPI
+    >>> from fenics_contact import Contact, Load, Material, Scene, Support, run
+    >>> square = mesh.create_unit_square(MPI.COMM_WORLD, 4, 4)
+    >>> sides = [
+    ...     mesh.locate_entities_boundary(square, 1, lambda x, i=i, at=at: np.isclose(x[i], at))
+    ...     for i, at in [(1, 0), (1, 1), (0, 0)]
+    ... ]
+    >>> facets = np.concatenate(sides)
+    >>> tags = np.repeat(np.arange(3, dtype=np.int32), [len(side) for side in sides])
+    >>> order = np.argsort(facets)
+    >>> cells = np.arange(square.topology.index_map(2).size_local, dtype=np.int32)
+    >>> body = Body(
+    ...     square,
+    ...     mesh.meshtags(square, 2, cells, np.zeros_like(cells)),
+    ...     mesh.meshtags(square, 1, facets[order], tags[order]),
+    ...     {name: Group(1, (tag,)) for tag, name in enumerate(("bottom", "top", "left"))},
+    ... )
+    >>> scene = Scene(
+    ...     kinematics="plane strain",
+    ...     material=Material(youngs_modulus=1000, poissons_ratio=0.3),
+    ...     support=(Support("left", {"x": 0}),),
+    ...     load=(Load("top", pressure=10),),
+    ...     contact=(Contact("bottom"),),
+    ... )
+    >>> abs(run(scene, body=body).quantities["max_contact_pressure"] - 10) < 1e-6
+    True
     """
 
     mesh: Any
@@ -55,10 +87,14 @@ class Body:
     @property
     def dimension(self) -> int:
         """Topological dimension of the cells."""
-        return self.mesh.topology.dim
+        return int(self.mesh.topology.dim)
 
     def group(self, name: str, key: str) -> Group:
         """A group by name, or by number; collective.
+
+        Args:
+            name: Its name, or its number in words.
+            key: The scene's key that names it, for the message.
 
         Raises:
             InputError: There is none of that name (the message lists those there are), or
@@ -68,7 +104,7 @@ class Body:
         if group is None:
             raise InputError(
                 f"{key} = '{name}': there is no such physical group in {self.source}; there are: "
-                f"{self._known()}"
+                f"{self.known_groups()}"
             )
         kind = "cells" if group.dimension == self.dimension else "facets"
         if group.outside:
@@ -80,11 +116,19 @@ class Body:
         return group
 
     def find(self, name: str) -> Group | None:
-        """A group by name, or by number, if there is one."""
+        """A group by name, or by number, if there is one.
+
+        Args:
+            name: Its name, or its number in words.
+        """
         return self.groups.get(name) or self.numbers.get(name)
 
     def boundary(self, name: str, key: str) -> Group:
         """A group of facets on the boundary of the body, by name; collective.
+
+        Args:
+            name: Its name, or its number in words.
+            key: The scene's key that names it, for the message.
 
         Raises:
             InputError: As for ``group``; or it is one of cells, or lies inside the body.
@@ -103,7 +147,11 @@ class Body:
         return group
 
     def require_radii(self) -> None:
-        """Refuse a mesh that reaches over the axis of revolution x = 0; collective."""
+        """Refuse a mesh that reaches over the axis of revolution x = 0; collective.
+
+        Raises:
+            InputError: It does.
+        """
         radii = self.mesh.geometry.x[:, 0]
         least = smallest(self.mesh.comm, radii)
         if least < -1e-9 * largest(self.mesh.comm, radii):
@@ -113,16 +161,22 @@ class Body:
             )
 
     def entities(self, group: Group) -> NDArray[np.int32]:
-        """Local indices (owned and ghost, sorted) of the cells or facets of a group."""
+        """Local indices (owned and ghost, sorted) of the cells or facets of a group.
+
+        Args:
+            group: One of this body.
+        """
         tags = self.cell_tags if group.dimension == self.dimension else self.facet_tags
-        return tags.indices[np.isin(tags.values, group.tags)]
+        return np.asarray(tags.indices[np.isin(tags.values, group.tags)])
 
     def _owned(self, group: Group) -> NDArray[np.int32]:
         self.mesh.topology.create_entities(group.dimension)
         entities = self.entities(group)
-        return entities[entities < self.mesh.topology.index_map(group.dimension).size_local]
+        return np.asarray(
+            entities[entities < self.mesh.topology.index_map(group.dimension).size_local]
+        )
 
-    def _known(self) -> str:
+    def known_groups(self) -> str:
         """Names of the groups, and numbers of the geometric parts with their places."""
         names = sorted(self.groups)
         for number, group in sorted(self.numbers.items(), key=lambda item: _in_order(item[0])):

@@ -101,7 +101,7 @@ def _sample_points(cell: str, order: int) -> Points:
     """Vertices and quadrature points of the reference cell; one point where J is constant."""
     kind = getattr(basix.CellType, cell)
     if order == 1 and cell in ("triangle", "tetrahedron"):
-        return basix.geometry(kind).mean(axis=0)[None, :]
+        return np.asarray(basix.geometry(kind).mean(axis=0)[None, :])
     return np.vstack([basix.geometry(kind), basix.make_quadrature(kind, 4)[0]])
 
 

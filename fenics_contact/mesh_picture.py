@@ -16,6 +16,7 @@ from fenics_contact.picture_style import DOUBLE, marks, neighbourhood
 
 Array = NDArray[np.float64]
 
+
 def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Picture:
     """Draw the mesh of a flat model: all of it, and around the contact with its points.
 
@@ -34,9 +35,11 @@ def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path
     figure, panels = new_figure("", (DOUBLE, 3.6), ncols=2)
     figure.set_layout_engine("compressed")  # for panels of equal scales
     figure.suptitle(title, x=0.01, ha="left", fontsize=8.5)
-    lines = np.asarray(body.points)[flat_sides(body)][:, :, :2]
+    lines: Any = np.asarray(body.points)[flat_sides(body)[0]][:, :, :2]
     for panel, width in zip(panels, (0.15, 0.3), strict=True):
-        panel.add_collection(LineCollection(lines, colors="#566573", linewidths=width, rasterized=True))
+        panel.add_collection(
+            LineCollection(lines, colors="#566573", linewidths=width, rasterized=True)
+        )
         panel.set_aspect("equal")
         panel.autoscale()
     laws = {contact["law"] for contact in result["contacts"]}
@@ -54,7 +57,7 @@ def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path
     for panel in panels:
         panel.set_xlabel(f"${axes[0]}$")
     panels[0].set_ylabel(f"${axes[1]}$")
-    save(figure, path)
+    save(figure, path, tight=True)
     caption = (
         f"The mesh that the estimated errors led to, the last of {len(result['levels'])}: all of "
         "it, and around the contact with its points."

@@ -100,7 +100,7 @@ class Cells:
     @property
     def dimension(self) -> int:
         """Of the cells."""
-        return self.points.shape[1]
+        return int(self.points.shape[1])
 
     def sizes(self) -> Array:
         """Edge of the equilateral cell of the same measure, of each (length)."""
@@ -223,7 +223,7 @@ def finer_at(cells: Cells, sizes: Array, places: Array, wanted: Array) -> Array:
     if len(places) == 0:
         return sizes
     away, nearest = cKDTree(places).query(cells.points)
-    return np.minimum(sizes, wanted[nearest] + _SLOPE * away)
+    return np.asarray(np.minimum(sizes, wanted[nearest] + _SLOPE * away))
 
 
 def expected_number(cells: Cells, sizes: Array) -> float:

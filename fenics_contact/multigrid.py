@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact.petsc_options import BULK_PREFIX
+
 Array = NDArray[np.float64]
 
-# What the user sets with it wins over our defaults.
-OPTIONS_PREFIX = "fenics_contact_bulk_"
 _OPTIONS = {
     "pc_type": "gamg",
     "mg_levels_ksp_type": "chebyshev",
@@ -47,16 +47,18 @@ class Multigrid:
 
     def _set_up(self, matrix: Any) -> None:
         self._preconditioner = PETSc.PC().create(matrix.comm)
-        self._preconditioner.setOptionsPrefix(OPTIONS_PREFIX)
+        self._preconditioner.setOptionsPrefix(BULK_PREFIX)
         self._preconditioner.setOperators(matrix)
         options = PETSc.Options()
-        own = [n for n in _OPTIONS if not options.hasName(OPTIONS_PREFIX + n)]
-        for name in own:
-            options.setValue(OPTIONS_PREFIX + name, _OPTIONS[name])
-        self._preconditioner.setFromOptions()
-        self._preconditioner.setUp()
-        for name in own:  # the database is global
-            options.delValue(OPTIONS_PREFIX + name)
+        own = [n for n in _OPTIONS if not options.hasName(BULK_PREFIX + n)]
+        try:
+            for name in own:
+                options.setValue(BULK_PREFIX + name, _OPTIONS[name])
+            self._preconditioner.setFromOptions()
+            self._preconditioner.setUp()
+        finally:
+            for name in own:  # the database is global
+                options.delValue(BULK_PREFIX + name)
         self.setups += 1
 
     def apply(self, right: Any, solution: Any) -> None:

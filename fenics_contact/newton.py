@@ -24,6 +24,7 @@ from fenics_contact.newton_failure import (
     runaway,
 )
 from fenics_contact.parallel import largest
+from fenics_contact.petsc_options import PREFIX
 from fenics_contact.problem import Problem
 from fenics_contact.rigid import RigidMotions
 from fenics_contact.solution import Solution
@@ -32,9 +33,6 @@ from fenics_contact.system import System
 from fenics_contact.timings import Timings
 
 logger = logging.getLogger(__name__)
-
-# What the user sets with it (PETSC_OPTIONS, or petsc4py's Options) wins over our defaults.
-OPTIONS_PREFIX = "fenics_contact_"
 
 # Full steps are best from the adhesive start with the primal-dual tangent, where searches only
 # cost steps or stall in round-off. One-sided contact needs a search on the energy: for a point
@@ -147,8 +145,9 @@ class Newton:
         # A body that runs away overflows here and there: the force imbalance tells.
         with self.timings.phase("solve"), np.errstate(over="ignore", invalid="ignore"):
             log = _FactorisationLog()
-            snes = self._create_snes()
+            snes: Any = PETSc.SNES().create(self.comm)
             try:
+                self._set_up(snes)
                 snes.solve(None, self.system.state)
                 reason = snes.getConvergedReason()
                 failure = mumps.failure_of(snes.getKSP().getPC()) if reason == NO_SOLVE else None
@@ -200,18 +199,18 @@ class Newton:
             array[:] = saved
         self.system.take(self.system.state)
 
-    def _create_snes(self) -> Any:
+    def _set_up(self, snes: Any) -> None:
+        """Functions and options; what the user has set wins over our own."""
         system = self.system
-        snes = PETSc.SNES().create(self.comm)
-        snes.setOptionsPrefix(OPTIONS_PREFIX)
+        snes.setOptionsPrefix(PREFIX)
         snes.setFunction(self._set_residual, system.residual)
         snes.setJacobian(self._set_tangent, system.tangent)
         options = PETSc.Options()
         search = self._search if self._searches else FULL_STEPS
         for name, value in (system.options | search).items():
-            if not options.hasName(OPTIONS_PREFIX + name):
-                options.setValue(OPTIONS_PREFIX + name, value)
-                self._own_options.append(OPTIONS_PREFIX + name)
+            if not options.hasName(PREFIX + name):
+                options.setValue(PREFIX + name, value)
+                self._own_options.append(PREFIX + name)
         most = self.problem.scene.solver.max_iterations
         if self._searches and self._search is ENERGY_SEARCH:
             most = min(most, _QUICK)
@@ -222,7 +221,6 @@ class Newton:
         if self._searches and self._search is THOROUGH_SEARCH:
             snes.setLineSearchPreCheck(self._cut)
         snes.setConvergenceTest(self._converged)
-        return snes
 
     def _cut(self, state: Any, step: Any) -> bool:
         """Cut a Newton step (it is taken off the state) to where energy falls; collective."""
@@ -393,7 +391,7 @@ class _FactorisationLog:
         self._before = self._read()
 
     def _read(self) -> float:
-        return sum(PETSc.Log.Event(name).getPerfInfo()["time"] for name in self._EVENTS)
+        return float(sum(PETSc.Log.Event(name).getPerfInfo()["time"] for name in self._EVENTS))
 
     def seconds(self) -> float:
         return self._read() - self._before

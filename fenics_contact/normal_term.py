@@ -122,5 +122,5 @@ class NormalTerm:
     def energy_density(self, jump: Array, depth: Array) -> Array:
         """½ k |w|² or ½ k ((w_n − s)₊)² at the points (energy/area)."""
         if self._bonded:
-            return 0.5 * self.stiffness * np.einsum("ij,ij->i", jump, jump)
+            return np.asarray(0.5 * self.stiffness * np.einsum("ij,ij->i", jump, jump))
         return 0.5 * self.pressure(depth) * np.where(np.isfinite(depth), depth, 0.0)

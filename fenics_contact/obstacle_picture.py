@@ -91,4 +91,6 @@ def obstacle_surface(
     if len(nodes) < 2 or np.linalg.norm(normals.mean(axis=0)) < _FACING:
         return None
     moved = np.einsum("ij,ij->i", np.asarray(body["displacement"])[nodes], normals)
-    return ObstacleSurface(found.vectors("x", "y", "z"), moved + found.numbers["gap"], normals, nodes)
+    return ObstacleSurface(
+        found.vectors("x", "y", "z"), moved + found.numbers["gap"], normals, nodes
+    )

@@ -42,10 +42,10 @@ def on_root(comm: MPI.Comm, action: Callable[[], T]) -> T:
         except Exception as caught:  # shared, so that no other rank waits for ever
             error = RuntimeError(f"{type(caught).__name__}: {caught}")
             error.__cause__ = caught
-    shared_result, shared_error = comm.bcast((result, error), root=0)
-    if shared_error is not None:
-        raise error or shared_error
-    return shared_result
+    shared: tuple[T, Exception | None] = comm.bcast((result, error), root=0)
+    if shared[1] is not None:
+        raise error or shared[1]
+    return shared[0]
 
 
 def raise_together(comm: MPI.Comm, error: Exception | None) -> None:

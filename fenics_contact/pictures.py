@@ -12,7 +12,7 @@ from fenics_contact.analytic_curves import AnalyticContact, recognise
 from fenics_contact.animation import FEWEST_STEPS, Film, draw_film, frame_numbers
 from fenics_contact.axis_stress import draw_axis_stress
 from fenics_contact.body_fields import read_body, read_series, times_of_fields
-from fenics_contact.body_film import Overview, draw_body_film
+from fenics_contact.body_film import MOST_BODIES, Overview, draw_body_film
 from fenics_contact.body_picture import draw_body
 from fenics_contact.contact_profile import draw_profile
 from fenics_contact.contact_table import ContactTable
@@ -92,14 +92,12 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Picture]:
     Raises:
         InputError: matplotlib, pyvista or a display is missing; says what to install.
     """
-    for library in ("matplotlib", "pyvista"):
-        try:
-            importlib.import_module(library)
-        except ImportError:
-            raise InputError(
-                f"pictures need {library}: install it with pip install 'fenics-contact[pictures]'"
-            ) from None
-    table, body, scene = ContactTable.read(folder / "contact.csv"), read_body(folder), _scene(folder)
+    require("matplotlib", "pyvista")
+    table, body, scene = (
+        ContactTable.read(folder / "contact.csv"),
+        read_body(folder),
+        _scene(folder),
+    )
     run = _Run(folder, result, table, body, scene, recognise(scene, result, table, body))
     with style():
         return [
@@ -111,6 +109,21 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Picture]:
             *_adapted(run),
             *draw_convergence(folder, result),
         ]
+
+
+def require(*libraries: str) -> None:
+    """Whether libraries for pictures are there.
+
+    Raises:
+        InputError: One is not; says what to install.
+    """
+    for library in libraries:
+        try:
+            importlib.import_module(library)
+        except ImportError:
+            raise InputError(
+                f"pictures need {library}: install it with pip install 'fenics-contact[pictures]'"
+            ) from None
 
 
 def _scene(folder: Path) -> Scene | None:
@@ -170,11 +183,13 @@ def _animations(run: _Run) -> Iterator[Picture]:
     if steps < FEWEST_STEPS:
         return
     numbers = frame_numbers(steps).tolist()
-    bodies = (body for _, body in read_series(run.folder, numbers))
+    fewer = frame_numbers(steps, MOST_BODIES).tolist()
+    bodies = (body for _, body in read_series(run.folder, fewer))
     overview = Overview.of(bodies, run.result, run.table)
-    series = read_series(run.folder, numbers)
+    series = read_series(run.folder, fewer)
     path = run.folder / "animation_body.gif"
-    yield draw_body_film(series, overview, run.body, run.contacts, path)
+    if overview is not None:
+        yield draw_body_film(series, overview, run.body, run.contacts, path)
     for number, (rows, contact) in enumerate(run.contacts):
         series = read_series(run.folder, numbers)
         film = Film.of(series, rows, contact, run.result, run.far)

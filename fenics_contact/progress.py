@@ -1,4 +1,4 @@
-"""How far the load steps are: a bar on a terminal, a line a step elsewhere."""
+"""How far a run is: a line that changes on a terminal, a line a load step elsewhere."""
 
 from __future__ import annotations
 
@@ -10,9 +10,21 @@ from typing import Any
 
 from mpi4py import MPI
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
 
+from fenics_contact import timings
 from fenics_contact.scene import Steps
+
+# Characters of the bar; and of all that stands beside the words.
+_BAR = 20
+_BESIDE = _BAR + len("  0:00:00 ")
 
 Announce = Callable[[int, dict[str, Any]], None]
 
@@ -25,37 +37,95 @@ def step_line(number: int, step: dict[str, Any]) -> str:
         step: Its record, as in ``result.json``.
     """
     found = step["quantities"]
-    passes = f", {step['outer_iterations']} passes" if step["outer_iterations"] else ""
+    passes = step["outer_iterations"]
+    counted = f", {passes} pass{'es' if passes > 1 else ''}" if passes else ""
     return (
         f"step {number}: time {step['load_factor']:.6g}, {step['newton_iterations']} Newton steps"
-        f"{passes}, contact area {found['contact_area']:.4g}, sticking {found['stick_area']:.4g}"
+        f"{counted}, contact area {found['contact_area']:.4g}, sticking {found['stick_area']:.4g}"
     )
 
 
 @contextmanager
-def step_bar(steps: Steps, comm: MPI.Comm) -> Iterator[Announce | None]:
-    """A bar on the terminal of rank 0; None where lines are to be logged.
+def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Announce | None]:
+    """What a run is doing, on the terminal of rank 0; collective.
+
+    How far the load steps are, phases, and Newton steps; it vanishes at the end. Without a
+    terminal, or on one that cannot move its cursor, there is nothing but lines for load steps,
+    which are logged.
 
     Args:
         steps: Of the scene.
         comm: Communicator.
+        quiet: Whether to show nothing.
+
+    Yields:
+        What to call with number and record of every load step, or None where they are logged.
     """
     console = Console(stderr=True)
-    if not comm.bcast(console.is_terminal) or not steps.several:
+    shows = console.is_terminal and not console.is_dumb_terminal and not quiet
+    if not comm.bcast(shows):
         yield None
         return
     if comm.rank > 0:
         yield lambda number, step: None
         return
-    columns = (BarColumn(bar_width=20), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(*columns, console=console) as progress, _logging_above():
-        task = progress.add_task("load steps", total=steps.last)
+    with Progress(*_columns(steps), console=console, transient=True) as progress:
+        task = progress.add_task("", total=steps.last)
+        where = ""
 
         def announce(number: int, step: dict[str, Any]) -> None:
-            line = step_line(number, step)
-            progress.update(task, completed=step["load_factor"], description=line)
+            nonlocal where
+            if steps.several:
+                line = step_line(number, step)
+                where = line.partition(", ")[0] + ", "
+                progress.update(task, completed=step["load_factor"], description=cut(line))
 
-        yield announce
+        def tell(message: str) -> None:
+            progress.update(task, description=cut(where + message))
+
+        def cut(line: str) -> str:
+            room = max(console.width - _BESIDE, 1)  # rich would cut the bar as well
+            return line if len(line) <= room else f"{line[: room - 1]}…"
+
+        with _logging_above(), _listening(tell):
+            yield announce
+
+
+def _columns(steps: Steps) -> tuple[ProgressColumn, ...]:
+    """A bar where there are several load steps; the time; and words."""
+    bar = BarColumn(_BAR) if steps.several else SpinnerColumn()
+    return bar, TimeElapsedColumn(), TextColumn("{task.description}", markup=False)
+
+
+class _Listener(logging.Handler):
+    """Passes messages of all levels on; those of solves for estimates say what they are for."""
+
+    def __init__(self, tell: Callable[[str], None]) -> None:
+        super().__init__(logging.DEBUG)
+        self._tell = tell
+        self._phase = ""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        words = record.getMessage().strip()
+        if record.name == timings.__name__:
+            self._phase = words
+        elif self._phase == timings.ESTIMATING:
+            words = f"{self._phase}: {words}"
+        self._tell(words)
+
+
+@contextmanager
+def _listening(tell: Callable[[str], None]) -> Iterator[None]:
+    """Have all messages of the program told, whatever its other handlers leave out."""
+    logger = logging.getLogger("fenics_contact")
+    listener, level = _Listener(tell), logger.level
+    logger.addHandler(listener)
+    logger.setLevel(logging.DEBUG)
+    try:
+        yield
+    finally:
+        logger.removeHandler(listener)
+        logger.setLevel(level)
 
 
 @contextmanager

@@ -156,7 +156,7 @@ def _resultant(spaces: Spaces, forces: Array) -> Array:
     summed = total(spaces.comm, forces.sum(axis=0))
     if spaces.kinematics == "axisymmetric":
         summed[0] = 0.0
-    return summed
+    return np.asarray(summed)
 
 
 def global_quantities(
@@ -229,7 +229,7 @@ def _rows(number: int, problem: Problem, solution: Solution) -> Array:
         _three(state.slip),
         trace.weights[:, None],
     ]
-    return np.hstack(columns)[trace.owned]
+    return np.asarray(np.hstack(columns)[trace.owned])
 
 
 def _three(vectors: Array) -> Array:

@@ -42,6 +42,9 @@ class Check:
         kind: Which of several comparisons it is, by its name in ``check_words``.
         part: The connected part of the body that it is of.
         parts: The check of every part, where there are several.
+
+    >>> Check(value=1e-12, limit=1e-9).passed, Check(value=float("nan"), limit=1).passed
+    (True, False)
     """
 
     value: float
@@ -58,7 +61,7 @@ class Check:
         return bool(self.value <= self.limit)
 
     def as_dict(self) -> dict[str, Any]:
-        """For ``result.json``; where it comes nearest is told once it fails.
+        """For ``result.json``; what it compares and where it comes nearest is told once it fails.
 
         While it passes, that is often round-off, here or there.
         """
@@ -66,7 +69,8 @@ class Check:
         if self.parts:
             found["parts"] = {part.part: part.as_dict() for part in self.parts}
         if not self.passed:
-            where = {"contact": self.contact, "part": self.part, "place": list(self.place)}
+            said = {"kind": self.kind, "contact": self.contact, "part": self.part}
+            where = {**said, "place": list(self.place)}
             found |= {key: value for key, value in where.items() if value}
         return found
 
@@ -98,8 +102,15 @@ class ContactPoints:
     weights: NDArray[np.float64]
 
     def of(self, contact: int) -> NDArray[np.bool_]:
-        """Which rows belong to a contact."""
-        return self.contact == contact
+        """Which rows belong to a contact.
+
+        Args:
+            contact: Its number, in scene order.
+
+        Returns:
+            A mask, (points,).
+        """
+        return np.asarray(self.contact == contact)
 
 
 def reactions_by_group(supports: list[dict[str, Any]]) -> dict[str, list[float]]:
@@ -120,7 +131,24 @@ def reactions_by_group(supports: list[dict[str, Any]]) -> dict[str, list[float]]
 class Result:
     """A run's outcome; its attributes are the keys of ``result.json``.
 
+    Numbers are global: the same on every rank, and on any number of ranks.
+
     Attributes:
+        title: That of the scene.
+        converged: Whether Newton's method and the loop on friction came to an end.
+        verdict: In words: whether to trust it, or what went wrong and what to try.
+        model: What was solved: kinematics, degree, dofs, solver, energy terms, …
+        contacts: Of each contact, in scene order: name, kind, law, parameters as they were used,
+            and ``quantities`` of this contact alone.
+        quantities: By name: resultants (force; vectors as lists, in the mesh's axes), areas,
+            largest pressure (stress), lengths and energies. In plane models forces and areas are
+            per thickness, in axisymmetric ones of a full turn.
+        steps: Of each load step: its time, iterations, history of the force imbalance (force), and
+            quantities.
+        checks: Name → check of the physics.
+        supports: Of each support: its group and its reaction (force).
+        timings: Phase → seconds.
+        versions: Program or library → version.
         branches: All answers that were found, where the scene asks for others.
         levels: Meshes on the way, where the scene asks for an accuracy.
         accuracy: What it asked for, whether that was reached and, if not, why.

@@ -233,7 +233,7 @@ def apart(parts: Parts, fields: Array) -> Array:
     """
     members = parts.of_node[:, None] == np.arange(parts.count)
     spread = members[:, None, :, None] * fields[:, :, None, :]
-    return spread.reshape(*fields.shape[:2], parts.count * fields.shape[2])
+    return np.asarray(spread.reshape(*fields.shape[:2], parts.count * fields.shape[2]))
 
 
 def null_space(gram: Array) -> Array:

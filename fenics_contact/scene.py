@@ -16,7 +16,8 @@ from pydantic import BeforeValidator, Field
 from fenics_contact.scene_accuracy import Accuracy, as_accuracy
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_material import Material
-from fenics_contact.scene_steps import SolverSettings, Steps
+from fenics_contact.scene_steps import SolverSettings as SolverSettings
+from fenics_contact.scene_steps import Steps as Steps
 from fenics_contact.scene_values import (
     AXES,
     RAMP,
@@ -36,7 +37,11 @@ from fenics_contact.scene_values import (
 
 @scene_class
 class MeshSource:
-    """Where the mesh of a body comes from."""
+    """Where the mesh of a body comes from.
+
+    >>> MeshSource("slab.geo", cell="quadrilateral", parameters={"cells_along": 16}).order
+    1
+    """
 
     file: Annotated[
         Text,
@@ -95,7 +100,11 @@ class Discretisation:
 
 @scene_class
 class Support:
-    """Prescribed displacement components (the paper's Γ_D)."""
+    """Prescribed displacement components (the paper's Γ_D).
+
+    >>> Support("left", {"x": 0, "y": lambda x: 0.01 * x[1]}).path(2.0)
+    1.0
+    """
 
     on: Annotated[Text, Field(description="physical group: a boundary, or the whole body")]
     displacement: Annotated[
@@ -107,7 +116,12 @@ class Support:
 
 @scene_class
 class Load:
-    """A given load (the paper's f): exactly one of the three kinds."""
+    """A given load (the paper's f): exactly one of the three kinds.
+
+    >>> Load("right", traction=(-300, 0), pressure=300)
+    Traceback (most recent call last):
+    fenics_contact.errors.SceneError: Load: give exactly one of traction, pressure and body_force
+    """
 
     on: Annotated[Text, Field(description="physical group: boundary, or body for a body force")]
     traction: Annotated[
@@ -128,7 +142,10 @@ class Load:
 
 @scene_class
 class Point:
-    """A point of the body at which the displacement is a quantity."""
+    """A point of the body at which the displacement is a quantity.
+
+    ``Point("middle", (0, 0))`` makes ``displacement_middle``, one entry an axis (length).
+    """
 
     name: Annotated[
         Text,
@@ -158,7 +175,27 @@ def _as_list(value: Any) -> Any:
 
 @scene_class
 class Scene:
-    """Everything a run needs to know."""
+    """Everything a run needs to know.
+
+    A block on a rough floor is pressed down by 10 and pulled by 3, both per area. It stands on
+    its lower side, 2 wide, so equilibrium tells what the floor has to carry:
+
+    >>> from fenics_contact import main, run
+    >>> main(["new", "own", "--quiet"])  # for its geometry, own.geo
+    0
+    >>> scene = Scene(
+    ...     kinematics="plane strain",
+    ...     mesh=MeshSource("own.geo", cell="quadrilateral"),
+    ...     material=Material(youngs_modulus=1000, poissons_ratio=0.3),
+    ...     load=(Load("top", pressure=10), Load("right", traction=(3, 0))),
+    ...     contact=(Contact("bottom", friction_coefficient=0.5),),
+    ... )
+    >>> found = run(scene)
+    >>> abs(found.quantities["normal_force"] - 10) < 1e-8  # the geometry is 1 wide by default
+    True
+    >>> abs(found.quantities["friction_force"][0] + 3) < 1e-8
+    True
+    """
 
     kinematics: Annotated[
         Kinematics, Field(description="in axisymmetric models x is the radius and y the axis")

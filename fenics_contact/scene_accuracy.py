@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -17,7 +17,11 @@ MAIN = ("normal_force", "max_contact_pressure", "contact_area", "stick_area")
 
 @scene_class
 class Accuracy:
-    """Estimated errors that the answer may have, relative; `accuracy = 1e-3` asks for all main."""
+    """Estimated errors that the answer may have, relative; `accuracy = 1e-3` asks for all main.
+
+    >>> Accuracy(main=1e-2, normal_force=1e-4).asked(["normal_force", "contact_area"])
+    {'normal_force': 0.0001, 'contact_area': 0.01}
+    """
 
     main: Annotated[
         _Asked,
@@ -43,7 +47,7 @@ class Accuracy:
 
     def __post_init__(self) -> None:
         if not any(getattr(self, name) for name in QUANTITIES) and self.main is None:
-            raise ValueError(f"accuracy: ask for that of main or of any of {', '.join(QUANTITIES)}")
+            raise ValueError(f"ask for that of main or of any of {', '.join(QUANTITIES)}")
 
     def asked(self, present: Collection[str]) -> dict[str, float]:
         """Quantities asked for, each with the relative error that it may have.
@@ -74,4 +78,8 @@ MEASURED_BY = {
 def as_accuracy(value: Any) -> Any:
     """A number asks for that of all main quantities."""
     is_number = isinstance(value, float | int) and not isinstance(value, bool)
-    return Accuracy(main=float(value)) if is_number else value
+    if is_number:
+        return {"main": float(value)}
+    if value is None or isinstance(value, Accuracy | Mapping):
+        return value
+    raise ValueError("must be a number, as in accuracy = 1e-3, or a table")

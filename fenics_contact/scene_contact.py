@@ -30,6 +30,11 @@ class Obstacle:
     """A rigid obstacle: its shape, where it stands, and what drives it.
 
     Without a shape and a gap it touches the contact surface everywhere.
+
+    >>> Obstacle(shape="sphere", radius=8, force=4144.2).indentation is None  # it is found
+    True
+    >>> Obstacle(shape="plane", normal=(0.3, 1), position=(0, 0)).path(0.5)  # a ramp by default
+    0.5
     """
 
     shape: Annotated[
@@ -123,7 +128,15 @@ class Obstacle:
 
 @scene_class
 class Contact:
-    """A contact surface (the paper's Γ_C): what it meets there, and friction."""
+    """A contact surface (the paper's Γ_C): what it meets there, and friction.
+
+    >>> Contact("bottom", friction_coefficient=0.3).kind
+    'unilateral'
+    >>> Contact("top", pressure=lambda x: 200 + 25 * x[0], friction_coefficient=0.3).kind
+    'prescribed'
+    >>> Contact("bottom", foundation_stiffness=100).kind
+    'winkler'
+    """
 
     on: Annotated[Text, Field(description="physical group of the contact surface")]
     pressure: Annotated[

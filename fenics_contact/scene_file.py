@@ -25,8 +25,20 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
         overrides: ``table.key=value`` settings that replace those of the file;
             entries of a list are counted from 0 (``contact.0.pressure=200``).
 
+    Returns:
+        The scene, with paths of meshes that begin at the file's folder.
+
     Raises:
         InputError: Naming the file, the key, the value and what is accepted.
+
+    >>> from fenics_contact import main
+    >>> main(["new", "slab", "--quiet"])  # writes slab.toml and slab.geo
+    0
+    >>> load_scene("slab.toml", ["contact.0.pressure=200"]).contact[0].pressure
+    200.0
+    >>> load_scene("nowhere.toml")
+    Traceback (most recent call last):
+    fenics_contact.errors.InputError: nowhere.toml: cannot be read: No such file or directory
     """
     path = Path(path)
     data = _read(path)

@@ -38,7 +38,22 @@ Stiffness = Annotated[
 
 @scene_class
 class Material:
-    """Linear elasticity (paper, (1.1)): isotropic, or any elastic tensor E_ijkl."""
+    """Linear elasticity (paper, (1.1)): isotropic, or any elastic tensor E_ijkl.
+
+    Fibres along x, in a material with E_ijkl = λ δ_ij δ_kl + 2μ I_ijkl otherwise:
+
+    >>> import numpy as np
+    >>> delta = np.eye(3)
+    >>> tensor = 100 * np.einsum("ij,kl->ijkl", delta, delta)
+    >>> tensor += 80 * np.einsum("ik,jl->ijkl", delta, delta)
+    >>> tensor += 80 * np.einsum("il,jk->ijkl", delta, delta)
+    >>> tensor[0, 0, 0, 0] += 500
+    >>> [row[0] for row in Material(stiffness=tensor).stiffness]
+    [760.0, 100.0, 100.0, 0.0, 0.0, 0.0]
+    >>> Material(youngs_modulus=1000, poissons_ratio=0.5)
+    Traceback (most recent call last):
+    fenics_contact.errors.SceneError: Material: poissons_ratio = 0.5 must lie between -1 and 0.5
+    """
 
     youngs_modulus: Annotated[Value | None, Field(description="Young's modulus, > 0 (stress)")] = (
         None

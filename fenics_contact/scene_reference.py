@@ -111,11 +111,11 @@ def _bounds(information: list[Any]) -> str:
     flat = [m for i in information for m in (i.metadata if isinstance(i, FieldInfo) else [i])]
     for limit in flat:
         if isinstance(limit, Gt):
-            words.append(f"> {limit.gt:g}")  # type: ignore[str-format]
+            words.append(f"> {limit.gt:g}")
         elif isinstance(limit, Ge):
             words.append(f"≥ {limit.ge}")
         elif isinstance(limit, Lt):
-            words.append(f"< {limit.lt:g}")  # type: ignore[str-format]
+            words.append(f"< {limit.lt:g}")
         elif isinstance(limit, Le):
             words.append(f"≤ {limit.le}")
     return f" {' and '.join(words)}" if words else ""

@@ -13,7 +13,13 @@ from fenics_contact.scene_values import Integer, Number, Positive, scene_class
 
 @scene_class
 class Steps:
-    """Load steps: friction remembers how a load was reached."""
+    """Load steps: friction remembers how a load was reached.
+
+    >>> Steps(number=4, end=2).all_times
+    (0.5, 1.0, 1.5, 2.0)
+    >>> Steps(automatic=True, number=10).smallest_size
+    0.0001
+    """
 
     number: Annotated[
         Integer, Field(ge=1, le=100_000, description="of equal steps in pseudo-time")
@@ -98,7 +104,10 @@ class Steps:
 
 @scene_class
 class SolverSettings:
-    """How friction and pressure are brought together, and when the solver stops."""
+    """How friction and pressure are brought together, and when the solver stops.
+
+    The strategy ``campos`` is Algorithm 4.1 of Campos, Oden and Kikuchi (1982).
+    """
 
     strategy: Annotated[
         Literal["auto", "campos", "lagged", "monolithic"],

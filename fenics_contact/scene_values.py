@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import inspect
+import textwrap
 from collections.abc import Callable
 from typing import Annotated, Any, Literal, TypeVar, cast, dataclass_transform
 
@@ -49,12 +51,35 @@ def scene_class(plain: Class) -> Class:
             raise SceneError(f"{made.__name__}: {words}") from None
 
     made.__init__ = checked
+    made.__doc__ = f"{inspect.getdoc(plain)}\n\n{_attributes(made)}"
     return cast(Class, made)
+
+
+def _attributes(made: Any) -> str:
+    """The part of a docstring that says what the keys are, as their fields describe them."""
+    lines = ["Attributes:"]
+    for name, field in made.__pydantic_fields__.items():
+        text = f"{name}: {field.description[0].upper()}{field.description[1:]}."
+        lines += textwrap.wrap(text, 92, initial_indent=" " * 4, subsequent_indent=" " * 8)
+    return "\n".join(
+        [
+            *lines,
+            "",
+            "Raises:",
+            "    SceneError: A value is none that is accepted, or keys contradict each other.",
+        ]
+    )
 
 
 @scene_class
 class Profile:
-    """A value that varies along one axis, linear between the listed points."""
+    """A value that varies along one axis, linear between the listed points.
+
+    >>> import numpy as np
+    >>> pressure = Profile(along="x", at=(0, 2, 4), values=(100, 300, 0))
+    >>> pressure(np.array([[-1, 1, 3, 9], [0, 0, 0, 0], [0, 0, 0, 0]])).tolist()
+    [100.0, 200.0, 150.0, 0.0]
+    """
 
     along: Annotated[AxisName, Field(description="axis of the mesh along which it varies")]
     at: Annotated[
@@ -72,8 +97,15 @@ class Profile:
             raise ValueError("the coordinates in at must increase")
 
     def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values at points of shape (3, n), shape (n,)."""
-        return np.interp(points[AXES.index(self.along)], self.at, self.values)
+        """Values at points.
+
+        Args:
+            points: Coordinates in the mesh's axes, (3, points) (length).
+
+        Returns:
+            A value for each, (points,) (the unit of ``values``).
+        """
+        return np.asarray(np.interp(points[AXES.index(self.along)], self.at, self.values))
 
 
 PositionFunction = Callable[[NDArray[np.float64]], Any]
@@ -86,6 +118,10 @@ class Path:
     """How a quantity grows with the pseudo-time of the load steps, linear between the points.
 
     In Python a function of the pseudo-time may stand in its place.
+
+    >>> there_and_back = Path(time=(0, 1, 2), factor=(0, 1, 0), cycles=3)
+    >>> [there_and_back(time) for time in (0.5, 1, 2, 3, 5.5, 9)]
+    [0.5, 1.0, 0.0, 1.0, 0.5, 0.0]
     """
 
     time: Annotated[
@@ -123,7 +159,11 @@ class Path:
             )
 
     def __call__(self, time: float) -> float:
-        """Share of the value at a pseudo-time."""
+        """Share of the value at a pseudo-time.
+
+        Args:
+            time: Pseudo-time, that of the load steps.
+        """
         if self.cycles > 1:
             period = self.time[-1]
             time -= period * min(max(time // period, 0), self.cycles - 1)

@@ -94,7 +94,7 @@ def _plain(problem: Any, words: Mapping[str, str]) -> str:
     if problem["type"] in ("too_short", "too_long"):
         limit, number = next(item for item in problem["ctx"].items() if item[0].endswith("_length"))
         return f"of {'at least' if limit.startswith('min') else 'at most'} {number} entries"
-    message = words.get(problem["type"], problem["msg"])
+    message: str = words.get(problem["type"], problem["msg"])
     message = message.format(**problem.get("ctx", {})) if problem["type"] in words else message
     for prefix in ("Value error, ", "Input should be "):
         message = message.removeprefix(prefix)

@@ -20,6 +20,7 @@ from fenics_contact import mumps
 from fenics_contact.errors import FenicsContactError
 from fenics_contact.local_stiffness import LocalStiffness
 from fenics_contact.parallel import raise_together
+from fenics_contact.petsc_options import PREFIX
 
 Array = NDArray[np.float64]
 
@@ -171,6 +172,7 @@ class LocalFactor:
         self._right, self._solved = operator.createVecRight(), operator.createVecLeft()
         self._preconditioner = _lu(operator)
         factor = self._preconditioner.getFactorMatrix()
+        factor.setOptionsPrefix(PREFIX)
         factor.setMumpsIcntl(7, ordering)
         factor.setMumpsIcntl(14, _SPARE_WORKSPACE)
         operator.destroy()  # the preconditioner keeps it

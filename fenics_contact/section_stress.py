@@ -48,7 +48,9 @@ class Section:
         points = self.triangles.points[:, list(self.axes)]
         inside = ((points >= self.low) & (points <= self.high)).all(axis=1)
         number = int(np.argmax(np.where(inside, self.triangles.fields["shear"], -1.0)))
-        return float(self.triangles.fields["shear"][number]), points[number]
+        size = float((self.high - self.low).max())
+        place = np.where(np.abs(points[number]) < 1e-9 * size, 0.0, points[number])
+        return float(self.triangles.fields["shear"][number]), place
 
 
 def section_at(body: Any, rows: ContactTable, flat: bool) -> Section | None:
@@ -82,7 +84,11 @@ def section_at(body: Any, rows: ContactTable, flat: bool) -> Section | None:
     low, high = neighbourhood(points[:, list(axes)], rows.closed)
     bounds = triangles.points[:, list(axes)]
     return Section(
-        axes, place, triangles, np.maximum(low, bounds.min(axis=0)), np.minimum(high, bounds.max(axis=0))
+        axes,
+        place,
+        triangles,
+        np.maximum(low, bounds.min(axis=0)),
+        np.minimum(high, bounds.max(axis=0)),
     )
 
 
@@ -95,7 +101,9 @@ def _plane(rows: ContactTable, normal: int) -> tuple[tuple[int, int], float]:
     place = rows.numbers["xyz"[third]]
     closed = place[rows.closed]
     low, high, size = closed.min(), closed.max(), max(np.ptp(closed), _OFF * np.ptp(place))
-    at_low, at_high = (abs(end - edge) < 0.02 * size for end, edge in ((low, place.min()), (high, place.max())))
+    at_low, at_high = (
+        abs(end - edge) < 0.02 * size for end, edge in ((low, place.min()), (high, place.max()))
+    )
     middle = (low + high) / 2
     if at_low and not at_high:  # half of a zone that a plane of symmetry cuts
         middle = low + _OFF * size
@@ -140,12 +148,12 @@ def draw_section(
         return None
     across, up = section.high - section.low
     height = float(np.clip(0.8 * WIDE * up / across, *_HEIGHTS))
-    title = f"Stress below {surface_of(contact)}"
+    title = f"Stress near {surface_of(contact)}"
     figure, (panel,) = new_figure(title, (WIDE, height + 0.45))
     from matplotlib.ticker import MaxNLocator
 
-    levels = MaxNLocator(_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(0, high)
-    levels = levels[levels < (1 if capped else 1.2) * high]
+    levels: Any = MaxNLocator(_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(0, high)
+    levels = levels[np.asarray(levels) < (1 if capped else 1.2) * high]
     extend = "max" if levels[-1] < value else "neither"
     mesh = (*points.T, section.triangles.corners)
     look = {"levels": levels, "extend": extend}
@@ -176,8 +184,12 @@ def _ends(closed: Array, section: Section) -> Array:
 
 def _mark(panel: Any, section: Section, value: float, place: Array, letters: str) -> None:
     """A cross at the maximum, with its value beside it."""
-    panel.plot(*place, "+", color="white", markersize=9, markeredgewidth=2.6, clip_on=False, zorder=5)
-    panel.plot(*place, "+", color="black", markersize=8, markeredgewidth=1.2, clip_on=False, zorder=6)
+    panel.plot(
+        *place, "+", color="white", markersize=9, markeredgewidth=2.6, clip_on=False, zorder=5
+    )
+    panel.plot(
+        *place, "+", color="black", markersize=8, markeredgewidth=1.2, clip_on=False, zorder=6
+    )
     middle = (section.low + section.high) / 2
     aside = place[0] > middle[0]
     lower = place[1] > middle[1]
@@ -202,7 +214,8 @@ def _caption(
     rows: ContactTable,
 ) -> str:
     at = ", ".join(f"{letters[a]} = {x:.4g}" for a, x in zip(section.axes, place, strict=True))
-    said = f"Largest shear stress τ_max = (σ₁ − σ₃)/2 in the undeformed body; it has its maximum {value:.4g} at {at}"
+    said = "Largest shear stress τ_max = (σ₁ − σ₃)/2 in the undeformed body; "
+    said += f"it has its maximum {value:.4g} at {at}"
     if section.across is not None:
         third = 3 - sum(section.axes)
         said += f", of the plane {letters[third]} = {section.across:.4g}"

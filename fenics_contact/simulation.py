@@ -71,6 +71,18 @@ class Run:
     Raises:
         InputError: The scene or its mesh cannot be used, or has no equilibrium.
         MachineError: It will not fit into the machine's memory.
+
+    Friction carries what pulls a block, and the floor what presses it, 10 on a length of 2:
+
+    >>> from fenics_contact import load_scene, main
+    >>> main(["new", "own", "--quiet"])  # writes own.toml and own.geo
+    0
+    >>> prepared = Run(load_scene("own.toml"))
+    >>> prepared.model["kinematics"], prepared.model["dofs"]
+    ('plane strain', 1122)
+    >>> found = prepared.solve().quantities
+    >>> abs(found["normal_force"] - 20) < 1e-8, abs(found["friction_force"][0] + 3) < 1e-8
+    (True, True)
     """
 
     def __init__(
@@ -148,6 +160,12 @@ class Run:
                 logged, where there are several.
             accepted: Called when a load step has been added to ``steps``; collective.
             guess: Where the first load step is thought to end.
+
+        Returns:
+            What came out, the same on every rank.
+
+        Raises:
+            MachineError: The machine failed: memory, a file.
         """
         with failing_together(self.problem.comm):
             return self._solve(state, saved, stopped, announce, accepted, guess)
@@ -232,6 +250,7 @@ class Run:
                 "outer_contraction": solution.contraction,
                 "attempts": list(solution.attempts),
                 "residual_history": list(solution.residual_history),
+                "imbalance_limit": solution.imbalance_limit,
                 "quantities": quantities,
                 "contacts": [
                     {"name": contact.label, "quantities": found}
@@ -243,7 +262,11 @@ class Run:
         self._announce(len(self.steps), self.steps[-1])
 
     def contacts(self, quantities: list[dict[str, Any]] | None = None) -> list[dict[str, Any]]:
-        """``contacts`` of ``result.json``, with the quantities of each once there are any."""
+        """``contacts`` of ``result.json``.
+
+        Args:
+            quantities: Those of each contact, once there are any.
+        """
         quantities = quantities or [{} for _ in self.problem.contacts]
         return [
             {

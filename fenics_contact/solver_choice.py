@@ -157,14 +157,14 @@ def memory_estimate(problem: Problem, name: Name) -> float:
     bytes_of_cells = 12.0 * cells * dofs_of_cell**2
     coupled = _COUPLED * contact_unknowns(problem) ** 2 if problem.between_bodies else 0.0
     if name == "iterative":
-        return _ITERATIVE * bytes_of_cells + coupled
+        return float(_ITERATIVE * bytes_of_cells + coupled)
     # Cells share entries: with m cells at a node about √m of them have the same one.
     cells_at_node = cells * dofs_of_cell / count
     bytes_of_matrix = bytes_of_cells / max(1.0, sqrt(cells_at_node))
     dense = coupled
     if name == "condensed":
         dense = _DENSE * 8.0 * (contact_unknowns(problem) + _between_ranks(problem)) ** 2
-    return bytes_of_factors + _COPIES * bytes_of_matrix + dense
+    return float(bytes_of_factors + _COPIES * bytes_of_matrix + dense)
 
 
 def _between_ranks(problem: Problem) -> int:

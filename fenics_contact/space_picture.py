@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from fenics_contact.body_fields import nodes_at, outline, surface, surface_edges
 from fenics_contact.body_view import View
@@ -22,7 +23,7 @@ Contacts = list[tuple[ContactTable, dict[str, Any]]]
 _WIDTH, _HEIGHTS, _MARGIN = 1400, (0.45, 0.95), 1.04
 _STATUS = ("OPEN", "STICK", "SLIP")  # values 0, 1, 2 of the field `status`
 _FEW_CELLS = 3000
-_FEW = 60  # points that are drawn larger
+_BALL = (0.003, 0.009)  # over what is shown: radius of a contact point
 _ARROW, _APART = 0.06, 0.035  # over what is shown: the longest, and how far they are apart
 
 
@@ -84,9 +85,7 @@ def corners_of(view: View) -> Array:
     return np.concatenate([box, moved])
 
 
-def _look(
-    view: View, corners: Array, pixels: int
-) -> tuple[tuple[int, int], Array, float]:
+def _look(view: View, corners: Array, pixels: int) -> tuple[tuple[int, int], Array, float]:
     """The window's width and height in pixels, its middle, and half its height (length)."""
     right, up = view.screen
     across, along = corners @ right, corners @ up
@@ -110,8 +109,8 @@ def _add_body(plotter: Any, view: View, limits: tuple[float, float]) -> None:
         clim=limits,
         cmap=COLOUR_MAP,
         show_scalar_bar=False,
-        ambient=0.4,
-        diffuse=0.7,
+        ambient=0.6,
+        diffuse=0.5,
     )
     cells = surface_edges(view.body)
     cells = cut_to(cells, view) if view.is_near else cells
@@ -130,9 +129,7 @@ def cut_to(shape: Any, view: View) -> Any:
     return shape
 
 
-def _add_obstacle(
-    plotter: Any, view: View, obstacle: ObstacleSurface
-) -> None:
+def _add_obstacle(plotter: Any, view: View, obstacle: ObstacleSurface) -> None:
     """A translucent surface with its rim."""
     import pyvista
 
@@ -163,27 +160,36 @@ def _in_front(view: View, points: Array, steps: float = 1.0) -> Array:
 
 
 def _add_points(plotter: Any, view: View) -> None:
-    """Contact points where they moved to, coloured by status, each on a dark disc."""
+    """Contact points where they moved to: balls in the colour of their status, with a rim."""
     import pyvista
 
     points, status = np.asarray(view.body.points), np.asarray(view.body["status"])
     margin = 1e-9 * view.size
     inside = ((points >= view.low - margin) & (points <= view.high + margin)).all(axis=1)
+    inside &= status >= 0
+    if not inside.any():
+        return
     moved = points + view.factor * np.asarray(view.body["displacement"])
-    size = 20 if (inside & (status >= 0)).sum() < _FEW else 13
+    radius = _radius(points[inside], view.size)
     for mark in view.marks:
         mine = np.isin(status, [_STATUS.index(kind) for kind in mark.status]) & inside
         if not mine.any():
             continue
-        for colour, wider, steps in (("#303030", 3, 1.0), (mark.colour, 0, 1.5)):
-            cloud = pyvista.PolyData(_in_front(view, moved[mine], steps))
-            plotter.add_mesh(
-                cloud,
-                color=colour,
-                point_size=size + wider,
-                lighting=False,
-                render_points_as_spheres=True,
-            )
+        cloud = pyvista.PolyData(_in_front(view, moved[mine]))
+        rim = "#505050" if mark.status == ("OPEN",) else "white"
+        for size, colour, hidden in ((1.0, mark.colour, None), (1.3, rim, "front")):
+            ball = pyvista.Sphere(radius=size * radius, theta_resolution=16, phi_resolution=12)
+            balls = cloud.glyph(orient=False, scale=False, geom=ball)
+            # Of the larger ball only the inside of its far half is drawn, which makes the rim.
+            plotter.add_mesh(balls, color=colour, lighting=False, culling=hidden)
+
+
+def _radius(points: Array, size: float) -> float:
+    """Of the balls: smaller than half of what the points are apart (length)."""
+    if len(points) < 2:
+        return _BALL[1] * size
+    near, _ = cKDTree(points).query(points, k=2)
+    return float(np.clip(0.26 * np.median(near[:, 1]), _BALL[0] * size, _BALL[1] * size))
 
 
 def _add_slip(plotter: Any, body: Any, view: View, contacts: Contacts) -> None:

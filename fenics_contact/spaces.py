@@ -192,7 +192,7 @@ class Spaces:
         vector = fem.assemble_vector(form)
         vector.scatter_reverse(la.InsertMode.add)
         vector.scatter_forward()
-        return vector.array.reshape(-1, self.components).copy()
+        return np.asarray(vector.array.reshape(-1, self.components).copy())
 
 
 def summed_over_ranks(index_map: Any, nodal: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -102,7 +102,7 @@ def _on_springs(
         return np.asarray(np.maximum(rows @ (size * motion) - gap, 0.0))
 
     def energy(motion: Array) -> float:
-        return float(0.5 * stiffness @ depth(motion) ** 2 - force @ motion * size) / unit
+        return float(float(0.5 * stiffness @ depth(motion) ** 2 - force @ motion * size) / unit)
 
     def slope(motion: Array) -> Array:
         return np.asarray(((stiffness * depth(motion)) @ rows - force) * size / unit)

@@ -269,7 +269,9 @@ class StateFile:
         topology = self._problem.body.mesh.topology
         cells, facets = contact.trace.surface.parents.astype(np.int64).T
         # Of a tetrahedron, no more than eight facets.
-        return np.asarray(topology.original_cell_index, dtype=np.int64)[cells] * 8 + facets
+        return np.asarray(
+            np.asarray(topology.original_cell_index, dtype=np.int64)[cells] * 8 + facets
+        )
 
 
 def _plain_part(memory: ContactMemory) -> dict[str, Any]:

@@ -25,6 +25,15 @@ from fenics_contact.result import (
 )
 from fenics_contact.scene import Scene
 
+# Keys of the model whose names alone say little.
+_IN_WORDS = {
+    "dofs": "displacement unknowns",
+    "solver_memory_mb": "memory of the solver (MB)",
+    "scalar_unknowns": "other unknowns",
+    "free_rigid_motions": "motions left to friction",
+}
+# Those that say something only where there are motions that supports leave to friction.
+_OF_FREE_MOTIONS = ("free_rigid_motions", "used_share_of_limit_load")
 # Quantities in the order shown; some say something only with friction, or where contact is found.
 _SHOWN = [name for name in QUANTITIES if name not in ("external_work", "penalty_energy")]
 _OF_FRICTION = {"friction_force", "stick_area", "slip_area", "max_slip", "friction_work"}
@@ -41,25 +50,61 @@ _PARAMETERS = (
 
 
 def print_model(
-    scene: Scene, model: Mapping[str, Any], contacts: list[dict[str, Any]], plan: str = ""
+    scene: Scene,
+    model: Mapping[str, Any],
+    groups: str,
+    contacts: list[dict[str, Any]],
+    plan: str = "",
 ) -> None:
-    """Say what would be modelled: ``fenics-contact check``."""
+    """Say what would be modelled: ``fenics-contact check``.
+
+    Args:
+        scene: The scene.
+        model: ``model`` of ``result.json``.
+        groups: Names of the mesh's groups.
+        contacts: ``contacts`` of ``result.json``.
+        plan: What is said of an accuracy that is asked for.
+    """
     console = Console()
     table = _table("", "")
+    hidden = {"terms", "rigid_motions", *([] if model["free_rigid_motions"] else _OF_FREE_MOTIONS)}
     for key, value in model.items():
-        if key not in ("terms", "rigid_motions") and value != []:
+        if key not in hidden and value != []:
             words = share_words(value) if key == "used_share_of_limit_load" else _written(value)
-            table.add_row(key.replace("_", " "), words)
+            table.add_row(_IN_WORDS.get(key, key.replace("_", " ")), escape(words))
+    table.add_row("groups of the mesh", escape(groups))
     console.print(f"\n[bold]{escape(scene.title or 'Scene')}[/bold]")
     console.print(table)
     console.print("Energy terms modelled:")
     for term in model["terms"]:
         console.print(f"  {term}", markup=False)
     _print_motions(console, model["rigid_motions"])
+    for line in _conditions(scene):
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
     _print_contacts(console, contacts)
     if plan:
         console.print(plan, markup=False, highlight=False, soft_wrap=True)
     console.print("The scene can be run: supports and contacts can hold the loads.")
+
+
+def _conditions(scene: Scene) -> list[str]:
+    """A line for each support and each load, as they were understood."""
+    lines = []
+    for support in scene.support:
+        held = [f"{axis} = {_given(value)}" for axis, value in support.displacement.items()]
+        lines.append(f"Support '{support.on}': {', '.join(held)}")
+    for load in scene.load:
+        kinds = ("traction", "pressure", "body_force")
+        kind = next(kind for kind in kinds if getattr(load, kind) is not None)
+        lines.append(f"Load '{load.on}': {kind.replace('_', ' ')} {_given(getattr(load, kind))}")
+    return lines
+
+
+def _given(value: Any) -> str:
+    """A value of a scene, or that it varies."""
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_given, value))})"
+    return f"{value:.6g}" if isinstance(value, float | int) else "varying"
 
 
 def _print_motions(console: Console, motions: list[dict[str, Any]]) -> None:
@@ -173,7 +218,7 @@ def _print_contacts(console: Console, contacts: list[dict[str, Any]]) -> None:
                 f"slave '{contact['slave']}' ({contact['slave_reason']}), master "
                 f"'{contact['master']}'"
             )
-        line = f"Contact {contact['name']}: {', '.join(words)}"
+        line = f"Contact '{contact['name']}': {', '.join(words)}"
         console.print(line, markup=False, highlight=False, soft_wrap=True)
 
 

@@ -69,7 +69,9 @@ class Surface:
 
         low, high = self.points.min(axis=0), self.points.max(axis=0)
         step = np.sqrt(np.prod(high - low) / _MOST_ARROWS)
-        grid = np.stack(np.meshgrid(*(np.arange(a, b, step) for a, b in zip(low, high, strict=True))))
+        grid = np.stack(
+            np.meshgrid(*(np.arange(a, b, step) for a, b in zip(low, high, strict=True)))
+        )
         _, found = cKDTree(self.points).query(grid.reshape(2, -1).T)
         return np.unique(found)
 
@@ -90,8 +92,10 @@ def triangulation(points: Array) -> Any:
         corners = Delaunay(points).simplices
     except QhullError:
         return None
-    sides = np.linalg.norm(points[corners] - points[np.roll(corners, 1, axis=1)], axis=2).max(axis=1)
-    return Triangulation(*points.T, corners, mask=sides > _LONG * np.median(sides))
+    sides = np.linalg.norm(points[corners] - points[np.roll(corners, 1, axis=1)], axis=2).max(
+        axis=1
+    )
+    return Triangulation(points[:, 0], points[:, 1], corners, mask=sides > _LONG * np.median(sides))
 
 
 def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> Picture:
@@ -111,15 +115,16 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> Pictur
     }
     across, up = np.ptp(surface.points, axis=0)
     width = DOUBLE / len(draw)
-    height = float(np.clip((width - 0.5) * up / across + 1.35, *_HEIGHTS))
+    height = float(np.clip((width - 0.5) * up / across + 1.2, *_HEIGHTS))
     title = f"Contact zone {surface_of(contact)}"
     figure, panels = new_figure("", (DOUBLE, height), ncols=len(draw), sharey=True)
     for draw_panel, panel in zip(draw.values(), panels, strict=True):
         draw_panel(figure, panel, surface, contact)
         surface.label(panel, panel is panels[0])
+        panel.margins(0.08)
     figure.set_layout_engine("compressed")  # for panels of equal scales
     figure.suptitle(title.replace("$", r"\$"), x=0.01, ha="left", fontsize=8.5)
-    save(figure, path)
+    save(figure, path, tight=True)
     said = f"{in_words(list(draw))} on {surface_of(contact)}."
     said += " Arrows on the left: slip; on the right: the friction traction." if frictional else ""
     return Picture(path, title, f"{said[0].upper()}{said[1:]}")

@@ -46,4 +46,6 @@ class SurfaceSupports:
     def held_axes(self) -> NDArray[np.bool_]:
         """Along which axes supports hold more than a tenth of the nodes; collective."""
         comm, owned = self._trace.spaces.comm, self._trace.owned[: len(self._held)]
-        return total(comm, self._held[owned].sum(axis=0)) > 0.1 * total(comm, owned.sum())
+        return np.asarray(
+            total(comm, self._held[owned].sum(axis=0)) > 0.1 * total(comm, owned.sum())
+        )

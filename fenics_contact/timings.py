@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from mpi4py import MPI
 
+logger = logging.getLogger(__name__)
+
 PHASES = ("mesh", "compile", "assemble", "factorise", "solve", "output", "errors")
+ESTIMATING = "estimating errors"
+# Phases that may take long, in words.
+_SAID = {
+    "mesh": "making the mesh",
+    "compile": "compiling forms",
+    "factorise": "factorising the body",
+    "errors": ESTIMATING,
+}
 # What is inside of it counts to it.
 _WHOLE = "errors"
 
@@ -29,6 +40,8 @@ class Timings:
     def phase(self, name: str) -> Iterator[None]:
         """Count the time of a block to a phase."""
         self._switch()
+        if name in _SAID and not {name, _WHOLE} & set(self._running):
+            logger.debug("%s", _SAID[name])
         self._running.append(_WHOLE if _WHOLE in self._running else name)
         try:
             yield

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.body_fields import outline, segments
+from fenics_contact.body_fields import flat_sides
 from fenics_contact.contact_table import ContactTable
 
 Array = NDArray[np.float64]
@@ -47,7 +47,9 @@ def relative_curvature(rows: ContactTable, body: Any) -> Curvature | None:
     points = np.asarray(body.points)
     own = regions[np.argmin(np.hypot(points[:, 0] - x[0], points[:, 1] - y[0]))]
     extents = [np.ptp(points[regions == number, :2], axis=0).min() for number in (0, 1)]
-    ends = segments(outline(body.extract_points(regions != own, adjacent_cells=False)))[:, :, :2]
+    sides, outer = flat_sides(body)
+    sides = sides[outer & (regions[sides[:, 0]] != own)]
+    ends = points[sides[:, [0, -1]]][:, :, :2]
     along = np.abs(np.diff(ends, axis=1))[:, 0]
     near = (ends[:, 0, 0] >= x.min()) & (ends[:, 0, 0] <= x.max()) & (along[:, 1] < along[:, 0])
     height = np.abs(ends[:, 0, 1] - np.interp(ends[:, 0, 0], x[np.argsort(x)], y[np.argsort(x)]))

@@ -90,7 +90,7 @@ class Trace:
     @property
     def centres(self) -> Array:
         """Points that are no nodes, one a facet of this rank, (centres, 3); mostly none."""
-        return self.coordinates[len(self.nodes) :]
+        return np.asarray(self.coordinates[len(self.nodes) :])
 
     def turn(self, normals: Array, at_centres: Array) -> None:
         """Take other normals, as those between two bodies are; forms follow.

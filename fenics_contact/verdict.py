@@ -63,7 +63,8 @@ def of_checks(checks: dict[str, Check]) -> str:
     failed = [failure(name, check) for name, check in checks.items() if not check.passed]
     if failed:
         return f"Converged, but do not trust it: failed {'; '.join(failed)}."
-    return f"Converged; all {len(checks)} checks of the physics passed."
+    every = "the one check" if len(checks) == 1 else f"all {len(checks)} checks"
+    return f"Converged; {every} of the physics passed."
 
 
 def slid_far(steps: list[dict[str, Any]]) -> str:

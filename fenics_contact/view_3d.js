@@ -23,19 +23,31 @@
   const status = data.status && decoded(data.status, Float32Array);
   const statusOfTriangles = decoded(data.statusOfTriangles, Float32Array);
   data.fields.forEach((field) => { field.values = decoded(field.values, Float32Array); });
-  const chosen = { field: 0, factor: data.factors.length - 1, zone: data.zone ? 1 : 0, lines: 0 };
+  const obstacle = data.obstacle && decoded(data.obstacle, Float32Array);
+  const obstacleTriangles = decoded(data.obstacleTriangles, Int32Array);
+  const obstacleLines = decoded(data.obstacleLines, Int32Array);
+  const chosen = {
+    field: 0, factor: data.factors.length - 1, zone: data.zone ? 1 : 0, lines: 0, obstacle: 0,
+  };
 
-  function moved(axis, factor) {
-    return column(points, axis, 3).map((x, n) => x + factor * moves[3 * n + axis]);
+  function moved(axis, factor, by = moves) {
+    return column(points, axis, 3).map((x, n) => x + factor * by[3 * n + axis]);
   }
-  // The same box for all displacements, so that one sees them when one changes between them.
+  // The same box for all displacements, so that one sees them when one changes between them; with
+  // room for lines that lie a little before the surface.
   function boxOf(axis) {
     let low = Infinity, high = -Infinity;
-    data.factors.forEach((factor) => moved(axis, factor).forEach((x) => {
+    function hold(x) {
       low = Math.min(low, x);
       high = Math.max(high, x);
-    }));
-    return [low, high];
+    }
+    data.factors.forEach((factor) => {
+      moved(axis, factor).forEach(hold);
+      if (!obstacle) return;
+      const stands = moved(axis, factor, obstacle);
+      (data.flat ? obstacleLines : obstacleTriangles).forEach((n) => hold(stands[n]));
+    });
+    return [low - 0.02 * (high - low), high + 0.02 * (high - low)];
   }
   const whole = axes.map(boxOf);
   // Unit normals at the points: lines lie a little before the surface.
@@ -52,11 +64,16 @@
     const size = Math.hypot(outward[n], outward[n + 1], outward[n + 2]) || 1;
     axes.forEach((axis) => { outward[n + axis] /= size; });
   }
-  const thickness = 0.02 * Math.max(...whole.map((ends) => ends[1] - ends[0]));
-  if (data.flat) whole[2] = [-thickness, thickness];
   function box() {
-    if (chosen.zone === 0) return whole;
-    return axes.map((n) => (data.flat && n === 2 ? whole[2] : [data.zone[0][n], data.zone[1][n]]));
+    const shown = chosen.zone === 0 ? whole.slice() : axes.map((n) => [
+      Math.max(data.zone[0][n], whole[n][0]), Math.min(data.zone[1][n], whole[n][1]),
+    ]);
+    if (data.flat) shown[2] = [-depth(shown), depth(shown)];
+    return shown;
+  }
+  // Of a plane body, which has none: lines and points lie before it by shares of this.
+  function depth(shown) {
+    return 0.05 * Math.max(...shown.slice(0, 2).map((range) => range[1] - range[0]));
   }
   function written(value) { return Number(value.toPrecision(4)).toString(); }
   const words = Array.from(column(points, 0, 3), (_, n) => {
@@ -73,7 +90,7 @@
       text: words, hoverinfo: "text", flatshading: true,
       lighting: data.flat
         ? { ambient: 1, diffuse: 0, specular: 0, fresnel: 0 }
-        : { ambient: 0.65, diffuse: 0.5, specular: 0.05, roughness: 0.9, fresnel: 0 },
+        : { ambient: 0.8, diffuse: 0.35, specular: 0.05, roughness: 0.9, fresnel: 0 },
       lightposition: { x: 1e4 * data.towards[0], y: 5e3 * data.towards[1], z: 2e4 },
       colorbar: { thickness: 14, len: 0.8, x: 1, xpad: 4 },
     };
@@ -99,8 +116,10 @@
   }
   function sides(x, y, z) {
     const line = { type: "scatter3d", mode: "lines", hoverinfo: "skip", showlegend: false,
-      line: { color: "rgba(255,255,255,0.4)", width: 2 }, x: [], y: [], z: [] };
-    const before = 0.004 * Math.hypot(...box().map((range) => range[1] - range[0]));
+      line: { color: "#98a4ac", width: 1.5 }, x: [], y: [], z: [] };
+    const before = data.flat
+      ? 0.5 * depth(box())
+      : 0.003 * Math.hypot(...box().map((range) => range[1] - range[0]));
     [[line.x, x], [line.y, y], [line.z, z]].forEach(([pieces, from], axis) => {
       for (let n = 0; n < ends.length; n++) {
         pieces.push(from[ends[n]] + before * outward[3 * ends[n] + axis]);
@@ -109,13 +128,31 @@
     });
     return line;
   }
+  // Gaps are magnified as displacements are, or the body would enter the obstacle.
+  function rigid() {
+    const [x, y, z] = axes.map((n) => moved(n, data.factors[chosen.factor], obstacle));
+    if (!data.flat) {
+      const [i, j, k] = axes.map((corner) => column(obstacleTriangles, corner, 3));
+      return { type: "mesh3d", x: x, y: y, z: z, i: i, j: j, k: k, color: "#9aa5ad", opacity: 0.35,
+        hoverinfo: "skip", flatshading: true, lighting: { ambient: 0.8, diffuse: 0.3 } };
+    }
+    const line = { type: "scatter3d", mode: "lines", hoverinfo: "skip", showlegend: false,
+      line: { color: "#7b868f", width: 5 }, x: [], y: [], z: [] };
+    obstacleLines.forEach((at, n) => {
+      line.x.push(x[at]);
+      line.y.push(y[at]);
+      line.z.push(0.7 * depth(box()));
+      if (n % 2 === 1) [line.x, line.y, line.z].forEach((pieces) => pieces.push(null));
+    });
+    return line;
+  }
   // Of a plane body the contact is a line, which no triangle shows.
   function marks(x, y) {
     const shown = [0, 1, 2].map((kind) => {
       const own = Array.from(status.keys()).filter((n) => status[n] === kind);
       return { type: "scatter3d", mode: "markers", hoverinfo: "text", showlegend: false,
-        text: own.map((n) => words[n]), marker: { size: 5, color: data.statusColours[kind] },
-        x: own.map((n) => x[n]), y: own.map((n) => y[n]), z: own.map(() => thickness) };
+        text: own.map((n) => words[n]), marker: { size: 4, color: data.statusColours[kind] },
+        x: own.map((n) => x[n]), y: own.map((n) => y[n]), z: own.map(() => 0.9 * depth(box())) };
     });
     return shown.filter((trace) => trace.x.length > 0);
   }
@@ -125,6 +162,7 @@
     const found = [body(x, y, z)];
     if (chosen.lines === 0 && ends.length > 0) found.push(sides(x, y, z));
     if (data.flat && status && chosen.field === data.fields.length) found.push(...marks(x, y));
+    if (obstacle && chosen.obstacle === 0) found.push(rigid());
     return found;
   }
   function axis(name, number) {
@@ -140,7 +178,7 @@
     const wide = place.clientWidth / place.clientHeight;
     const scale = data.flat
       ? Math.min((1.5 * wide - 0.3) / sizes[0], 1.5 / sizes[1])
-      : (1.6 * Math.min(1, 0.8 * wide)) / Math.hypot(...sizes);
+      : (1.9 * Math.min(1, 0.8 * wide)) / Math.hypot(...sizes);
     return { x: scale * sizes[0], y: scale * sizes[1], z: scale * sizes[2] };
   }
   function layout() {

@@ -11,12 +11,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from fenics_contact.contact_table import ContactTable
-from fenics_contact.errors import InputError
+from fenics_contact.html_writing import Html
+from fenics_contact.obstacle_picture import ObstacleSurface, obstacles_of
 from fenics_contact.picture_style import COLOURS, neighbourhood
 from fenics_contact.view_revolved import revolved
-from fenics_contact.view_surface import Surface, surface_of
+from fenics_contact.view_surface import Surface, boundary, surface_of
 
 Array = NDArray[np.float64]
 
@@ -33,7 +35,7 @@ class View:
     """What the view shows.
 
     Attributes:
-        surface: With the fields `displacement`, `status`, and those that colours show.
+        surface: With the fields `displacement`, `status`, `obstacle`, and those that colours show.
         kinematics: Of the model.
         shown: Name of a field → its symbol.
         factors: Of the displacements, that one can choose between.
@@ -73,6 +75,8 @@ def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
         if friction.any():
             fields["friction traction"] = friction
             shown["friction traction"] = "|σ_T|"
+    contacts = [(table.of(contact["name"]), contact) for contact in result["contacts"]]
+    fields["obstacle"] = _obstacles(body, obstacles_of(body, contacts))
     make = revolved if kinematics == "axisymmetric" else surface_of
     surface = make(body, fields)
     front = np.zeros(3)
@@ -85,6 +89,22 @@ def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
         low, high = surface.points.min(axis=0), surface.points.max(axis=0)
         aside = (zone.sum(axis=0) - low - high) / (high - low).max()
     return View(surface, kinematics, shown, factors, zone, _towards(front, aside))
+
+
+def _obstacles(body: Any, obstacles: list[ObstacleSurface]) -> Array:
+    """Where obstacles stand, from the undeformed places of nodes opposite, (nodes, 3) (length).
+
+    Not a number where there is none. A node of several pieces of the body is there in each.
+    """
+    found = np.full((body.n_points, 3), np.nan)
+    on_contact = np.flatnonzero(np.asarray(body["status"]) >= 0)
+    for obstacle in obstacles:
+        places = np.asarray(body.points, dtype=float)[on_contact]
+        distance, nearest = cKDTree(obstacle.points).query(places)
+        same = distance < 1e-9 * np.ptp(np.asarray(body.points), axis=0).max()
+        offsets = obstacle.offsets[:, None] * obstacle.normals
+        found[on_contact[same]] = offsets[nearest[same]]
+    return found
 
 
 def _factors(surface: Surface, zone: Array | None, result: dict[str, Any]) -> list[float]:
@@ -130,31 +150,18 @@ def _towards(front: Array, aside: Array) -> Array:
     return np.asarray(side / np.sqrt(3))
 
 
-def view_html(view: View) -> str:
-    """The part of a page that holds the view, with all it needs."""
+def view_html(view: View) -> Html:
+    """The part of a page that holds the view, with all it needs; plotly's script is in it."""
+    from plotly.offline import get_plotlyjs
+
     data = json.dumps(_data(view), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
     script = resources.files("fenics_contact").joinpath("view_3d.js").read_text(encoding="utf-8")
-    return f"""{_controls(view)}
+    return Html(f"""{_controls(view)}
 <div id="view" role="img" aria-label="{escape(_label(view))}"></div>
 <p class="note">{escape(_help(view))}</p>
 <script type="application/json" id="view-data">{data}</script>
-<script>{_plotly()}</script>
-<script>{script}</script>"""
-
-
-def _plotly() -> str:
-    """The source of plotly's script.
-
-    Raises:
-        InputError: It is not installed.
-    """
-    try:
-        from plotly.offline import get_plotlyjs
-    except ImportError:
-        raise InputError(
-            "pictures need plotly: install it with pip install 'fenics-contact[pictures]'"
-        ) from None
-    return str(get_plotlyjs())
+<script>{get_plotlyjs()}</script>
+<script>{script}</script>""")
 
 
 def _data(view: View) -> dict[str, Any]:
@@ -165,6 +172,9 @@ def _data(view: View) -> dict[str, Any]:
     values = surface.fields | {"displacement": size}
     fields = [_field(name, symbol, values[name]) for name, symbol in view.shown.items()]
     status = surface.fields["status"]
+    obstacle = surface.fields["obstacle"]
+    there = np.isfinite(obstacle).all(axis=1)
+    edges = boundary(surface.triangles) if view.is_flat else surface.lines
     return {
         "flat": view.is_flat,
         "points": _floats(surface.points),
@@ -176,6 +186,9 @@ def _data(view: View) -> dict[str, Any]:
         "statusOfTriangles": _floats(np.median(status[surface.triangles], axis=1)),
         "statusNames": list(STATUS),
         "statusColours": [COLOURS[name] for name in STATUS],
+        "obstacle": _floats(np.nan_to_num(obstacle)) if there.any() else None,
+        "obstacleTriangles": _integers(surface.triangles[there[surface.triangles].all(axis=1)]),
+        "obstacleLines": _integers(edges[there[edges].all(axis=1)]),
         "factors": view.factors,
         "zone": None if view.zone is None else view.zone.tolist(),
         "towards": view.towards.tolist(),
@@ -213,6 +226,8 @@ def _controls(view: View) -> str:
     if view.zone is not None:
         groups.append(_buttons("zone", "Part", ["whole", "contact zone"]))
     groups.append(_buttons("lines", "Cells", ["shown", "hidden"]))
+    if np.isfinite(view.surface.fields["obstacle"]).any():
+        groups.append(_buttons("obstacle", "Obstacle", ["shown", "hidden"]))
     return f'<div class="controls">{"".join(groups)}</div>'
 
 

@@ -59,8 +59,10 @@ def revolved(body: Any, fields: dict[str, Array], most: int = MOST_TRIANGLES) ->
 
 def turned(flat: Surface, angle: float) -> Surface:
     """A flat surface turned around the axis by an angle."""
-    moved = turned_vectors(flat.fields["displacement"], angle)
-    fields = flat.fields | {"displacement": moved}
+    fields = {
+        name: turned_vectors(values, angle) if values.ndim > 1 else values
+        for name, values in flat.fields.items()
+    }
     return replace(flat, points=turned_vectors(flat.points, angle), fields=fields)
 
 

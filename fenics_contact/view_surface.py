@@ -86,7 +86,7 @@ class Surface:
         points: Undeformed, (points, 3) (length).
         triangles: Numbers of each triangle's points, (triangles, 3).
         lines: Numbers of the ends of pieces of cells' sides, (pieces, 2).
-        fields: Values at the points, by name; `displacement` is (points, 3).
+        fields: Values at the points, by name; those with three components are vectors.
     """
 
     points: Array
@@ -145,7 +145,7 @@ def _joined(
     """
     columns = [points, *(values.reshape(len(points), -1) for values in fields.values())]
     rows = np.ascontiguousarray(np.hstack(columns) + 0.0)
-    keys = rows.view([("", rows.dtype)] * rows.shape[1]).ravel()
+    keys = rows.view(np.dtype((np.void, rows.itemsize * rows.shape[1]))).ravel()
     _, kept, inverse = np.unique(keys, return_index=True, return_inverse=True)
     return points[kept], {name: values[kept] for name, values in fields.items()}, inverse[cells]
 

@@ -34,7 +34,7 @@ def test_held_slab_has_no_free_motion():
 )
 def test_a_share_that_is_no_limit_is_not_shown_as_1(load, words, capsys):
     prepared = Run(slab(end_load=load, held=False), COMM)
-    print_model(prepared.scene, prepared.model, prepared.contacts())
+    print_model(prepared.scene, prepared.model, "", prepared.contacts())
     (line,) = (x for x in capsys.readouterr().out.splitlines() if "used share" in x)
     assert line.split("load")[1].strip() == words
 

@@ -10,9 +10,9 @@ from mpi4py import MPI
 from fenics_contact import Load, Run, Steps, run
 from fenics_contact.cli import main
 from fenics_contact.error_budget import SOURCES
-from fenics_contact.report import _page
 from fenics_contact.result import error_bar
 from tests.histories import block, dragged, shoved, two_blocks
+from tests.pages import page_of
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, with_solver
 
 pytestmark = pytest.mark.errors
@@ -167,5 +167,5 @@ def test_files_page_and_terminal_have_them(tmp_path_factory, capsys):
     assert set(row) == COLUMNS and row["domain"] > 0
     assert result["contacts"][0]["errors"]["normal_force"] == pytest.approx(row)
     assert "±" in shown and error_bar(row) in shown
-    page = _page(result, [])
-    assert "Estimated errors" in page and f"± {error_bar(row)}" in page
+    page = page_of(result)
+    assert "Estimated errors" in page and f"± {row['total']:.2g}</td>" in page

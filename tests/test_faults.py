@@ -28,7 +28,7 @@ from fenics_contact import (
     run,
     simulation,
 )
-from fenics_contact.cli import guarded
+from fenics_contact.commands import guarded
 from fenics_contact.errors import MachineError, NotConvergedError
 from fenics_contact.faults import READER_LEFT, explain, original
 from fenics_contact.memory import free_memory_for, memory_limit
@@ -193,7 +193,8 @@ def test_a_reader_that_leaves_is_no_crash(tmp_path):
     """As with `| head`; PETSc would have called it one."""
     script = tmp_path / "talking.py"
     script.write_text(
-        "import sys\nfrom rich.console import Console\nfrom fenics_contact.cli import guarded\n"
+        "import sys\nfrom rich.console import Console\n"
+        "from fenics_contact.commands import guarded\n"
         "talk = print if sys.argv[1:] else Console().print\n"
         "sys.exit(guarded(lambda: [talk('much to say') for _ in range(9999)] and 0))\n"
     )
@@ -248,9 +249,9 @@ def test_what_is_said_of_an_error():
 @pytest.mark.parametrize(
     ("solver", "option", "words"),
     [
-        ("condensed", "mat_mumps_icntl_23", "out of memory"),
+        ("condensed", "fenics_contact_mat_mumps_icntl_23", "out of memory"),
         ("full", "fenics_contact_mat_mumps_icntl_23", "out of memory"),
-        ("condensed", "mat_mumps_icntl_14", "workspace is too small"),
+        ("condensed", "fenics_contact_mat_mumps_icntl_14", "workspace is too small"),
         ("full", "fenics_contact_mat_mumps_icntl_14", "workspace is too small"),
         ("iterative", "fenics_contact_zone_mat_mumps_icntl_14", "workspace is too small"),
     ],

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from fenics_contact.axis_stress import AxisStress, contact_radius
-from fenics_contact.body_picture import read_body
+from fenics_contact.body_fields import read_body
 from fenics_contact.contact_table import ContactTable
+from fenics_contact.section_stress import section_at
 from fenics_contact.surface_displacement import SurfaceDisplacement
 from fenics_contact.verification import formulas
 from tests.test_pictures import small_sphere, write_run
@@ -32,6 +33,9 @@ def test_stress_below_a_sphere(tmp_path):
     most = int(np.argmax(stress.shear))
     assert stress.shear[most] / peak == pytest.approx(0.31, abs=0.01)
     assert stress.depth[most] / radius == pytest.approx(0.48, abs=0.05)
+    value, place = section_at(body, rows, flat=True).peak
+    assert value / peak == pytest.approx(0.31, abs=0.01)
+    assert place == pytest.approx([0, -0.48 * radius], abs=0.06 * radius)
     below = (stress.depth > 0.2 * radius) & (stress.depth < 2 * radius)  # on the fine cells
     hertz = formulas.paraboloid(formulas.plane_strain_modulus(1000, 0.3), 8, 1)
     axial, radial = formulas.axis_stress(hertz, stress.depth[below], 0.3)

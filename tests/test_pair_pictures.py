@@ -8,14 +8,14 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Material, Scene, Support
 from fenics_contact.axis_stress import AxisStress
-from fenics_contact.body_picture import read_body
+from fenics_contact.body_fields import read_body
 from fenics_contact.body_view import choose_view
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.figures import surface_of
 from fenics_contact.picture_style import COLOURS
 from fenics_contact.surface_displacement import SurfaceDisplacement
 from tests.pair_bodies import Box, boxes
-from tests.test_pictures import LINE, drawn, has_colour, pixels
+from tests.test_pictures import BELOW, LINE, drawn, has_colour, pixels
 
 pytestmark = pytest.mark.serial
 
@@ -49,7 +49,7 @@ def files_of(folder):
 
 
 def test_displacement_is_that_of_the_slave_where_nodes_coincide(tmp_path):
-    assert drawn(pressed(aside=0.2), tmp_path, squares()) == LINE
+    assert drawn(pressed(aside=0.2), tmp_path, squares()) == {*LINE, *BELOW}
     body, table, result = files_of(tmp_path)
     found = SurfaceDisplacement.of(body, table, result["contacts"][0])
     assert len(found.tangential) == 9
@@ -60,7 +60,7 @@ def test_displacement_is_that_of_the_slave_where_nodes_coincide(tmp_path):
 @pytest.mark.parametrize("slave", ["on", "against"])
 def test_stress_on_the_axis_is_that_of_the_slave(slave, tmp_path):
     names = drawn(pressed("axisymmetric", slave=slave), tmp_path, squares())
-    assert names == {*LINE, "axis_stress.png"}
+    assert names == {*LINE, *BELOW, "axis_stress.png"}
     body, table, _ = files_of(tmp_path)
     stress = AxisStress.of(body, table)
     points = np.asarray(body.points)
@@ -98,7 +98,7 @@ def test_contact_between_bodies_in_space_is_seen_through_them(tmp_path):
         contact=(Contact("upper.z0", against="lower.z1", friction_coefficient=0.5),),
     )
     body = boxes(parts, "hexahedron", comm=MPI.COMM_SELF)
-    assert drawn(scene, tmp_path, body) == {"contact_0.png", "deformed.png"}
+    assert drawn(scene, tmp_path, body) == {"contact_0.png", "deformed.png", *BELOW}
     picture = pixels(tmp_path / "deformed.png")
     middle = picture[:, int(0.45 * picture.shape[1]) : int(0.55 * picture.shape[1])]
     assert has_colour(middle[: int(0.75 * len(middle))], COLOURS["STICK"], 0.02)

@@ -16,7 +16,7 @@ from fenics_contact import (
     memory,
     solver_choice,
 )
-from fenics_contact.cli import guarded
+from fenics_contact.commands import guarded
 from fenics_contact.errors import InputError, MachineError
 from fenics_contact.memory import free_memory_for
 from fenics_contact.problem import Problem

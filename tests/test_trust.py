@@ -30,8 +30,8 @@ from fenics_contact.check_tools import balance, worst_of
 from fenics_contact.check_words import WORDS, compares
 from fenics_contact.checks import all_checks
 from fenics_contact.quantities import support_reactions
-from fenics_contact.report import _page
 from fenics_contact.summary import print_result
+from tests.pages import page_of
 from tests.pair_bodies import Box, boxes
 from tests.scenes import box_body
 
@@ -471,7 +471,7 @@ def test_page_and_terminal_say_what_is_compared(capsys, tmp_path):
         "equilibrium": Check(1.0, 1e-9, part="lid", parts=(Check(1.0, 1e-9, part="lid"),)),
     }
     result = dataclasses.replace(prepared.solve(), checks=broken)
-    page = _page(result.as_dict(), [])
+    page = page_of(result.as_dict())
     assert all(compares(name) in page for name in broken)
     print_result(result, tmp_path)
     said = " ".join(capsys.readouterr().out.split())
@@ -490,15 +490,16 @@ def test_page_and_terminal_show_all_answers_and_the_free_motions(capsys, tmp_pat
     shown = dataclasses.replace(
         result, branches=branches, model={**result.model, "rigid_motions": [motion]}
     )
-    page = unescape(_page(shown.as_dict(), []))
-    row = "<td>all sticks</td><td>8.375</td><td>1.5, 0</td><td>0.25</td><td>0</td><td>FAILED</td>"
+    page = unescape(page_of(shown.as_dict()))
+    row = "".join(f"<td>{cell}</td>" for cell in ("8.375", "1.5, 0", "0.25", "0", "FAILED"))
+    row = f'<th scope="row">all sticks</th>{row}'
     assert "Answers from other starts" in page and row in page
     assert "translation along x of 'lid': resisted by nothing" in page
     print_result(shown, tmp_path)
     said = " ".join(capsys.readouterr().out.split())
     assert "as solved 7.125 1.5, 0 0.25 0 ok" in said
     alone = dataclasses.replace(result, branches=branches[:1])
-    assert "Answers from other starts" not in _page(alone.as_dict(), [])
+    assert "Answers from other starts" not in page_of(alone.as_dict())
 
 
 def test_of_a_body_unloaded_to_nothing_limits_stay_small():

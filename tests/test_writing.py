@@ -27,7 +27,7 @@ from fenics_contact import (
     main,
     report,
 )
-from fenics_contact.cli import guarded
+from fenics_contact.commands import guarded
 from fenics_contact.errors import MachineError
 from fenics_contact.state_file import StateFile
 from fenics_contact.writing import append, replace_file
@@ -186,5 +186,5 @@ def test_pictures_and_pages_on_a_full_disk(tmp_path, prepared, monkeypatch, caps
         figures.save(figure, out / "contact_0.png")
     frames = [np.zeros((9, 9, 3), dtype=np.uint8)] * 2
     with pytest.raises(MachineError, match=rf"animation_0\.gif' cannot be written: {FULL}"):
-        animation._write_gif(frames, out / "animation_0.gif")
+        animation.write_gif(frames, out / "animation_0.gif")
     assert not list(out.glob("*.png")) and not list(out.glob("*.gif"))

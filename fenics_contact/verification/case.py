@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,6 @@ from fenics_contact.adaptivity import run
 from fenics_contact.errors import FenicsContactError
 from fenics_contact.result import Result
 from fenics_contact.scene import Scene
-
-_PACKAGE = Path(__file__).resolve().parent.parent
 
 
 @dataclass(frozen=True)
@@ -163,12 +160,6 @@ def radius_of_area(
 def no_value(error: FenicsContactError) -> Finding:
     """In place of the findings that an error prevented."""
     return Finding("run", math.nan, math.nan, 0.0, note=str(error))
-
-
-def mesh_file(name: str) -> str:
-    """Path of a mesh: inside the installed package, or in the repository around it."""
-    installed = _PACKAGE / "meshes" / name
-    return str(installed if installed.is_file() else _PACKAGE.parent / "meshes" / name)
 
 
 def _number(value: float) -> float | None:

@@ -41,6 +41,7 @@ def verify(
     quick: bool = False,
     json_file: Path | None = None,
     cases: Sequence[Case] = CASES,
+    quiet: bool = False,
 ) -> int:
     """Run cases; collective.
 
@@ -49,6 +50,7 @@ def verify(
         quick: Coarser and fewer runs.
         json_file: To write a list of findings to.
         cases: To choose from.
+        quiet: Say nothing, unless one fails.
 
     Returns:
         Exit code: 0 if all passed, else 4.
@@ -59,7 +61,7 @@ def verify(
     comm = MPI.COMM_WORLD
     to_run = chosen(names, cases)
     on_root(comm, lambda: require_folder("--json", json_file))
-    console = Console(quiet=comm.rank > 0, highlight=False)
+    console = Console(quiet=quiet or comm.rank > 0, highlight=False)
     console.width = max(console.width, _WIDTH)
     outcomes = []
     width = max(len(case.name) for case in to_run)
@@ -72,9 +74,11 @@ def verify(
             f"{outcome.seconds:6.1f} s  {verdict}",
             soft_wrap=True,
         )
+    passed = all(outcome.passed for outcome in outcomes)
+    console.quiet = comm.rank > 0 or (quiet and passed)
     _print_outcomes(console, outcomes)
     on_root(comm, lambda: _write(json_file, outcomes))
-    return 0 if all(outcome.passed for outcome in outcomes) else FAILED
+    return 0 if passed else FAILED
 
 
 def run_case(case: Case, quick: bool) -> Outcome:

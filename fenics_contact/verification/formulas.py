@@ -144,7 +144,7 @@ def partial_slip_shift(
         poissons_ratio: ν.
     """
     most = 3 * coefficient * contact.force * (2 - poissons_ratio)
-    return most / (16 * shear_modulus * contact.radius) * (1 - (1 - share) ** (2 / 3))
+    return float(most / (16 * shear_modulus * contact.radius) * (1 - (1 - share) ** (2 / 3)))
 
 
 def flat_punch_force(modulus: float, radius: float, indentation: float) -> float:
@@ -209,7 +209,7 @@ def partial_slip_loss(
     most = 0.9 * (coefficient * contact.force) ** 2 * (2 - poissons_ratio)
     x = 1 - share
     shape = 1 - x ** (5 / 3) - 5 / 6 * share * (1 + x ** (2 / 3))
-    return most / (shear_modulus * contact.radius) * shape
+    return float(most / (shear_modulus * contact.radius) * shape)
 
 
 def pressing_loss(coefficient: float, poissons_ratio: float) -> float:

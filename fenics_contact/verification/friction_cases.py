@@ -10,13 +10,14 @@ from collections.abc import Iterator
 from math import sqrt
 from typing import Any, Literal
 
+from fenics_contact.own_files import mesh_file
 from fenics_contact.result import Result
 from fenics_contact.scene import MeshSource, Scene, SolverSettings, Steps, Support
 from fenics_contact.scene_contact import Contact, Obstacle
 from fenics_contact.scene_material import Material
 from fenics_contact.scene_values import Path
 from fenics_contact.verification import formulas
-from fenics_contact.verification.case import Case, Finding, mesh_file, of_quantity, solved
+from fenics_contact.verification.case import Case, Finding, of_quantity, solved
 from fenics_contact.verification.point_cases import (
     HERTZ,
     INDENTATION,

@@ -13,12 +13,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.own_files import mesh_file
 from fenics_contact.result import Result
 from fenics_contact.scene import Discretisation, MeshSource, Scene, SolverSettings, Steps, Support
 from fenics_contact.scene_contact import Contact
 from fenics_contact.scene_values import Path
 from fenics_contact.verification import formulas
-from fenics_contact.verification.case import Case, Finding, mesh_file, of_quantity, solved
+from fenics_contact.verification.case import Case, Finding, of_quantity, solved
 from fenics_contact.verification.point_cases import JOHNSON, MATERIAL, MODULUS
 
 Kinematics = Literal["plane strain", "axisymmetric"]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from fenics_contact.own_files import mesh_file
 from fenics_contact.scene import Load, MeshSource, Scene, Support
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.verification import formulas
-from fenics_contact.verification.case import Case, Finding, mesh_file, of_quantity, solved
+from fenics_contact.verification.case import Case, Finding, of_quantity, solved
 from fenics_contact.verification.point_cases import JOHNSON, MATERIAL, MODULUS, RADIUS
 
 _LINE_HALF_WIDTH = 8.0**0.5

@@ -11,6 +11,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from fenics_contact.own_files import mesh_file
 from fenics_contact.parallel import largest
 from fenics_contact.scene import MeshSource, Scene, SolverSettings, Support
 from fenics_contact.scene_contact import Contact, Obstacle
@@ -27,7 +28,7 @@ from fenics_contact.verification.block_pair import (
     trusted,
     with_contact,
 )
-from fenics_contact.verification.case import Case, Finding, mesh_file, solved
+from fenics_contact.verification.case import Case, Finding, solved
 
 Array = NDArray[np.float64]
 

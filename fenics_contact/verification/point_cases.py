@@ -6,18 +6,12 @@ import dataclasses
 from collections.abc import Iterator
 from math import pi
 
+from fenics_contact.own_files import mesh_file
 from fenics_contact.scene import Discretisation, MeshSource, Scene, Support
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_material import Material
 from fenics_contact.verification import formulas
-from fenics_contact.verification.case import (
-    Case,
-    Finding,
-    mesh_file,
-    of_quantity,
-    radius_of_area,
-    solved,
-)
+from fenics_contact.verification.case import Case, Finding, of_quantity, radius_of_area, solved
 
 YOUNGS_MODULUS, POISSONS_RATIO = 1000.0, 0.3
 MATERIAL = (Material(YOUNGS_MODULUS, POISSONS_RATIO),)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Literal
 
+from fenics_contact.own_files import mesh_file
 from fenics_contact.scene import MeshSource, Scene
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.verification import formulas
-from fenics_contact.verification.case import Case, Finding, mesh_file, solved
+from fenics_contact.verification.case import Case, Finding, solved
 from fenics_contact.verification.point_cases import MATERIAL, MODULUS
 
 _INNER, _OUTER, _INDENTATION = 0.5, 1.0, 0.01

@@ -8,12 +8,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import sqrt
 
+from fenics_contact.own_files import mesh_file
 from fenics_contact.scene import Discretisation, MeshSource, Scene, SolverSettings, Steps
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_material import Material
 from fenics_contact.scene_values import Path
 from fenics_contact.verification import formulas
-from fenics_contact.verification.case import Case, Finding, mesh_file, solved
+from fenics_contact.verification.case import Case, Finding, solved
 from fenics_contact.verification.point_cases import JOHNSON, YOUNGS_MODULUS
 
 # Pressing then makes hardly any friction, as the solution assumes.

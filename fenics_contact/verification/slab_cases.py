@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from fenics_contact.own_files import mesh_file
 from fenics_contact.result import Result
 from fenics_contact.scene import Load, MeshSource, Scene, Support
 from fenics_contact.scene_contact import Contact
 from fenics_contact.scene_material import Material
-from fenics_contact.verification.case import Case, Finding, mesh_file, of_quantity, solved
+from fenics_contact.verification.case import Case, Finding, of_quantity, solved
 
 # End load → position of the last contact point that sticks, on 16 × 1 elements.
 _LAST_STICKING = {100.0: 8.0, 200.0: 7.75, 300.0: 6.25, 400.0: 5.25, 600.0: 3.0, 700.0: 1.75}

@@ -32,6 +32,7 @@ def verify_errors(
     table_file: Path | None = None,
     cases: Sequence[BarCase] = CASES,
     solver: Solver = answer_with_errors,
+    quiet: bool = False,
 ) -> int:
     """Compare error bars with true errors; collective.
 
@@ -42,6 +43,7 @@ def verify_errors(
         table_file: To write the table to, in Markdown.
         cases: To choose from.
         solver: What finds quantities and their errors.
+        quiet: Say nothing, unless the bars do not hold.
 
     Returns:
         Exit code: 0 if the bars hold as asked for, else 4.
@@ -53,7 +55,7 @@ def verify_errors(
     to_run = [case for case in chosen(names, cases) if case.quick or names or not quick]
     on_root(comm, lambda: require_folder("--json", json_file))
     on_root(comm, lambda: require_folder("--table", table_file))
-    console = Console(quiet=comm.rank > 0, highlight=False, soft_wrap=True)
+    console = Console(quiet=quiet or comm.rank > 0, highlight=False, soft_wrap=True)
     width = max(len(case.name) for case in to_run)
     outcomes = []
     for number, case in enumerate(to_run, 1):
@@ -61,11 +63,12 @@ def verify_errors(
         outcomes.append(outcome)
         for line in _lines(outcome, f"{number:2} of {len(to_run)}", width):
             console.print(line)
+    verdict = bar_table.passed(outcomes)
+    console.quiet = comm.rank > 0 or (quiet and verdict)
     _print_short(console, outcomes)
     console.print()
     for line in bar_table.summary(outcomes):
         console.print(f"{line}.")
-    verdict = bar_table.passed(outcomes)
     console.print(
         f"Asked for: {100 * bar_table.SHARE_HELD:.0f} % hold, median ratio at most "
         f"{bar_table.MEDIAN_RATIO:g}: {'met' if verdict else '[bold red]NOT MET[/bold red]'}. In "

@@ -8,6 +8,7 @@ from functools import partial
 from math import pi
 from typing import Any
 
+from fenics_contact.own_files import mesh_file
 from fenics_contact.scene import MeshSource, Scene, SolverSettings, Steps, Support
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_material import Material
@@ -20,7 +21,6 @@ from fenics_contact.verification.bars.bar_case import (
     Parameters,
     of_element,
 )
-from fenics_contact.verification.case import mesh_file
 from fenics_contact.verification.friction_cases import with_friction
 from fenics_contact.verification.point_cases import (
     JOHNSON,

@@ -22,6 +22,7 @@ def verify_hard(
     json_file: Path | None = None,
     table_file: Path | None = None,
     cases: Sequence[HardCase] = CASES,
+    quiet: bool = False,
 ) -> int:
     """Run hard cases; collective.
 
@@ -30,6 +31,7 @@ def verify_hard(
         json_file: To write a list of what was found to.
         table_file: To write the table to, in Markdown.
         cases: To choose from.
+        quiet: Say nothing but of those that fail.
 
     Returns:
         Exit code: 0 if all passed, else 4.
@@ -47,13 +49,16 @@ def verify_hard(
     for number, case in enumerate(to_run, 1):
         outcome = run_hard_case(case)
         outcomes.append(outcome)
+        console.quiet = comm.rank > 0 or (quiet and outcome.passed)
         for line in _lines(outcome, f"{number:3} of {len(to_run)}", width):
             console.print(line)
+    passed = all(outcome.passed for outcome in outcomes)
+    console.quiet = comm.rank > 0 or (quiet and passed)
     console.print(
         f"\n{table.summary(outcomes)} In {sum(outcome.seconds for outcome in outcomes):.0f} s."
     )
     on_root(comm, lambda: _write(outcomes, json_file, table_file))
-    return 0 if all(outcome.passed for outcome in outcomes) else FAILED
+    return 0 if passed else FAILED
 
 
 def _lines(outcome: HardOutcome, counted: str, width: int) -> list[str]:

@@ -6,11 +6,12 @@ import dataclasses
 from collections.abc import Iterator
 from functools import partial
 
+from fenics_contact.own_files import mesh_file
 from fenics_contact.scene import Discretisation, MeshSource, Scene, Support
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_material import Material
 from fenics_contact.verification import formulas
-from fenics_contact.verification.case import Finding, mesh_file
+from fenics_contact.verification.case import Finding
 from fenics_contact.verification.friction_cases import with_friction
 from fenics_contact.verification.hard.bodies import box
 from fenics_contact.verification.hard.hard_case import HardCase, Trials

@@ -11,12 +11,13 @@ import numpy as np
 from mpi4py import MPI
 
 from fenics_contact.mesh import Body
+from fenics_contact.own_files import mesh_file
 from fenics_contact.result import Result
 from fenics_contact.scene import MeshSource, Scene, Support
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_material import Material
 from fenics_contact.verification import formulas
-from fenics_contact.verification.case import Finding, mesh_file
+from fenics_contact.verification.case import Finding
 from fenics_contact.verification.hard.bodies import box
 from fenics_contact.verification.hard.exact import exact_answer
 from fenics_contact.verification.hard.hard_case import HardCase, Trials

@@ -96,7 +96,7 @@ def _twisted(x: Points, size: float) -> Points:
     """Nodes inside moved to and fro; those of the boundary stay."""
     bubble = np.prod(np.sin(np.pi * x), axis=1) ** 0.5
     wave = np.stack([np.sin(37 * x.sum(axis=1) + 5 * axis) for axis in range(x.shape[1])], axis=1)
-    return x + size * bubble[:, None] * wave
+    return np.asarray(x + size * bubble[:, None] * wave)
 
 
 def _distorted(kinematics: str, simplices: bool, degree: int, trials: Trials) -> Iterator[Finding]:

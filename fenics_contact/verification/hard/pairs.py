@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from fenics_contact.own_files import mesh_file
 from fenics_contact.scene import Load, MeshSource, Scene, Steps, Support
 from fenics_contact.scene_contact import Contact, Obstacle
 from fenics_contact.scene_material import Material
@@ -21,7 +22,7 @@ from fenics_contact.verification.block_pair import (
     Slave,
     pair_scene,
 )
-from fenics_contact.verification.case import Finding, mesh_file
+from fenics_contact.verification.case import Finding
 from fenics_contact.verification.hard.hard_case import HardCase, Trials
 from fenics_contact.verification.hard.scenes import NU, STATICS, E, with_contact
 from fenics_contact.verification.point_cases import JOHNSON, MATERIAL, MODULUS

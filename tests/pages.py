@@ -1,0 +1,12 @@
+"""The page of a result, without pictures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fenics_contact.html_writing import Html
+from fenics_contact.report_page import Content, page
+
+
+def page_of(result: dict[str, Any], scene: str = "") -> str:
+    return page(Content("folder", result, scene, [], [], Html()))

@@ -1,0 +1,270 @@
+"""Which runs have formulas, and which have none: on results made up for the purpose."""
+
+import dataclasses
+from math import cbrt, pi, sqrt
+
+import numpy as np
+import pytest
+
+from fenics_contact import (
+    Contact,
+    HalfSpace,
+    Load,
+    Material,
+    MeshSource,
+    Obstacle,
+    Scene,
+    Support,
+)
+from fenics_contact.analytic_curves import recognise
+from fenics_contact.contact_table import ContactTable
+from fenics_contact.scene_values import Profile
+from fenics_contact.verification import formulas
+
+pytestmark = pytest.mark.serial
+MODULUS = formulas.plane_strain_modulus(1000, 0.3)
+RADIUS, DEPTH = 8.0, 0.02  # a = .4
+HERTZ = formulas.paraboloid(MODULUS, RADIUS, DEPTH)
+
+
+def pressed(kinematics="axisymmetric", shape="paraboloid", **contact):
+    """An obstacle on a half-space."""
+    obstacle = contact.pop("obstacle", Obstacle(shape, RADIUS, indentation=DEPTH))
+    return Scene(
+        kinematics=kinematics,
+        mesh=MeshSource("any.geo"),
+        material=Material(1000, 0.3),
+        half_space=HalfSpace(("outer",)),
+        contact=(Contact("contact", obstacle=obstacle, **contact),),
+    )
+
+
+def table(x, y=None, normal=(0.0, 1.0, 0.0), closed=0.4):
+    """Points of a contact; those within a distance of the origin touch."""
+    points = np.zeros((len(x), 3))
+    points[:, 0], points[:, 1] = x, 0.0 if y is None else y
+    near = np.linalg.norm(points, axis=1) < closed
+    zero = np.zeros(len(x))
+    names = ("gap", "contact_pressure", "traction_x", "traction_y", "traction_z")
+    numbers = dict(zip("xyz", points.T, strict=True)) | {name: zero for name in names}
+    numbers |= {f"n{axis}": zero + n for axis, n in zip("xyz", normal, strict=True)}
+    status = np.where(near, "STICK", "OPEN")
+    return ContactTable(np.full(len(x), "contact"), status, numbers)
+
+
+LINE = table(np.linspace(0, 1, 41))
+
+
+def result(force, friction=(), law="none", symmetry="none", name="contact"):
+    """As ``result.json`` has it; forces of all load steps."""
+    forces = np.atleast_1d(force)
+    friction = np.atleast_2d(friction) if len(friction) else np.zeros((len(forces), 2))
+    steps = [
+        {
+            "load_factor": float(number + 1),
+            "quantities": {"normal_force": p},
+            "contacts": [{"quantities": {"normal_force": p, "friction_force": list(q)}}],
+            "supports": [],
+        }
+        for number, (p, q) in enumerate(zip(forces.tolist(), friction.tolist(), strict=True))
+    ]
+    contact = {"name": name, "law": law, "quantities": {"normal_force": float(forces[-1])}}
+    return {
+        "model": {"symmetry": symmetry, "kinematics": ""},
+        "contacts": [contact],
+        "steps": steps,
+    }
+
+
+@pytest.mark.parametrize("shape", ["paraboloid", "sphere"])
+def test_hertz_on_a_half_space(shape):
+    found = recognise(pressed(shape=shape), result(HERTZ.force), LINE, None)
+    assert found.label == "Hertz" and found.smooth and not found.line
+    assert found.hertz.radius == pytest.approx(sqrt(RADIUS * DEPTH))
+    r = np.array([0, 0.2, 0.4, 0.5])
+    expected = HERTZ.peak * np.sqrt([1, 0.75, 0, 0])
+    assert found.pressure(r) == pytest.approx(expected, abs=1e-6 * HERTZ.peak)
+
+
+def test_hertz_of_a_quarter_in_space():
+    """A quarter carries a quarter of the force."""
+    x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 1, 9)))
+    rows = table(x, y, normal=(0, 0, 1))
+    quarter = result(HERTZ.force / 4, symmetry="quarter (x = 0, y = 0)")
+    found = recognise(pressed("3D"), quarter, rows, None)
+    assert found.hertz.radius == pytest.approx(0.4)
+    misses = result(HERTZ.force / 2, symmetry="half (x = 0.5)")
+    assert recognise(pressed("3D"), misses, rows, None) is None
+
+
+def test_hertz_of_a_line_contact():
+    line = formulas.line_contact(MODULUS, RADIUS, 20.0)
+    rows = table(np.linspace(-1, 1, 81))
+    found = recognise(pressed("plane strain", "parabola"), result(20.0), rows, None)
+    assert found.line and found.hertz == line
+    s = 0.78  # Johnson, Section 4.2: there τ = .30 p0 is largest
+    axial, lateral = found.axis_stress(np.array([s * line.radius]))
+    assert (lateral - axial)[0] / 2 == pytest.approx(0.300 * line.peak, rel=2e-3)
+
+
+def test_flat_punch():
+    """All of the force, and no peak: it is infinite at the edge."""
+    punch = Obstacle("flat punch", 0.5, indentation=0.01)
+    found = recognise(pressed(obstacle=punch), result(100.0), LINE, None)
+    t = (np.arange(2000) + 0.5) / 2000 * pi / 2
+    r = 0.5 * np.sin(t)
+    force = 2 * pi * np.mean(found.pressure(r) * r * 0.5 * np.cos(t)) * pi / 2
+    assert force == pytest.approx(100, rel=1e-6)
+    assert found.pressure(np.array([0.6]))[0] == 0
+    strip = recognise(pressed("plane strain", obstacle=punch), result(100.0), LINE, None)
+    assert 2 * np.mean(strip.pressure(r) * 0.5 * np.cos(t)) * pi / 2 == pytest.approx(100, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"half_space": None, "support": (Support("outer", {"y": 0}),)},
+        {"support": (Support("outer", {"y": 0}),)},
+        {"material": (Material(1000, 0.3, on="a"), Material(2000, 0.3, on="b"))},
+        {"material": (Material(stiffness=np.diag([3.0, 3, 3, 1, 1, 1])),)},
+        {"material": (Material(Profile("y", (0, 1), (1, 2)), 0.3),)},
+        {"contact": (Contact("contact", pressure=1.0),)},
+        {"contact": (Contact("contact", foundation_stiffness=10.0),)},
+        {"contact": (Contact("contact", contact="bonded"),)},
+        {"contact": pressed(obstacle=Obstacle(indentation=0.1)).contact},
+        {"contact": pressed(obstacle=Obstacle("annular punch", 8, 4, indentation=1)).contact},
+    ],
+)
+def test_other_scenes_have_no_formula(change):
+    scene = dataclasses.replace(pressed(), **change)
+    assert recognise(scene, result(HERTZ.force), LINE, None) is None
+
+
+def test_other_results_have_no_formula():
+    good = result(HERTZ.force)
+    assert recognise(pressed(), good, LINE, None) is not None
+    assert recognise(None, good, LINE, None) is None
+    two = good | {"contacts": 2 * good["contacts"]}
+    assert recognise(pressed(), two, LINE, None) is None
+    assert recognise(pressed(), result(0.0), LINE, None) is None
+    assert recognise(pressed(), good, table(np.linspace(0, 1, 41), closed=0.0), None) is None
+    narrow = table(np.linspace(0, 0.2, 11))  # narrower than the formula's contact
+    assert recognise(pressed(), good, narrow, None) is None
+    tilted = pressed("plane strain", obstacle=Obstacle("parabola", 8, normal=(0.1, -1), force=20))
+    assert recognise(tilted, result(20.0), LINE, None) is None
+    finite = dataclasses.replace(pressed(), half_space=None, load=(Load("top", pressure=1),))
+    assert recognise(finite, good, LINE, None) is None
+    wide = formulas.paraboloid(MODULUS, RADIUS, 1.0).force  # a/R = .35: no sphere's any more
+    rows = table(np.linspace(0, 5, 41))
+    assert recognise(pressed(shape="sphere"), result(wide), rows, None) is None
+    assert recognise(pressed(shape="paraboloid"), result(wide), rows, None) is not None
+
+
+def sheared(poissons_ratio=0.49, **contact):
+    scene = pressed("plane strain", "parabola", **({"law": "incremental"} | contact))
+    return dataclasses.replace(scene, material=(Material(1000, poissons_ratio),))
+
+
+def test_friction_changes_the_label_where_it_changes_the_pressure():
+    rows = table(np.linspace(-1, 1, 81))
+    for poissons_ratio, label in ((0.3, "Hertz, without friction"), (0.49, "Hertz")):
+        scene = sheared(poissons_ratio, friction_coefficient=0.5)
+        found = recognise(scene, result(20.0, law="incremental"), rows, None)
+        assert found.label == label and not found.smooth and found.direction is None
+
+
+def test_cattaneo_and_mindlin():
+    """c = a √(1 − Q/μP), and the traction adds up to Q."""
+    rows = table(np.linspace(-1, 1, 81))
+    scene = sheared(friction_coefficient=0.5)
+    shear = [[0, 0], [-3, 0], [-6, 0]]
+    found = recognise(scene, result([20.0] * 3, shear, "incremental"), rows, None)
+    assert found.direction == 0
+    assert found.stick == pytest.approx(found.hertz.radius * sqrt(0.4))
+    x = np.linspace(-1, 1, 20001) * found.hertz.radius
+    assert np.trapezoid(found.friction(x), x) == pytest.approx(-6, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("force", "shear", "law"),
+    [
+        ([20.0] * 3, [0, -6, -3], "incremental"),  # less than before
+        ([20.0] * 3, [0, -6, 6 * 0.9], "incremental"),
+        ([10.0, 10, 20], [0, -3, -6], "incremental"),  # pressed on while sheared
+        ([20.0] * 3, [0, -6, -10], "incremental"),  # all of it slips
+        ([20.0] * 3, [0, -3, -6], "static"),
+    ],
+)
+def test_other_paths_have_no_formula_of_friction(force, shear, law):
+    rows = table(np.linspace(-1, 1, 81))
+    scene = sheared(friction_coefficient=0.5, law=law)
+    friction = [[q, 0] for q in shear]
+    found = recognise(scene, result(force, friction, law), rows, None)
+    assert found is not None and found.direction is None
+
+
+def test_cattaneo_in_space():
+    x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(-1, 1, 17), np.linspace(0, 1, 9)))
+    rows = table(x, y, normal=(0, 0, 1))
+    scene = pressed("3D", friction_coefficient=0.3, law="incremental")
+    scene = dataclasses.replace(scene, material=(Material(1000, 0.5 - 1e-9),))
+    most = 0.3 * HERTZ.force / 2
+    shear = [[0, 0.1 * most, 0], [0.488 * most, 0.1 * most, 0]]  # across it the mirror image adds 0
+    half = result([HERTZ.force / 2] * 2, shear, "incremental", "half (y = 0)")
+    found = recognise(scene, half, rows, None)
+    assert found.direction == 0
+    assert found.stick == pytest.approx(found.hertz.radius * cbrt(0.512))
+
+
+def discs(radius, apart=0.0, ripple=0.0):
+    """Two bodies with curved sides that face each other, 2 wide and 2 high; and their points."""
+    import pyvista
+
+    x, depth = np.linspace(-1, 1, 33), np.linspace(0, 1, 9)
+    across, down = np.meshgrid(x, depth, indexing="ij")
+    blocks = []
+    for side, centre in ((1, 0.0), (-1, apart)):
+        height = (across - centre) ** 2 / (2 * radius) + ripple * np.cos(20 * across)
+        points = [across, side * (height + 4 * down), 0 * across]
+        stacked = [values[:, :, None] for values in points]
+        blocks.append(pyvista.StructuredGrid(*stacked).cast_to_unstructured_grid())
+    body = blocks[0].merge(blocks[1], merge_points=False)
+    y = x**2 / (2 * radius) + ripple * np.cos(20 * x)
+    return body, table(x, y, normal=(0, -1, 0), closed=0.1)
+
+
+def pair(kinematics="plane strain"):
+    scene = Scene(
+        kinematics=kinematics,
+        mesh=(MeshSource("a.geo", name="up"), MeshSource("b.geo", name="low")),
+        material=(Material(1000, 0.3), Material(500, 0.2, on="low")),
+        support=(Support("low.face", {"y": 0}), Support("up.face", {"y": -0.1})),
+        contact=(Contact("up.contact", against="low.contact"),),
+    )
+    found = result(2.0)
+    found["contacts"][0] |= {"slave": "up.contact", "master": "low.contact"}
+    return scene, found
+
+
+def test_hertz_of_two_cylinders():
+    body, rows = discs(10.0)
+    found = recognise(*pair(), rows, body)
+    compliance = 1 / MODULUS + 1 / formulas.plane_strain_modulus(500, 0.2)
+    expected = formulas.line_contact(1 / compliance, 5.0, 2.0)
+    assert found.hertz.radius == pytest.approx(expected.radius, rel=1e-3)
+    assert found.hertz.peak == pytest.approx(expected.peak, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "bodies", [{"apart": 0.5}, {"ripple": 0.01}, {"apart": 0.0, "radius": -10.0}]
+)
+def test_other_pairs_have_no_formula(bodies):
+    body, rows = discs(**({"radius": 10.0} | bodies))
+    assert recognise(*pair(), rows, body) is None
+
+
+def test_large_contact_of_two_bodies_has_no_formula():
+    body, rows = discs(10.0)
+    scene, found = pair()
+    found["contacts"][0]["quantities"]["normal_force"] = 100.0  # a = .87, bodies 2 wide
+    assert recognise(scene, found, rows, body) is None

@@ -1,0 +1,117 @@
+"""What appears where: on a terminal, on one that is plain, in a pipe."""
+
+import os
+import pty
+import re
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from tests.scenes import ROOT
+
+pytestmark = pytest.mark.serial
+
+COMMAND = [sys.executable, "-m", "fenics_contact"]
+SLAB = str(ROOT / "demos" / "slab.toml")
+ESCAPE = "\x1b"
+COLOUR = re.compile("\x1b\\[[0-9;]*3[0-7]m")
+
+
+def environment(**changed):
+    plain = {k: v for k, v in os.environ.items() if k not in ("NO_COLOR", "FORCE_COLOR", "TERM")}
+    return plain | {"TERM": "xterm", "COLUMNS": "100", "PYTHONPATH": str(ROOT)} | changed
+
+
+def on_terminal(*arguments, **changed):
+    """Exit code, and all that a terminal got."""
+    mine, its = pty.openpty()
+    found = []
+
+    def read():
+        try:
+            while part := os.read(mine, 4096):
+                found.append(part)
+        except OSError:  # Linux says so when the other end is closed
+            pass
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    code = subprocess.run(
+        [*COMMAND, *arguments],
+        stdin=subprocess.DEVNULL,
+        stdout=its,
+        stderr=its,
+        env=environment(**changed),
+        timeout=120,
+    ).returncode
+    os.close(its)
+    reader.join()
+    os.close(mine)
+    return code, b"".join(found).decode()
+
+
+def test_a_terminal_shows_what_is_being_done_and_then_takes_it_away(tmp_path):
+    code, said = on_terminal("run", SLAB, "--out", str(tmp_path / "out"))
+    assert code == 0
+    assert re.search(r"(making the mesh|compiling forms|Newton step \d)", said)
+    # What is left is not hidden by what was there: its line is erased, the cursor shown again.
+    assert f"{ESCAPE}[2K" in said and said.rindex(f"{ESCAPE}[?25h") > said.rindex(f"{ESCAPE}[?25l")
+    assert "checks of the physics passed" in said.rpartition(f"{ESCAPE}[?25h")[2]
+
+
+def test_a_bar_keeps_to_its_line(tmp_path):
+    """Over load steps; without colours, where these are not wanted."""
+    scene = str(ROOT / "demos" / "cylinders.toml")
+    coarse = ["--set", "mesh.0.parameters.size=0.15", "--set", "mesh.1.parameters.size=0.1"]
+    out = ["--out", str(tmp_path / "out")]
+    code, said = on_terminal("run", scene, *coarse, *out, COLUMNS="60", NO_COLOR="1")
+    assert code in (0, 4) and re.search(r"step \d: time 1", said)
+    for line in re.split(r"[\r\n]", said.partition(f"{ESCAPE}[?25h")[0]):
+        assert len(re.sub(f"{ESCAPE}\\[[0-9;?]*[a-zA-Z]", "", line)) <= 60
+    assert f"{ESCAPE}[2K" in said and not COLOUR.search(said)
+
+
+def test_a_plain_terminal_has_lines_only(tmp_path):
+    code, said = on_terminal("run", SLAB, "--out", str(tmp_path / "out"), TERM="dumb")
+    assert code == 0 and "checks of the physics passed" in said and ESCAPE not in said
+    assert "Newton step 1" not in said
+
+
+def test_a_pipe_gets_results_and_errors_apart_and_no_escape_codes(tmp_path):
+    def run(*arguments):
+        return subprocess.run(
+            [*COMMAND, *arguments],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            env=environment(),
+            timeout=120,
+        )
+
+    done = run("run", SLAB, "--out", str(tmp_path / "out"), "--", "-snes_montor")
+    assert done.returncode == 0 and ESCAPE not in done.stdout + done.stderr
+    assert "checks of the physics passed" in done.stdout
+    assert done.stderr.startswith("PETSc options that no solve asked for: -snes_montor;")
+    done = run("run", "nowhere.toml")
+    assert done.returncode == 2 and done.stdout == "" and done.stderr.count("\n") == 1
+
+
+def test_help_does_not_wait_for_fenicsx():
+    script = (
+        "import sys\n"
+        "from fenics_contact.cli_options import parse\n"
+        "try:\n    parse(['run', '--help'])\nfinally:\n"
+        "    heavy = {'dolfinx', 'ufl', 'scipy', 'numpy', 'petsc4py'} & set(sys.modules)\n"
+        "    assert not heavy, heavy\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        env=environment(),
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stderr
+    assert max(map(len, done.stdout.splitlines())) > 85  # as wide as the terminal
