@@ -28,7 +28,6 @@ with (ROOT / "pyproject.toml").open("rb") as _file:
 
 project = "fenics_contact"
 author = "the authors of fenics_contact"
-copyright = "LGPL-3.0-or-later"
 language = "en"
 
 extensions = [
@@ -54,7 +53,9 @@ html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_extra_path = ["_build/extra"]  # the reports of the demos
 html_show_sphinx = False
+html_show_copyright = False
 html_copy_source = False
+html_show_search_summary = False  # which would be fetched; browsers refuse that of files
 copybutton_exclude = ".linenos, .gp, .go"
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
@@ -64,13 +65,16 @@ myst_fence_as_directive = ["include", "literalinclude", "figure", "toctree"]
 # Results are used again while the cells, the package and the meshes are the same.
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(DOCS / "_build" / "cells" / make_gallery.fingerprint([])[:16])
-nb_execution_timeout = 180
+nb_execution_timeout = 600  # seconds a cell
 nb_execution_raise_on_error = True
 nb_merge_streams = True
+nb_code_prompt_show = "Show the code"
+nb_code_prompt_hide = "Hide the code"
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 napoleon_use_ivar = True
+napoleon_use_rtype = False  # "The exit code: 0 …" is no type
 
 # Names in signatures that have no page here: those of other projects, whose pages are not asked, as
 # nothing is fetched, and those of modules that are not shown.

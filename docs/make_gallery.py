@@ -145,20 +145,12 @@ def page(name: str, entry: Entry) -> str:
     pictures = json.loads((folder / "pictures.json").read_text(encoding="utf-8"))
     shown = PAGES / name
     shown.mkdir()
-    lines = [problem(name), ""]
     for picture in pictures:
         shutil.copy(folder / picture["file"], shown)
-        lines += [
-            f"```{{figure}} {name}/{picture['file']}",
-            f":alt: {_one_line(picture['title'])}",
-            "",
-            f"{picture['title']}. {picture['caption']}",
-            "```",
-            "",
-        ]
     REPORTS.mkdir(parents=True, exist_ok=True)
     (REPORTS / name).mkdir(exist_ok=True)
     shutil.copy(folder / "report.html", REPORTS / name)
+    lines = [problem(name), "", *_figure(name, pictures[0])]
     lines += ["## Expected and obtained", "", _table(entry.findings(solved), f"demos/{name}.toml")]
     lines += ["", f"Expected values: {entry.source}.", ""]
     for number, variant in enumerate(entry.variants):
@@ -166,8 +158,19 @@ def page(name: str, entry: Entry) -> str:
     lines += _how_it_went(solved.result)
     lines += [
         f'<p><a href="../reports/{name}/report.html">The report of this run</a>: checks, errors by '
-        "source, all pictures, reactions, timings.</p>",
+        "source, an interactive view, reactions, timings.</p>",
         "",
+        "## Pictures",
+        "",
+        *(line for picture in pictures[1:] for line in _figure(name, picture)),
+        *_scene(name),
+    ]
+    return "\n".join(lines)
+
+
+def _scene(name: str) -> list[str]:
+    """The scene of a demo, and how to run it."""
+    return [
         "## The scene",
         "",
         "```sh",
@@ -186,12 +189,23 @@ def page(name: str, entry: Entry) -> str:
         "```",
         "",
     ]
-    return "\n".join(lines)
 
 
 def problem(name: str) -> str:
     """The problem of a demo in words, with its formulas, in Markdown; a heading first."""
     return (DOCS / "problems" / f"{name}.md").read_text(encoding="utf-8").strip()
+
+
+def _figure(name: str, picture: dict[str, str]) -> list[str]:
+    """A picture, or an animation, with what it shows."""
+    return [
+        f"```{{figure}} {name}/{picture['file']}",
+        f":alt: {_one_line(picture['title'])}",
+        "",
+        f"**{picture['title']}.** {picture['caption']}",
+        "```",
+        "",
+    ]
 
 
 def _one_line(text: str) -> str:
@@ -226,7 +240,7 @@ def _table(findings: Iterable[Finding], said_of: str) -> str:
                 f"{said_of}: {found.quantity} is {found.value:g}, but should be "
                 f"{found.reference:g} within {found.tolerance:g}"
             )
-        error = f"{found.error:.1e}" if found.absolute else f"{100 * found.error:.2g} %"
+        error = f"{found.error:.2g}" if found.absolute else f"{100 * found.error:.2g} %"
         bar = error_bar({"total": found.bar}) if found.bar is not None else ""
         rows.append(
             f"| {found.quantity} | {found.reference:.6g} | {found.value:.6g} | {error} | "

@@ -10,10 +10,21 @@ from typing import Any
 
 from mpi4py import MPI
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-from rich.table import Column
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
 
+from fenics_contact import timings
 from fenics_contact.scene import Steps
+
+# Characters of the bar; and of all that stands beside the words.
+_BAR = 20
+_BESIDE = _BAR + len("  0:00:00 ")
 
 Announce = Callable[[int, dict[str, Any]], None]
 
@@ -38,9 +49,9 @@ def step_line(number: int, step: dict[str, Any]) -> str:
 def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Announce | None]:
     """What a run is doing, on the terminal of rank 0; collective.
 
-    How far the load steps are, phases, and Newton steps. It vanishes at the end where there is a
-    single load step. Without a terminal, or on one that cannot move its cursor, there is nothing
-    but lines for load steps, which are logged.
+    How far the load steps are, phases, and Newton steps; it vanishes at the end. Without a
+    terminal, or on one that cannot move its cursor, there is nothing but lines for load steps,
+    which are logged.
 
     Args:
         steps: Of the scene.
@@ -58,40 +69,49 @@ def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Anno
     if comm.rank > 0:
         yield lambda number, step: None
         return
-    bar = (BarColumn(bar_width=20),) if steps.several else (SpinnerColumn(),)
-    columns = (*bar, TextColumn("{task.description}"), TimeElapsedColumn(), _Doing())
-    with (
-        Progress(*columns, console=console, transient=not steps.several) as progress,
-        _logging_above(),
-    ):
-        task = progress.add_task("", total=steps.last, doing="")
+    with Progress(*_columns(steps), console=console, transient=True) as progress:
+        task = progress.add_task("", total=steps.last)
+        where = ""
 
         def announce(number: int, step: dict[str, Any]) -> None:
+            nonlocal where
             if steps.several:
                 line = step_line(number, step)
-                progress.update(task, completed=step["load_factor"], description=line, doing="")
+                where = line.partition(", ")[0] + ", "
+                progress.update(task, completed=step["load_factor"], description=cut(line))
 
-        with _listening(lambda message: progress.update(task, doing=message)):
+        def tell(message: str) -> None:
+            progress.update(task, description=cut(where + message))
+
+        def cut(line: str) -> str:
+            room = max(console.width - _BESIDE, 1)  # rich would cut the bar as well
+            return line if len(line) <= room else f"{line[: room - 1]}…"
+
+        with _logging_above(), _listening(tell):
             yield announce
 
 
-class _Doing(TextColumn):
-    """What is being done now: the last thing that was logged, cut where the terminal ends."""
-
-    def __init__(self) -> None:
-        column = Column(no_wrap=True, overflow="ellipsis", ratio=1)
-        super().__init__("{task.fields[doing]}", style="dim", markup=False, table_column=column)
+def _columns(steps: Steps) -> tuple[ProgressColumn, ...]:
+    """A bar where there are several load steps; the time; and words."""
+    bar = BarColumn(_BAR) if steps.several else SpinnerColumn()
+    return bar, TimeElapsedColumn(), TextColumn("{task.description}", markup=False)
 
 
 class _Listener(logging.Handler):
-    """Passes messages of all levels on."""
+    """Passes messages of all levels on; those of solves for estimates say what they are for."""
 
     def __init__(self, tell: Callable[[str], None]) -> None:
         super().__init__(logging.DEBUG)
         self._tell = tell
+        self._phase = ""
 
     def emit(self, record: logging.LogRecord) -> None:
-        self._tell(record.getMessage().strip())
+        words = record.getMessage().strip()
+        if record.name == timings.__name__:
+            self._phase = words
+        elif self._phase == timings.ESTIMATING:
+            words = f"{self._phase}: {words}"
+        self._tell(words)
 
 
 @contextmanager

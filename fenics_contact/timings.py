@@ -12,12 +12,13 @@ from mpi4py import MPI
 logger = logging.getLogger(__name__)
 
 PHASES = ("mesh", "compile", "assemble", "factorise", "solve", "output", "errors")
-# Those that may take long, in words.
+ESTIMATING = "estimating errors"
+# Phases that may take long, in words.
 _SAID = {
     "mesh": "making the mesh",
     "compile": "compiling forms",
     "factorise": "factorising the body",
-    "errors": "estimating errors",
+    "errors": ESTIMATING,
 }
 # What is inside of it counts to it.
 _WHOLE = "errors"

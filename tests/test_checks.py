@@ -7,6 +7,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import (
+    Check,
     Contact,
     Discretisation,
     InputError,
@@ -15,6 +16,7 @@ from fenics_contact import (
     Run,
     Scene,
     Support,
+    verdict,
 )
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
@@ -219,3 +221,10 @@ def test_a_body_without_stress_fails_on_the_coarsest_mesh():
         internal_force=0 * solution.internal_force,
     )
     assert "boundary_stress" in failed(problem, none)
+
+
+def test_one_check_is_not_all_checks():
+    check = Check(value=0.0, limit=1.0)
+    assert verdict.of_checks({"a": check}) == "Converged; the one check of the physics passed."
+    both = {"a": check, "b": check}
+    assert verdict.of_checks(both) == "Converged; all 2 checks of the physics passed."

@@ -47,6 +47,16 @@ def error_of(capsys):
         ("pressure = 300", "pressure = nan", "finite"),
         ('on = "bottom"', 'on = "top"', "shares boundary with the support on 'top'"),
         ("slab.geo", "slob.geo", "no such file"),
+        (
+            "title = ",
+            "accuracy = -1\ntitle = ",
+            "toml: accuracy = -1: must be greater than 0",
+        ),
+        (
+            "title = ",
+            "accuracy = true\ntitle = ",
+            "accuracy: must be a number, as in accuracy =",
+        ),
     ],
 )
 def test_bad_input_is_one_sentence_exit_2_and_nothing_written(folder, capsys, old, new, message):
@@ -268,6 +278,9 @@ def test_check_says_what_would_be_modelled_and_writes_nothing(folder, capsys):
     said = COMM.bcast(capsys.readouterr().out)
     for word in ("plane stress", "198", "regularised friction on top", "elastic energy", "4.5e-07"):
         assert word in said
+    for line in ("Support 'bottom': y = 0", "Load 'right': traction (-300, 0)"):
+        assert f"\n{line}\n" in said
+    assert "bottom, left, right, slab, top" in said  # the mesh's groups
     assert sorted(folder.iterdir()) == before
 
 

@@ -323,7 +323,7 @@ def test_a_terminal_has_a_bar_and_a_file_lines(monkeypatch, caplog):
     monkeypatch.setattr(progress, "Console", lambda stderr: console())
     with progress.activity(Steps(number=4), COMM) as announce, caplog.at_level(logging.INFO):
         Run(dragged(Steps(number=4)), COMM, block()).solve(announce=announce)
-    assert "step 4: time 1, " in terminal.getvalue() and "contact area" in terminal.getvalue()
+    assert "step 4: time 1, " in terminal.getvalue()
     assert not caplog.messages
     monkeypatch.setattr(progress, "Console", lambda stderr: console(force_terminal=False))
     with progress.activity(Steps(number=4), COMM) as announce, caplog.at_level(logging.INFO):

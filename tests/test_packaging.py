@@ -1,7 +1,13 @@
 """What is installed without the repository."""
 
+import shutil
+import subprocess
+import sys
 import tomllib
+import zipfile
 from pathlib import Path
+
+import pytest
 
 PROJECT = Path(__file__).resolve().parents[1]
 
@@ -12,6 +18,32 @@ def test_every_package_is_installed() -> None:
     folders = {path.parent for path in (PROJECT / "fenics_contact").rglob("*.py")}
     found = {".".join(folder.relative_to(PROJECT).parts) for folder in folders}
     assert set(listed) - {"fenics_contact.meshes"} == found
+
+
+@pytest.mark.serial
+def test_wheel_has_types_templates_and_meshes(tmp_path: Path) -> None:
+    """What `fenics-contact new` writes, and what tells type checkers that there are types."""
+    pytest.importorskip("setuptools")
+    project = tmp_path / "project"
+    project.mkdir()
+    for name in ("pyproject.toml", "README.md", "COPYING", "COPYING.LESSER"):
+        shutil.copy(PROJECT / name, project)
+    compiled = shutil.ignore_patterns("__pycache__")
+    for name in ("fenics_contact", "meshes"):
+        shutil.copytree(PROJECT / name, project / name, ignore=compiled)
+    build = "from setuptools.build_meta import build_wheel; build_wheel('dist')"
+    done = subprocess.run(
+        [sys.executable, "-c", build], cwd=project, capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    (wheel,) = (project / "dist").glob("*.whl")
+    files = set(zipfile.ZipFile(wheel).namelist())
+    sources = (PROJECT / "fenics_contact").rglob("*.*")
+    wanted = {path.relative_to(PROJECT) for path in sources if path.suffix != ".pyc"}
+    assert len(wanted) > 100 and "fenics_contact/py.typed" in files
+    assert {path.as_posix() for path in wanted} <= files
+    for geometry in (PROJECT / "meshes").glob("*.geo"):
+        assert f"fenics_contact/meshes/{geometry.name}" in files
 
 
 def test_every_other_file_of_the_package_is_installed() -> None:
