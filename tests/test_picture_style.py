@@ -117,8 +117,9 @@ def strip(displacement, status):
     """A flat body of one row of cells with a contact above."""
     import pyvista
 
-    grid = pyvista.ImageData(dimensions=(11, 2, 1), spacing=(0.2, 1, 1), origin=(-1, -1, 0))
-    body = grid.cast_to_unstructured_grid()
+    x, y = np.meshgrid(np.linspace(-1, 1, 11), [-1.0, 0.0], indexing="ij")
+    sheet = [values[:, :, None] for values in (x, y, 0 * x)]
+    body = pyvista.StructuredGrid(*sheet).cast_to_unstructured_grid()
     above = np.asarray(body.points)[:, 1] == 0
     body["displacement"] = displacement(np.asarray(body.points))
     body["status"] = np.where(above, status(np.asarray(body.points)[:, 0]), -1.0)
