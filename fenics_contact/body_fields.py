@@ -18,6 +18,8 @@ Numbers = NDArray[np.int64]
 
 # Curved cells are drawn as 64, 16 or 4 triangles each: so many cells at most as 64, as 16.
 _FEW, _MANY = 300, 2_000
+# Shares of the largest that nodes of two ranks may differ by, and are still one.
+_SAME = 1e-8
 # The sides of a cell in space are drawn curved up to so many cells.
 _CURVED = 1_000
 # Corners of flat cells, by VTK's types: triangles of 3 and 6 nodes and quadrilaterals of 4, 8 and
@@ -57,8 +59,33 @@ def read_series(folder: Path, numbers: Iterable[int]) -> Iterator[tuple[float, A
         time = reader.time_values[number]
         reader.set_active_time_value(time)
         body = reader.read().combine()
+        if (
+            sum(
+                (folder / data.path).read_bytes().count(b"<Piece ")
+                for data in reader.active_datasets
+            )
+            > 1
+        ):
+            body = joined(body)
         body["von Mises stress"] = von_mises(np.asarray(body["stress"]))
         yield time, body
+
+
+def joined(grid: Any) -> Any:
+    """The grid without the nodes that pieces of several ranks share, which each of them has.
+
+    Nodes of two bodies that lie at the same place stay apart: of a contact only one has a status.
+    """
+    size, moved = np.ptp(grid.points, axis=0).max(), np.abs(grid["displacement"]).max() or 1.0
+    places = [grid.points / size, grid["displacement"] / moved, grid["status"]]
+    shared = np.round(np.column_stack(places) / _SAME)
+    _, first, where = np.unique(shared, axis=0, return_index=True, return_inverse=True)
+    nodes = where.reshape(-1)[grid.cell_connectivity].reshape(grid.n_cells, -1)  # of one type
+    sizes = np.full((grid.n_cells, 1), nodes.shape[1])
+    whole = type(grid)(np.hstack([sizes, nodes]).ravel(), grid.celltypes, grid.points[first])
+    for name in grid.point_data:
+        whole.point_data[name] = grid.point_data[name][first]
+    return whole
 
 
 def von_mises(stress: Array) -> Array:

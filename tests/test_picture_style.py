@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fenics_contact import InputError, display
+from fenics_contact.body_fields import flat_outline, joined
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.curves import draw_curves
 from fenics_contact.figures import new_figure, save
@@ -116,8 +117,9 @@ def strip(displacement, status):
     """A flat body of one row of cells with a contact above."""
     import pyvista
 
-    grid = pyvista.ImageData(dimensions=(11, 2, 1), spacing=(0.2, 1, 1), origin=(-1, -1, 0))
-    body = grid.cast_to_unstructured_grid()
+    x, y = np.meshgrid(np.linspace(-1, 1, 11), [-1.0, 0.0], indexing="ij")
+    sheet = [values[:, :, None] for values in (x, y, 0 * x)]
+    body = pyvista.StructuredGrid(*sheet).cast_to_unstructured_grid()
     above = np.asarray(body.points)[:, 1] == 0
     body["displacement"] = displacement(np.asarray(body.points))
     body["status"] = np.where(above, status(np.asarray(body.points)[:, 0]), -1.0)
@@ -142,6 +144,22 @@ def test_obstacle_is_where_the_gap_says_at_all_times():
     apart = strip(lambda p: 0 * p, lambda x: 0 * x)
     assert obstacle.then(apart) is None
     assert obstacle_surface(body, rows, CONTACT | {"contact": "winkler"}) is None
+
+
+def test_pieces_of_two_ranks_are_one_body_and_two_bodies_stay_two():
+    """Nodes at the same place are one where they move alike; a contact has its own."""
+    left = strip(lambda p: 0.1 * p, lambda x: 0 * x)
+    pieces = [left, left.copy()]
+    pieces[1].points[:, 0] += 2 * (1 + 1e-15)
+    pieces[1]["displacement"] = 0.1 * np.asarray(pieces[1].points)
+    body = pieces[0].merge(pieces[1], merge_points=False)
+    assert body.n_points == 44 and len(flat_outline(body)) == 2
+    one = joined(body)
+    assert one.n_points == 42 and len(flat_outline(one)) == 1
+    assert one["displacement"] == pytest.approx(0.1 * np.asarray(one.points))
+    body["status"][22:] = -1.0  # the other one is no contact's
+    body["displacement"][22:] += 1.0
+    assert joined(body).n_points == 44
 
 
 def test_cut_through_half_a_zone_in_space():
