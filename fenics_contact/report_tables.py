@@ -40,7 +40,7 @@ def _use(check: dict[str, Any]) -> Html:
     if value is None or not limit:
         return bar(0.0 if check["passed"] else 1.0, "", not check["passed"])
     share = value / limit
-    said = f"{100 * share:.2g} %" if 1e-4 <= share < 10 else f"{share:.1g} times"
+    said = _percent(share) if 1e-4 <= share < 10 else f"{share:.1g} times"
     return bar(share, "below 0.01 %" if share < 1e-4 else said, not check["passed"])
 
 
@@ -85,8 +85,14 @@ def _with_share(width: str, value: Any) -> list[str]:
         return ["not estimated", ""]
     number, _, more = width.partition(" ")
     size = math.hypot(*value) if isinstance(value, list) else abs(value)
-    share = f"{100 * float(number) / size:.2g} %" if size else ""
+    share = _percent(float(number) / size) if size else ""
     return [f"± {float(number):.2g} {more}".rstrip(), share]
+
+
+def _percent(share: float) -> str:
+    """With two digits, and no powers of ten where there are more."""
+    percent = 100 * share
+    return f"{percent:.2g} %" if percent < 99.5 else f"{percent:.0f} %"
 
 
 def errors_table(result: dict[str, Any]) -> Html:
