@@ -182,7 +182,7 @@ def test_cattaneo_and_mindlin():
     assert found.direction == 0
     assert found.stick == pytest.approx(found.hertz.radius * sqrt(0.4))
     x = np.linspace(-1, 1, 20001) * found.hertz.radius
-    assert np.trapezoid(found.friction(x), x) == pytest.approx(-6, rel=1e-4)
+    assert np.mean(found.friction(x)) * np.ptp(x) == pytest.approx(-6, rel=1e-3)
 
 
 @pytest.mark.parametrize(
