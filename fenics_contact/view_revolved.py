@@ -69,7 +69,7 @@ def turned(flat: Surface, angle: float) -> Surface:
 def turned_vectors(flat: Array, angle: float) -> Array:
     """Vectors whose first two components are those along radius and axis, (n, 3)."""
     out = np.array([np.cos(angle), np.sin(angle), 0.0])
-    return np.outer(flat[:, 0], out) + np.outer(flat[:, 1], [0.0, 0.0, 1.0])
+    return np.asarray(np.outer(flat[:, 0], out) + np.outer(flat[:, 1], [0.0, 0.0, 1.0]))
 
 
 def strip_triangles(edges: Numbers, nodes: int, strips: int) -> Numbers:
