@@ -205,6 +205,7 @@ def test_a_body_is_drawn_without_a_display_and_beside_one_that_is_dead(name):
         "    plotter = pyvista.Plotter(off_screen=True, window_size=(60, 60))\n"
         "    plotter.add_mesh(pyvista.Cube())\n"
         "    print(plotter.screenshot(return_img=True).std() > 1)\n"
+        "    plotter.close()\n"  # before its display goes
     )
     done = subprocess.run(
         [sys.executable, "-c", drawing],

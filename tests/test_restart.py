@@ -4,12 +4,14 @@ import dataclasses
 import functools
 import json
 import os
+import pathlib
 import random
 import shutil
 import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -309,6 +311,26 @@ def started(scene, out, *more, ranks=1):
     )
 
 
+def kill_ranks(out):
+    """Of a launcher that was killed: Open MPI's ranks are in groups of their own, and live on."""
+    while ranks := ranks_of(out):
+        for rank in ranks:
+            with suppress(ProcessLookupError):
+                os.kill(rank, signal.SIGKILL)
+        time.sleep(0.05)
+
+
+def ranks_of(out):
+    """Numbers of the processes that run and write into a folder."""
+    found = []
+    for folder in pathlib.Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):  # it has just ended
+            words = (folder / "cmdline").read_bytes().split(b"\0")
+            if os.fsencode(out) in words and int(folder.name) != os.getpid():
+                found.append(int(folder.name))
+    return found
+
+
 def wait_for_steps(process, out, seconds=0.0, begun=0):
     """Until a state is written that was not there before the process, and a moment more."""
     end = time.monotonic() + 60
@@ -355,6 +377,7 @@ def test_killed_on_two_ranks_and_resumed_on_one(tmp_path, whole):
     process = started(scene, out, ranks=2)
     wait_for_steps(process, out, random.uniform(0, 0.2))
     os.killpg(process.pid, signal.SIGKILL)
+    kill_ranks(out)
     process.communicate()
     assert main(["run", str(scene), "--out", str(out), "--resume", "--quiet"]) == 0
     require_as_whole(out, whole)
