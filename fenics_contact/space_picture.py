@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from itertools import product
 from typing import Any
 
@@ -60,19 +61,23 @@ def render(
         corners = corners_of(view) if corners is None else corners
         window, centre, scale = _look(view, corners, width)
         plotter = pyvista.Plotter(off_screen=True, window_size=window)
-        plotter.set_background("white")
-        plotter.enable_anti_aliasing("ssaa")
-        _add_body(plotter, view, limits)
-        for obstacle in obstacles:
-            _add_obstacle(plotter, view, obstacle)
-        _add_points(plotter, view)
-        _add_slip(plotter, body, view, contacts)
-        plotter.enable_parallel_projection()
-        plotter.camera_position = [centre + 2 * view.size * view.towards, centre, view.screen[1]]
-        plotter.camera.parallel_scale = scale
-        plotter.reset_camera_clipping_range()
-        picture = np.asarray(plotter.screenshot(return_img=True))
-        plotter.close()
+        with closing(plotter):  # VTK would end the process at a display that is gone
+            plotter.set_background("white")
+            plotter.enable_anti_aliasing("ssaa")
+            _add_body(plotter, view, limits)
+            for obstacle in obstacles:
+                _add_obstacle(plotter, view, obstacle)
+            _add_points(plotter, view)
+            _add_slip(plotter, body, view, contacts)
+            plotter.enable_parallel_projection()
+            plotter.camera_position = [
+                centre + 2 * view.size * view.towards,
+                centre,
+                view.screen[1],
+            ]
+            plotter.camera.parallel_scale = scale
+            plotter.reset_camera_clipping_range()
+            picture = np.asarray(plotter.screenshot(return_img=True))
     return picture
 
 
