@@ -25,20 +25,25 @@ class Curvature:
         smallest_radius: The least of |R₁| and |R₂| (length).
         smallest_body: The least extent of the two bodies (length).
         centre: The apex, (3,) (length).
+        other: Places along x of the points of the other surface (length).
     """
 
     radius: float
     smallest_radius: float
     smallest_body: float
     centre: Array
+    other: Array
 
 
-def relative_curvature(rows: ContactTable, body: Any) -> Curvature | None:
+def relative_curvature(
+    rows: ContactTable, body: Any, middle: float | None = None
+) -> Curvature | None:
     """Fit a parabola about a common apex to either surface; None where one is none.
 
     Args:
         rows: Points of the contact, all of one surface, which runs along x.
         body: A pyvista grid of both bodies.
+        middle: Where along x a plane of symmetry or an axis is, so that the apex must be there.
     """
     x, y = rows.numbers["x"], rows.numbers["y"]
     regions = np.asarray(body.connectivity().point_data["RegionId"])
@@ -56,23 +61,41 @@ def relative_curvature(rows: ContactTable, body: Any) -> Curvature | None:
     near &= height < 0.5 * np.ptp(x)
     if near.sum() < 5 or len(x) < 5:
         return None
-    slave, master = _parabola(x, y), _parabola(*ends[near, 0].T)
+    other_x, other_y = ends[near, 0].T
+    slave, master = _parabola(x, y, middle), _parabola(other_x, other_y, middle)
     if slave is None or master is None:
         return None
     up = np.sign(rows.numbers["ny"].mean())
     relative = up * (master[0] - slave[0])
-    apexes = [fit[1] for fit in (slave, master) if abs(fit[0]) > 1e-9 / np.ptp(x)]
+    apexes = [fit[1] for fit in (slave, master) if fit[0]]
     if relative <= 0 or not apexes or np.ptp(apexes) > _ROUND * np.ptp(x):
         return None
     sharpest = max(abs(slave[0]), abs(master[0]))
     centre = np.array([float(np.mean(apexes)), float(y.mean()), 0.0])
-    return Curvature(1 / relative, 1 / sharpest, float(min(extents)), centre)
+    other = ends[near][:, :, 0].ravel()
+    return Curvature(1 / relative, 1 / sharpest, float(min(extents)), centre, other)
 
 
-def _parabola(x: Array, y: Array) -> tuple[float, float] | None:
-    """Curvature and apex of a parabola through points; None where they lie on none."""
-    curve, slope, _ = fit = np.polyfit(x, y, 2)
-    off = np.abs(np.polyval(fit, x) - y).max()
-    if off > _ROUND * np.ptp(y) + 1e-9 * np.ptp(x):
+def _parabola(x: Array, y: Array, middle: float | None) -> tuple[float, float] | None:
+    """Curvature and apex of a parabola through points, both 0 of a straight line.
+
+    With a middle the points are one side of a surface: the apex of a parabola through them alone
+    is a little off it where that is no parabola but a circle.
+
+    Returns:
+        None where they lie on none, or its apex is not in the middle.
+    """
+    size, start = np.ptp(x), x.mean()
+    curve, slope, _ = fit = np.polyfit(x - start, y, 2)
+    off = np.abs(np.polyval(fit, x - start) - y).max()
+    if off > _ROUND * np.ptp(y) + 1e-9 * size:
         return None
-    return 2 * curve, -slope / (2 * curve) if curve else 0.0
+    if abs(curve) < 1e-9 / size:
+        return 0.0, 0.0
+    apex = float(start - slope / (2 * curve))
+    if middle is None:
+        return 2 * float(curve), apex
+    if abs(apex - middle) > _ROUND * size:
+        return None
+    curve, _ = np.polyfit((x - middle) ** 2, y, 1)
+    return 2 * float(curve), middle
