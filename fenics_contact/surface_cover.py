@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 Array = NDArray[np.float64]
 
@@ -20,8 +21,6 @@ def covers(offsets: Array, radius: float, mirrors: list[int]) -> bool:
         radius: Of the zone, or its half-width (length).
         mirrors: Axes of the offsets across which planes of symmetry stand, through the middle.
     """
-    from scipy.spatial import KDTree
-
     for axis in mirrors:
         offsets = np.concatenate(
             [offsets, offsets * np.where(np.arange(offsets.shape[1]) == axis, -1, 1)]

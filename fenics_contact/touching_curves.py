@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from fenics_contact.body_fields import flat_sides
 from fenics_contact.contact_table import ContactTable
@@ -50,7 +51,9 @@ def relative_curvature(
     if len(np.unique(regions)) != 2 or np.ptp(x) < 2 * np.ptp(y):
         return None
     points = np.asarray(body.points)
-    own = regions[np.argmin(np.hypot(points[:, 0] - x[0], points[:, 1] - y[0]))]
+    surface = np.stack([x, y], axis=1)
+    far = [KDTree(points[regions == number, :2]).query(surface)[0].max() for number in (0, 1)]
+    own = int(np.argmin(far))  # some points are nodes of both
     extents = [np.ptp(points[regions == number, :2], axis=0).min() for number in (0, 1)]
     sides, outer = flat_sides(body)
     sides = sides[outer & (regions[sides[:, 0]] != own)]
