@@ -35,7 +35,6 @@ def draw(path: Path, settings: tuple[str, ...], names: dict[str, str]) -> None:
         code = main(["run", str(path), "--out", str(folder), *changes])
         if code != 0:
             raise SystemExit(code)
-        shutil.copy(path, folder / "scene.toml")
         result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
         draw_pictures(folder, result)
         for drawn, kept in names.items():

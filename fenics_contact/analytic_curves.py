@@ -17,6 +17,7 @@ from fenics_contact.contact_table import ContactTable
 from fenics_contact.history import History
 from fenics_contact.scene import Scene
 from fenics_contact.scene_material import Material
+from fenics_contact.surface_cover import covers
 from fenics_contact.touching_curves import relative_curvature
 from fenics_contact.verification import formulas
 from fenics_contact.verification.formulas import HertzContact
@@ -76,6 +77,12 @@ class AnalyticContact:
         coefficient = self.friction_peak / self.hertz.peak
         return formulas.partial_slip(self.hertz, coefficient, self.stick, distance)
 
+    def axis_shear(self, depth: Array) -> Array:
+        """Largest shear stress (σ₁ − σ₃)/2 below the middle, of all directions; not of a punch."""
+        axial, lateral = self.axis_stress(depth)
+        third = self.poissons_ratio * (axial + lateral) if self.line else lateral
+        return np.ptp([axial, lateral, third], axis=0) / 2
+
     def axis_stress(self, depth: Array) -> tuple[Array, Array]:
         """Normal and lateral stress below the middle; not of a punch."""
         if self.line:
@@ -105,7 +112,7 @@ def recognise(
         return None
     found = _of_bodies if contact.against else _of_obstacle
     analytic = found(scene, result, rows, body)
-    if analytic is None or not _is_covered(analytic, rows):
+    if analytic is None or not _is_whole(scene, result, analytic, rows):
         return None
     return analytic
 
@@ -121,8 +128,10 @@ def _of_obstacle(
     if len(scene.material) != 1 or across is None:
         return None
     for vector in (obstacle.normal, obstacle.direction):
-        if vector is not None and np.abs(np.delete(vector, across)).max() > _FLAT:
-            return None
+        if vector is not None:
+            sizes = np.abs(vector)
+            if np.delete(sizes, across).max() > _FLAT * sizes.max():
+                return None
     line = scene.kinematics == "plane strain"
     punch = obstacle.shape == "flat punch"
     if scene.kinematics == "3D" and punch:
@@ -159,7 +168,8 @@ def _of_bodies(
     if len(filled) != len(scene.material) or not set(filled) <= {"", *names} or None in both:
         return None
     slave = both[sides.index(result["contacts"][0]["slave"].split(".")[0])]
-    shape = relative_curvature(rows, body)
+    middle = dict(_mirrors(scene, result)).get(0)
+    shape = relative_curvature(rows, body, middle)
     if shape is None:
         return None
     first, second = (pair for pair in both if pair is not None)
@@ -173,6 +183,9 @@ def _of_bodies(
         scene, result, line, False, shape.centre, 1, modulus, shape.radius, slave[1], mismatch
     )
     if found is None or shape.smallest_body < _LARGE * found.hertz.radius:
+        return None
+    other = (shape.other - shape.centre[0])[:, None]
+    if not covers(other, found.hertz.radius, [] if middle is None else [0]):
         return None
     return found if found.hertz.radius < _NARROW * shape.smallest_radius else None
 
@@ -190,11 +203,11 @@ def _with_force(
     mismatch: float,
 ) -> AnalyticContact | None:
     """The formulas for the force that was found, of the whole contact."""
-    share = _share(result["model"]["symmetry"], centre)
     force = result["contacts"][0]["quantities"]["normal_force"]
-    if share is None or force <= 0:
+    if force <= 0:
         return None
-    hertz = _hertz(force / share, line, punch, modulus, radius)
+    whole = 2 ** len(_planes(result)) * force
+    hertz = _hertz(whole, line, punch, modulus, radius)
     if not punch and hertz.radius > _NARROW * radius and _is_round(scene):
         return None
     rough = result["contacts"][0]["law"] != "none"
@@ -237,10 +250,10 @@ def _sheared(
     )
     if contact.law != "incremental" or not isinstance(coefficient, float | int):
         return smooth
+    if not _is_held_as_one(scene):
+        return smooth
     assert normal is not None and tangential is not None
-    mirrored = {
-        "xyz".index(axis) for axis in re.findall(r"([xyz]) = ", result["model"]["symmetry"])
-    }
+    mirrored = dict(_mirrors(scene, result))
     axes = [i for i in range(tangential.shape[1]) if i != across and i not in mirrored]
     if not axes:
         return smooth
@@ -260,13 +273,26 @@ def _sheared(
     return AnalyticContact(**values)
 
 
-def _share(symmetry: str, centre: Array) -> float | None:
-    """Share of the contact that is modelled; None where a plane of symmetry misses its middle."""
-    planes = re.findall(r"([xyz]) = ([-+.\deE]+)", symmetry)
-    for axis, place in planes:
-        if abs(centre["xyz".index(axis)] - float(place)) > _FLAT * max(1.0, abs(float(place))):
-            return None
-    return 0.5 ** len(planes)
+def _is_held_as_one(scene: Scene) -> bool:
+    """Whether each body is held on one group alone, which is moved as a whole.
+
+    Held otherwise it may be stretched, which moves what sticks off the middle.
+    """
+    groups = {support.on for support in scene.support}
+    values = [value for support in scene.support for value in support.displacement.values()]
+    bodies = {group.split(".")[0] for group in groups}
+    return len(bodies) == len(groups) and all(isinstance(v, float | int) for v in values)
+
+
+def _planes(result: dict[str, Any]) -> list[tuple[int, float]]:
+    """Axis and coordinate of the planes of symmetry."""
+    found = re.findall(r"([xyz]) = ([-+.\deE]+)", result["model"]["symmetry"])
+    return [("xyz".index(axis), float(place)) for axis, place in found]
+
+
+def _mirrors(scene: Scene, result: dict[str, Any]) -> list[tuple[int, float]]:
+    """The same, and the axis of revolution."""
+    return [*_planes(result), *([(0, 0.0)] if scene.kinematics == "axisymmetric" else [])]
 
 
 def _is_round(scene: Scene) -> bool:
@@ -299,7 +325,17 @@ def _axis_across(rows: ContactTable) -> int | None:
     return axis if np.abs(normals - flat).max() < _FLAT else None
 
 
-def _is_covered(analytic: AnalyticContact, rows: ContactTable) -> bool:
-    """Whether the surface that may touch is as wide as the contact of the formula."""
-    offsets = rows.vectors("x", "y", "z") - analytic.centre
-    return bool(np.linalg.norm(offsets, axis=1).max() >= (1 - 1e-2) * analytic.hertz.radius)
+def _is_whole(
+    scene: Scene, result: dict[str, Any], analytic: AnalyticContact, rows: ContactTable
+) -> bool:
+    """Whether the surface covers the formula's contact, with its middle in planes of symmetry."""
+    components = 3 if scene.kinematics == "3D" else 2
+    across = int(np.argmax(np.abs(rows.vectors("nx", "ny", "nz").mean(axis=0))))
+    tangential = [axis for axis in range(components) if axis != across]
+    offsets = (rows.vectors("x", "y", "z") - analytic.centre)[:, tangential]
+    size = np.ptp(offsets, axis=0).max()
+    mirrors = _mirrors(scene, result)
+    if any(abs(analytic.centre[axis] - place) > _FLAT * size for axis, place in mirrors):
+        return False
+    mirrored = [tangential.index(axis) for axis, _ in mirrors if axis != across]
+    return covers(offsets, analytic.hertz.radius, mirrored)

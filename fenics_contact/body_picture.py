@@ -70,10 +70,10 @@ def _caption(view: View, contacts: list[tuple[ContactTable, dict[str, Any]]], be
     else:
         said += f", displacements magnified {view.factor:g} times"
     dashed = "dashed" if view.flat else "grey"
-    said += f"; {dashed}, the undeformed outline. Points: " + ", ".join(
-        mark.label for mark in view.marks
-    )
-    said += ", seen through the bodies." if view.hides else "."
+    said += f"; {dashed}, the undeformed outline."
+    if contacts:
+        said += " Points: " + ", ".join(mark.label for mark in view.marks)
+        said += ", seen through the bodies." if view.hides else "."
     if any(c["contact"] in ("unilateral", "bonded") and "master" not in c for _, c in contacts):
         what = "hatched" if view.flat else "translucent"
         said += f" The obstacle is {what}"

@@ -37,7 +37,7 @@ def draw_history(folder: Path, result: dict[str, Any], far: tuple[str, ...] = ()
         return []
     contacts = result["contacts"]
     drives = history.drives(contacts, far)[:_MOST_DRIVES]
-    drawn = [_loops(drives, folder / "history_loops.png")] if drives else []
+    drawn = [_loops(history, drives, folder / "history_loops.png")] if drives else []
     if contacts:
         drawn.append(_forces(history, contacts, folder / "history_forces.png"))
         drawn.append(_areas(history, contacts, folder / "history_areas.png"))
@@ -131,8 +131,10 @@ def _areas(history: History, contacts: list[dict[str, Any]], path: Path) -> Pict
             )  # fmt: skip
         panel.legend(loc="upper left", ncols=2)
     save(figure, path)
-    said = "Area in contact over the pseudo-time t, and the parts of it that stick and slip."
-    return Picture(path, "Areas in contact", said)
+    said = "Area in contact over the pseudo-time t"
+    if any(contact["law"] != "none" for contact in contacts):
+        said += ", and the parts of it that stick and slip"
+    return Picture(path, "Areas in contact", said + ".")
 
 
 def _energies(history: History, path: Path) -> Picture:
@@ -164,7 +166,7 @@ def _energies(history: History, path: Path) -> Picture:
     return Picture(path, "Work and energies", said)
 
 
-def _loops(drives: list[Drive], path: Path) -> Picture:
+def _loops(history: History, drives: list[Drive], path: Path) -> Picture:
     """Force against displacement, one panel each, with arrows along the path."""
     loops = [last_loop(drive.x, drive.y) for drive in drives]
     shown: list[tuple[Drive, Loop | None, bool]] = []
@@ -183,10 +185,20 @@ def _loops(drives: list[Drive], path: Path) -> Picture:
     save(figure, path)
     said = "Force against displacement; arrows follow the path, the dot is its end."
     if any(loops):
-        said += " Shaded: the last closed loop, with its area ΔW, the energy that it dissipates."
+        work = "the energy that it dissipates" if _dissipates(history, loops) else "> 0 if put in"
+        said += f" Shaded: the last closed loop; ΔW is the work of this drive over it, {work}."
     if any(is_sheared for *_, is_sheared in shown):
         said += " Beside it the same less the straight line C F between its turning points."
     return Picture(path, "Force against displacement", said)
+
+
+def _dissipates(history: History, loops: list[Loop | None]) -> bool:
+    """Whether the work of the only drive over a loop is all work that is done meanwhile."""
+    if len(loops) != 1 or loops[0] is None:
+        return False
+    loop = loops[0]
+    done = history.quantity("external_work")
+    return bool(abs(done[loop.last] - done[loop.first] - loop.work) < _SHOWN * abs(loop.work))
 
 
 def _loop(panel: Any, drive: Drive, loop: Loop | None, is_sheared: bool) -> None:
@@ -195,7 +207,7 @@ def _loop(panel: Any, drive: Drive, loop: Loop | None, is_sheared: bool) -> None
     path = Drive(drive.title, drive.moved, drive.force, moved, drive.y)
     if loop is not None:
         inside = slice(loop.first, loop.last + 1)
-        words = rf"$\Delta W = {_number(loop.area)}$"
+        words = rf"$\Delta W = {_number(loop.work)}$"
         panel.fill(moved[inside], drive.y[inside], color=COLOURS["OPEN"], lw=0, label=words)
     _line(panel, path.x, path.y, "", 0)
     _arrows(panel, path)

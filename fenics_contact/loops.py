@@ -1,4 +1,4 @@
-"""Closed loops of force against displacement, and what each dissipates."""
+"""Closed loops of force against displacement, and the work of each."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ class Loop:
     y: Array
 
     @property
-    def area(self) -> float:
-        """∮ F du: the energy dissipated, if nothing else than friction does work (energy)."""
-        return float(abs(np.sum((self.y[1:] + self.y[:-1]) / 2 * np.diff(self.x))))
+    def work(self) -> float:
+        """∮ F du: of the drive, > 0 what it puts in (energy)."""
+        return float(np.sum((self.y[1:] + self.y[:-1]) / 2 * np.diff(self.x)))
 
     @property
     def is_thin(self) -> bool:
         """Whether it looks like a line."""
-        return bool(self.area < THIN * np.ptp(self.x) * np.ptp(self.y))
+        return bool(abs(self.work) < THIN * np.ptp(self.x) * np.ptp(self.y))
 
     @property
     def compliance(self) -> float:

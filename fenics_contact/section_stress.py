@@ -222,8 +222,8 @@ def _caption(
     said += "."
     if analytic is not None and analytic.smooth and not analytic.punch:
         depth = np.linspace(0, 2 * analytic.hertz.radius, 2001)
-        axial, lateral = analytic.axis_stress(depth)
-        shear = np.abs(axial - lateral) / 2
+        shear = analytic.axis_shear(depth)
         most = int(np.argmax(shear))
-        said += f" {analytic.label}: {shear[most]:.4g} at the depth {depth[most]:.4g}."
+        where = "below the middle" if analytic.line else "on the axis"
+        said += f" {analytic.label}: {shear[most]:.4g} {where}, at the depth {depth[most]:.4g}."
     return said + " The thick line is the contact zone."

@@ -85,7 +85,7 @@ class Supports:
         part = {1: "half", 2: "quarter", 3: "eighth"}.get(len(self.planes), "part")
         if self.parallel_planes:
             part = "part"
-        where = (f"{AXES[plane.axis]} = {plane.at:g}" for plane in self.planes)
+        where = (f"{AXES[plane.axis]} = {plane.at:.12g}" for plane in self.planes)
         return f"{part} ({', '.join(where)})"
 
     @property

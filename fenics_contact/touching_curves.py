@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from fenics_contact.body_fields import flat_sides
 from fenics_contact.contact_table import ContactTable
@@ -25,27 +26,34 @@ class Curvature:
         smallest_radius: The least of |R₁| and |R₂| (length).
         smallest_body: The least extent of the two bodies (length).
         centre: The apex, (3,) (length).
+        other: Places along x of the points of the other surface (length).
     """
 
     radius: float
     smallest_radius: float
     smallest_body: float
     centre: Array
+    other: Array
 
 
-def relative_curvature(rows: ContactTable, body: Any) -> Curvature | None:
+def relative_curvature(
+    rows: ContactTable, body: Any, middle: float | None = None
+) -> Curvature | None:
     """Fit a parabola about a common apex to either surface; None where one is none.
 
     Args:
         rows: Points of the contact, all of one surface, which runs along x.
         body: A pyvista grid of both bodies.
+        middle: Where along x a plane of symmetry or an axis is, so that the apex must be there.
     """
     x, y = rows.numbers["x"], rows.numbers["y"]
     regions = np.asarray(body.connectivity().point_data["RegionId"])
     if len(np.unique(regions)) != 2 or np.ptp(x) < 2 * np.ptp(y):
         return None
     points = np.asarray(body.points)
-    own = regions[np.argmin(np.hypot(points[:, 0] - x[0], points[:, 1] - y[0]))]
+    surface = np.stack([x, y], axis=1)
+    far = [KDTree(points[regions == number, :2]).query(surface)[0].max() for number in (0, 1)]
+    own = int(np.argmin(far))  # some points are nodes of both
     extents = [np.ptp(points[regions == number, :2], axis=0).min() for number in (0, 1)]
     sides, outer = flat_sides(body)
     sides = sides[outer & (regions[sides[:, 0]] != own)]
@@ -56,23 +64,41 @@ def relative_curvature(rows: ContactTable, body: Any) -> Curvature | None:
     near &= height < 0.5 * np.ptp(x)
     if near.sum() < 5 or len(x) < 5:
         return None
-    slave, master = _parabola(x, y), _parabola(*ends[near, 0].T)
+    other_x, other_y = ends[near, 0].T
+    slave, master = _parabola(x, y, middle), _parabola(other_x, other_y, middle)
     if slave is None or master is None:
         return None
     up = np.sign(rows.numbers["ny"].mean())
     relative = up * (master[0] - slave[0])
-    apexes = [fit[1] for fit in (slave, master) if abs(fit[0]) > 1e-9 / np.ptp(x)]
+    apexes = [fit[1] for fit in (slave, master) if fit[0]]
     if relative <= 0 or not apexes or np.ptp(apexes) > _ROUND * np.ptp(x):
         return None
     sharpest = max(abs(slave[0]), abs(master[0]))
     centre = np.array([float(np.mean(apexes)), float(y.mean()), 0.0])
-    return Curvature(1 / relative, 1 / sharpest, float(min(extents)), centre)
+    other = ends[near][:, :, 0].ravel()
+    return Curvature(1 / relative, 1 / sharpest, float(min(extents)), centre, other)
 
 
-def _parabola(x: Array, y: Array) -> tuple[float, float] | None:
-    """Curvature and apex of a parabola through points; None where they lie on none."""
-    curve, slope, _ = fit = np.polyfit(x, y, 2)
-    off = np.abs(np.polyval(fit, x) - y).max()
-    if off > _ROUND * np.ptp(y) + 1e-9 * np.ptp(x):
+def _parabola(x: Array, y: Array, middle: float | None) -> tuple[float, float] | None:
+    """Curvature and apex of a parabola through points, both 0 of a straight line.
+
+    With a middle the points are one side of a surface: the apex of a parabola through them alone
+    is a little off it where that is no parabola but a circle.
+
+    Returns:
+        None where they lie on none, or its apex is not in the middle.
+    """
+    size, start = np.ptp(x), x.mean()
+    curve, slope, _ = fit = np.polyfit(x - start, y, 2)
+    off = np.abs(np.polyval(fit, x - start) - y).max()
+    if off > _ROUND * np.ptp(y) + 1e-9 * size:
         return None
-    return 2 * curve, -slope / (2 * curve) if curve else 0.0
+    if abs(curve) < 1e-9 / size:
+        return 0.0, 0.0
+    apex = float(start - slope / (2 * curve))
+    if middle is None:
+        return 2 * float(curve), apex
+    if abs(apex - middle) > _ROUND * size:
+        return None
+    curve, _ = np.polyfit((x - middle) ** 2, y, 1)
+    return 2 * float(curve), middle

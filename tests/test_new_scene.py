@@ -53,6 +53,7 @@ def test_punch(found):
     exact = formulas.flat_punch_force(MODULUS, 1, 0.01)
     assert f"{exact:.2f}" == "21.98"
     assert found["quantities"]["normal_force"] == pytest.approx(exact, rel=1e-2)
+    assert load_scene(templates()["punch"]).contact[0].obstacle.shape == "flat punch"  # is drawn
 
 
 @pytest.mark.parametrize("found", ["slab"], indirect=True)

@@ -15,7 +15,7 @@ from fenics_contact.figures import surface_of
 from fenics_contact.picture_style import COLOURS
 from fenics_contact.surface_displacement import SurfaceDisplacement
 from tests.pair_bodies import Box, boxes
-from tests.test_pictures import BELOW, LINE, coarse, drawn, has_colour, pixels  # noqa: F401
+from tests.test_pictures import BELOW, LINE, coarse, drawn, has_colour, pixels, write_run  # noqa: F401
 
 pytestmark = pytest.mark.serial
 
@@ -77,7 +77,7 @@ def test_gaps_that_closed_are_not_torn_open_by_magnification(tmp_path):
     factors = []
     for gap in (0.0, 0.01):
         folder = tmp_path / str(gap)
-        drawn(pressed(down=0.005 + gap), folder, squares(gap))
+        write_run(pressed(down=0.005 + gap), folder, squares(gap))
         body, table, result = files_of(folder)
         assert result["contacts"][0]["quantities"]["closed_gap"] == pytest.approx(gap)
         body["von Mises stress"] = np.zeros(body.n_points)

@@ -9,6 +9,7 @@ import pytest
 
 from fenics_contact import InputError, display
 from fenics_contact.body_fields import flat_outline, joined
+from fenics_contact.body_picture import draw_body
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.curves import draw_curves
 from fenics_contact.figures import new_figure, save
@@ -88,13 +89,14 @@ def test_figures_are_the_same_in_every_run_and_leave_matplotlib_as_it_was(tmp_pa
 
 
 def test_last_loop():
-    """An ellipse after a first quarter: its area, whatever straight part is added."""
+    """An ellipse after a first quarter: its area, whatever straight part is added, and its sign."""
     t = np.linspace(0, 4 * np.pi, 401)
     for stiffness in (0.0, 30.0):
         x = np.concatenate([np.linspace(0, 2, 20), 2 * np.cos(t)])
         y = np.concatenate([np.linspace(0, 0, 20), np.sin(t)]) + stiffness * x
         loop = last_loop(x, y)
-        assert loop.area == pytest.approx(2 * np.pi, rel=1e-3)
+        assert loop.work == pytest.approx(-2 * np.pi, rel=1e-3)
+        assert last_loop(x, -y).work == -loop.work
         assert loop.is_thin == (stiffness > 0)
         if stiffness:
             assert loop.compliance == pytest.approx(1 / stiffness, rel=0.01)
@@ -144,6 +146,15 @@ def test_obstacle_is_where_the_gap_says_at_all_times():
     apart = strip(lambda p: 0 * p, lambda x: 0 * x)
     assert obstacle.then(apart) is None
     assert obstacle_surface(body, rows, CONTACT | {"contact": "winkler"}) is None
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_points_are_told_of_where_there_are_contacts(count, tmp_path):
+    body = strip(lambda p: 0 * p, lambda x: 0 * x)
+    body["von Mises stress"] = np.asarray(body.points)[:, 0]
+    result = {"model": {"kinematics": "plane strain"}, "contacts": count * [CONTACT]}
+    drawn = draw_body(body, result, points(np.linspace(-1, 1, 11)), tmp_path / "deformed.png")
+    assert ("Points: " in drawn.caption) == (count > 0)
 
 
 def test_pieces_of_two_ranks_are_one_body_and_two_bodies_stay_two():
