@@ -47,7 +47,8 @@ def relative_curvature(
         middle: Where along x a plane of symmetry or an axis is, so that the apex must be there.
     """
     x, y = rows.numbers["x"], rows.numbers["y"]
-    regions = np.asarray(body.connectivity().point_data["RegionId"])
+    body = body.connectivity()  # its points are in another order
+    regions = np.asarray(body.point_data["RegionId"])
     if len(np.unique(regions)) != 2 or np.ptp(x) < 2 * np.ptp(y):
         return None
     points = np.asarray(body.points)
