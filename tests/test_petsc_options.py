@@ -73,6 +73,43 @@ def test_values_that_petsc_refuses_are_bad_input(folder, capsys):
     assert code == 2 and "'5' is neither" in said
 
 
+@pytest.mark.parametrize("solver", ["condensed", "full"])
+def test_values_that_are_read_late_are_bad_input_too(folder, capsys, solver):
+    """MUMPS reads its options as it begins to factorise."""
+    sets = [f"solver.solver={solver}"]
+    code, _, said = run(folder, capsys, "-mat_mumps_icntl_14", "abc", sets=sets)
+    assert code == 2 and said.count("\n") == 1
+    assert "an option of -mat_mumps_icntl_14 abc: Input string abc has no integer value" in said
+
+
+@pytest.mark.parametrize("name", ["ksp_type", "pc_factor_mat_solver_type"])
+def test_a_package_or_method_that_is_not_there_is_bad_input(folder, capsys, name):
+    code, _, said = run(folder, capsys, f"-{name}", "foo", sets=["solver.solver=full"])
+    assert code == 2 and f"PETSc refused an option of -{name} foo: " in said
+
+
+def test_those_of_the_environment_are_refused_likewise(folder, capsys):
+    """PETSc puts ``PETSC_OPTIONS`` into its database as it starts."""
+    PETSc.Options().setValue("fenics_contact_ksp_type", "foo")
+    try:
+        code, _, said = run(folder, capsys, "-snes_max_it", "9")
+    finally:
+        PETSc.Options().delValue("fenics_contact_ksp_type")
+    assert code == 2 and said.count("\n") == 1
+    assert "PETSc refused an option of -ksp_type foo -snes_max_it 9: Unable to find" in said
+
+
+def test_other_errors_of_petsc_are_not_blamed_on_options():
+    """Sizes that do not fit are a fault of the program, whatever options there are."""
+    shorter, longer = (PETSc.Vec().createSeq(size, comm=MPI.COMM_SELF) for size in (1, 2))
+    with given({"fenics_contact_snes_max_it": "9"}, COMM), pytest.raises(PETSc.Error) as raised:
+        PETSc.Options().getInt("fenics_contact_snes_max_it")
+        shorter.axpy(1.0, longer)
+    assert raised.value.ierr == 60
+    with pytest.raises(PETSc.Error), given({"fenics_contact_snes_max_it": "9"}, COMM):
+        shorter.axpy(1.0, longer)
+
+
 def test_the_iterative_solver_takes_them(folder):
     """Of multigrid, and of MUMPS in the cells at the contacts."""
 
