@@ -131,6 +131,8 @@ def reactions_by_group(supports: list[dict[str, Any]]) -> dict[str, list[float]]
 class Result:
     """A run's outcome; its attributes are the keys of ``result.json``.
 
+    There ``scene`` stands besides, the text of the scene that was solved, and ``passed``.
+
     Numbers are global: the same on every rank, and on any number of ranks.
 
     Attributes:
@@ -206,6 +208,7 @@ class Result:
         return {
             "title": self.title,
             "converged": self.converged,
+            "passed": self.passed,
             "verdict": self.verdict,
             "model": dict(self.model),
             "contacts": self.contacts,

@@ -147,7 +147,8 @@ def found(**changes):
     model, step = {"kinematics": "3D"}, {"load_factor": 1.0, "newton_iterations": 3}
     step |= {"outer_iterations": 0, "quantities": {"normal_force": 2.0}}
     return {
-        "title": "", "verdict": "Converged.", "converged": True, "checks": checks, "model": model,
+        "title": "", "verdict": "Converged.", "converged": True, "passed": True, "model": model,
+        "checks": checks,
         "quantities": {"normal_force": 2.0}, "contacts": [], "supports": [], "steps": [step],
         "timings": {"solve": 1.0, "total": 2.0}, "versions": {"dolfinx": "0"}, "errors": {},
     } | changes  # fmt: skip
@@ -169,14 +170,14 @@ def test_what_failed_is_said_with_how_much_and_where():
         "penetration_depth": {"value": 0.3, "limit": 0.01, "passed": False, "kind": "cell"},
         "dissipation": {"value": None, "limit": 1e-6, "passed": False},
     }  # fmt: skip
-    text = page_of(found(checks=checks))
+    text = page_of(found(checks=checks, passed=False))
     assert "Not to be trusted: 3 of 4 checks failed" in text and 'class="verdict bad"' in text
     assert "the contact pulls with 25 % of the peak pressure at" in text
     assert "near (1, 2)" in text and "penetration is 30 % of the shortest edge of a cell" in text
     assert "its value is not a number" in text
     assert text.count(">FAILED<") == 3 and text.count("bar failed") == 3
     assert "use of the limit" in text
-    short = page_of(found(accuracy={"asked": {}, "reached": False}))
+    short = page_of(found(accuracy={"asked": {}, "reached": False}, passed=False))
     assert "Not as accurate as was asked for" in short
 
 
@@ -245,6 +246,12 @@ def garbled(folder):
     path.write_bytes(path.read_bytes().replace(b"displacement", b"something", 1))
 
 
+def replaced(path, text, other):
+    before = path.read_text(encoding="utf-8")
+    assert text in before
+    path.write_text(before.replace(text, other, 1), encoding="utf-8")
+
+
 DAMAGES = {
     "a piece is cut off": (cut_off("fields_p0_*.vtu"), r"\.vtu: damaged: its end is missing"),
     "a grid is cut off": (cut_off("*.pvtu"), r"\.pvtu: damaged: its end is missing"),
@@ -255,6 +262,39 @@ DAMAGES = {
         "names no files",
     ),
     "points are gone": (lambda folder: (folder / "contact.csv").unlink(), r"contact\.csv: cannot"),
+    "points are cut off": (cut_off("contact.csv"), r"contact\.csv: damaged: line \d+ is not whole"),
+    "points are empty": (
+        lambda folder: (folder / "contact.csv").write_text(""),
+        r"contact\.csv: damaged: its first line does not name the columns",
+    ),
+    "points have a column less": (
+        lambda folder: replaced(folder / "contact.csv", ",gap,", ","),
+        r"contact\.csv: damaged: its first line does not name",
+    ),
+    "a point is no number": (
+        lambda folder: replaced(folder / "contact.csv", "\nz0,", "\nz0,x"),
+        r"contact\.csv: damaged: could not convert string to float: 'x",
+    ),
+    "the result is cut off": (
+        cut_off("result.json"),
+        r"result\.json: not a result of this program",
+    ),
+    "the result is a word": (
+        lambda folder: (folder / "result.json").write_text('{"converged": true}'),
+        r"result\.json: not a result of this program: it lacks the key 'title'",
+    ),
+    "the result is a list": (
+        lambda folder: (folder / "result.json").write_text("[]"),
+        r"result\.json: not a result of this program: the whole: ",
+    ),
+    "a part of the result is gone": (
+        lambda folder: replaced(folder / "result.json", '"newton_iterations"', '"newton"'),
+        r"result\.json: not a .*: it lacks the key 'steps\.0\.newton_iterations'",
+    ),
+    "a part of the result is another": (
+        lambda folder: replaced(folder / "result.json", '"passed": true', '"passed": [2]'),
+        r"result\.json: not a result of this program: passed: input should be a valid boolean",
+    ),
 }
 
 
@@ -266,6 +306,7 @@ def test_damaged_files_are_named(damage, run, tmp_path):
     action(tmp_path / "damaged")
     with pytest.raises(InputError, match=words):
         write_report(tmp_path / "damaged")
+    assert main(["report", str(tmp_path / "damaged")]) == 2
     assert not (tmp_path / "damaged/report.html").exists()
 
 
@@ -278,3 +319,6 @@ def test_a_library_that_is_missing_is_named(run, monkeypatch):
 def test_a_scene_of_a_file_says_how_to_make_it_again():
     text = page_of(found(model={"ranks": 2}), 'kinematics = "3D"\n')
     assert "mpirun -n 2 fenics-contact run scene.toml --out again" in text
+    text = page_of(found(), 'kinematics = "3D"\n', keeps_scene=False)
+    assert "Save the scene above as solved.toml" in text
+    assert "fenics-contact run solved.toml --out again" in text

@@ -11,7 +11,8 @@ from PIL import Image
 from fenics_contact import Obstacle, Run, files
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.field_files import whole_body
-from fenics_contact.report import read_result, write_report
+from fenics_contact.report import write_report
+from fenics_contact.result_file import read_result
 from fenics_contact.report_page import Content, page
 from fenics_contact.view_3d import make_view, view_html
 from tests.browser.conftest import WINDOW
@@ -51,7 +52,7 @@ def view_page(folder):
     """A page with the view of a run, and no pictures."""
     result, table = read_result(folder), ContactTable.read(folder / "contact.csv")
     view = view_html(make_view(whole_body(folder), result, table))
-    return page(Content("folder", result, "", [], [], view))
+    return page(Content("folder", result, True, [], [], view))
 
 
 def drawn(browser):
