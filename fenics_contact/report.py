@@ -6,6 +6,7 @@ from pathlib import Path
 
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.convergence_pictures import draw_convergence
+from fenics_contact.errors import InputError
 from fenics_contact.field_files import whole_body
 from fenics_contact.figures import style
 from fenics_contact.html_writing import Html
@@ -39,7 +40,7 @@ def write_report(folder: Path) -> list[Path]:
     if (folder / "fields.pvd").exists() and result["quantities"]:
         # what was done, without a load step that was not
         done = result | {"steps": [step for step in result["steps"] if step["quantities"]]}
-        body, table = whole_body(folder), ContactTable.read(folder / "contact.csv")
+        body, table = whole_body(folder), _points(folder, result["model"]["contact_points"])
         view = view_html(make_view(body, done, table))
         pictures = draw_pictures(folder, done)
     with style():
@@ -51,6 +52,20 @@ def write_report(folder: Path) -> list[Path]:
     path = folder / PAGE
     replace_file(path, page(content).encode())
     return [*(picture.path for picture in [*shown, *convergence]), path]
+
+
+def _points(folder: Path, number: int) -> ContactTable:
+    """The contact points, of which the run had so many.
+
+    Raises:
+        InputError: Some are missing, or the file cannot be read.
+    """
+    path = folder / "contact.csv"
+    table = ContactTable.read(path)
+    if len(table.status) != number:
+        there = f"it has {len(table.status)} points, but the run had {number}"
+        raise InputError(f"{path}: damaged: {there}; make the run again")
+    return table
 
 
 def _is_in(folder: Path, scene: str) -> bool:

@@ -178,7 +178,7 @@ def _quantities(result: dict[str, Any]) -> Html:
     """What came out, how far from the truth it may be, and why."""
     if not result["quantities"]:
         return Html()
-    parts = [quantities_table(result, "Quantities")]
+    parts = [quantities_table(result, result["contacts"], "Quantities")]
     errors = errors_table(result)
     notes = [paragraph(note) for note in result.get("error_notes", [])]
     if errors:

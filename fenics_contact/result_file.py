@@ -17,6 +17,7 @@ _Numbers = dict[str, Any]  # a vector's value is a list
 @dataclass
 class _Model:
     kinematics: Literal["plane strain", "plane stress", "axisymmetric", "3D"]
+    contact_points: int
 
 
 @dataclass
