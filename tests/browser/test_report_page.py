@@ -174,9 +174,9 @@ def test_anchors_lead_somewhere(pages, browser):
 
 def test_a_page_without_fields_has_no_error(browser, tmp_path):
     result = {
-        "title": "<b>", "verdict": "No answer", "converged": False, "checks": {}, "quantities": {},
-        "model": {}, "contacts": [], "supports": [], "timings": {"total": 1.0}, "versions": {},
-        "steps": [],
+        "title": "<b>", "verdict": "No answer", "converged": False, "passed": False,
+        "checks": {}, "quantities": {}, "model": {}, "contacts": [], "supports": [],
+        "timings": {"total": 1.0}, "versions": {}, "steps": [],
     }  # fmt: skip
     path = tmp_path / "report.html"
     path.write_text(page_of(result), encoding="utf-8")
