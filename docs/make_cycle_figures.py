@@ -19,7 +19,7 @@ from fenics_contact.body_fields import read_series, times_of_fields
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.figures import new_figure, save_png, style
 from fenics_contact.picture_style import COLOURS, DOUBLE, FORMULA
-from fenics_contact.report import read_result
+from fenics_contact.result_file import read_result
 from fenics_contact.scene_file import load_scene
 from fenics_contact.surface_line import SurfaceLine
 from fenics_contact.verification import formulas

@@ -57,13 +57,18 @@ def demos() -> list[str]:
 
 def fingerprint(files: Iterable[Path]) -> str:
     """Of what a run depends on: the package, the meshes, and some files."""
-    package = sorted((ROOT / "fenics_contact").rglob("*.py"))
     digest = sha256()
-    for path in [*package, *sorted((ROOT / "meshes").glob("*")), *files]:
+    for path in [*_package(), *sorted((ROOT / "meshes").glob("*")), *files]:
         if path.is_file():
             digest.update(path.relative_to(ROOT).as_posix().encode())
             digest.update(path.read_bytes())
     return digest.hexdigest()
+
+
+def _package() -> list[Path]:
+    """The package's own files, the page's style and script among them; not what Python makes."""
+    every = sorted((ROOT / "fenics_contact").rglob("*"))
+    return [path for path in every if "__pycache__" not in path.parts]
 
 
 def run(name: str, folder: Path, overrides: Sequence[str] = ()) -> None:

@@ -27,8 +27,8 @@ PROGRAM_BIBTEX = f"""\
 
 
 def how_to_cite() -> str:
-    """Both, in plain text of two lines."""
-    return f"{PAPER}\n{PROGRAM}"
+    """Both, in plain text of one line."""
+    return f"{PAPER} {PROGRAM}"
 
 
 def bibtex() -> str:

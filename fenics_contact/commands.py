@@ -191,7 +191,7 @@ def _print_versions() -> int:
         f"fenics-contact {citation.VERSION}, with dolfinx {found['dolfinx']}, PETSc "
         f"{'.'.join(map(str, PETSc.Sys.getVersion()))}, Python {found['python']}, {mpi}"
     )
-    print(f"To cite it: {citation.PAPER} {citation.PROGRAM}")
+    print(f"To cite it: {citation.how_to_cite()}")
     return 0
 
 

@@ -13,6 +13,12 @@ from fenics_contact.errors import InputError
 
 Array = NDArray[np.float64]
 
+CSV_HEADER = [
+    *("contact", "x", "y", "z", "nx", "ny", "nz", "gap", "contact_pressure"),
+    *("traction_x", "traction_y", "traction_z", "slip_x", "slip_y", "slip_z", "status"),
+]
+_STATUS = ("OPEN", "STICK", "SLIP")
+
 
 @dataclass(frozen=True)
 class ContactTable:
@@ -33,19 +39,22 @@ class ContactTable:
         """Read a ``contact.csv``.
 
         Raises:
-            InputError: There is none, or it cannot be read.
+            InputError: There is none, or it is damaged; says where.
         """
         try:
             with path.open(newline="", encoding="utf-8") as file:
-                rows = list(csv.DictReader(file))
+                head, *rows = list(csv.reader(file)) or [[]]
+            _require_whole(head, rows)
+            numbers = np.array([[float(cell) for cell in row[1:-1]] for row in rows])
         except OSError as error:
             raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-        words = ("contact", "status")
-        names = [name for name in (rows[0] if rows else {}) if name not in words]
+        except (ValueError, csv.Error) as error:
+            raise InputError(f"{path}: damaged: {error}; make the run again") from None
+        columns = numbers.reshape(len(rows), len(CSV_HEADER) - 2).T
         return cls(
-            contact=np.array([row["contact"] for row in rows]),
-            status=np.array([row["status"] for row in rows]),
-            numbers={name: np.array([float(row[name]) for row in rows]) for name in names},
+            contact=np.array([row[0] for row in rows], dtype=str),
+            status=np.array([row[-1] for row in rows], dtype=str),
+            numbers=dict(zip(CSV_HEADER[1:-1], columns, strict=True)),
         )
 
     @property
@@ -65,3 +74,16 @@ class ContactTable:
     def vectors(self, *names: str) -> Array:
         """Columns side by side, shape (rows, names)."""
         return np.stack([self.numbers[name] for name in names], axis=1)
+
+
+def _require_whole(head: list[str], rows: list[list[str]]) -> None:
+    """That the columns are those that runs write, and every row has them all.
+
+    Raises:
+        ValueError: They are not.
+    """
+    if head != CSV_HEADER:
+        raise ValueError("its first line does not name the columns")
+    for number, row in enumerate(rows, start=2):
+        if len(row) != len(CSV_HEADER) or row[-1] not in _STATUS:
+            raise ValueError(f"line {number} is not whole")

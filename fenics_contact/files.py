@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.accepted_step import Unknowns
 from fenics_contact.adaptivity import AdaptiveRun
+from fenics_contact.contact_table import CSV_HEADER
 from fenics_contact.errors import InputError
 from fenics_contact.faults import failing_together
 from fenics_contact.fields import FieldSeries
@@ -30,11 +31,6 @@ from fenics_contact.simulation import Run
 from fenics_contact.state_file import SavedRun, StateFile
 from fenics_contact.step_table import StepTable
 from fenics_contact.writing import make_folder, naming, replace_file
-
-CSV_HEADER = [
-    *("contact", "x", "y", "z", "nx", "ny", "nz", "gap", "contact_pressure"),
-    *("traction_x", "traction_y", "traction_z", "slip_x", "slip_y", "slip_z", "status"),
-]
 
 
 def require_writable(folder: Path, comm: MPI.Comm) -> None:
@@ -88,25 +84,26 @@ def solve_and_write(
         MachineError: A file could not be written; those of before are whole.
     """
     with failing_together(run.problem.comm):
-        _write_scene(run, folder)
-        return _solve(run, folder, state, saved, stopped, announce, guess)
+        scene = _write_scene(run, folder)
+        return _solve(run, folder, scene, state, saved, stopped, announce, guess)
 
 
 def _solve(
     run: Run,
     folder: Path,
+    scene: str,
     state: StateFile | None,
     saved: SavedRun | None,
     stopped: Callable[[], bool] | None,
     announce: Callable[[int, dict[str, Any]], None] | None,
     guess: Unknowns | None,
 ) -> Result:
-    """As ``solve_and_write``, without the scene."""
+    """As ``solve_and_write``, without the scene's file; its text goes into the result's."""
     steps = StepFiles(run, folder, None if saved is None else saved.last.unknowns.time)
     result = run.solve(state, saved, stopped, announce, steps.add, guess)
     with run.timings.phase("output"):
         steps.complete()
-    _finish(run, result, folder)
+    _finish(run, result, folder, scene)
     return result
 
 
@@ -133,16 +130,16 @@ def solve_levels_and_write(
     levels = AdaptiveRun(first)
 
     def solve_level(run: Run, guess: Unknowns | None) -> Result:
-        result = _solve(run, aside, None, None, stopped, announce, guess)
+        result = _solve(run, aside, scene, None, None, stopped, announce, guess)
         if result.converged or not levels.levels:
             on_root(comm, lambda: _take_place(aside, folder))
         return result
 
     with failing_together(comm):
         on_root(comm, lambda: _clear(folder, f"{_OF_THE_END}|{_OF_STEPS}"))
-        _write_scene(first, folder)
+        scene = _write_scene(first, folder)
         result = levels.solve(solve_level)
-        on_root(comm, lambda: _write_level(result, folder, aside))
+        on_root(comm, lambda: _write_level(result, folder, aside, scene))
     return result
 
 
@@ -154,11 +151,11 @@ def _take_place(aside: Path, folder: Path) -> None:
             path.replace(folder / path.name)
 
 
-def _write_level(result: Result, folder: Path, aside: Path) -> None:
+def _write_level(result: Result, folder: Path, aside: Path, scene: str) -> None:
     """What the last level has become: with all levels, and whether they reached what was asked."""
     with naming(folder):
         shutil.rmtree(aside, ignore_errors=True)
-    _write_result(result, folder)
+    _write_result(result, folder, scene)
 
 
 def write(run: Run, result: Result, folder: Path) -> None:
@@ -170,27 +167,27 @@ def write(run: Run, result: Result, folder: Path) -> None:
         MachineError: A file could not be written.
     """
     with failing_together(run.problem.comm):
-        _write_scene(run, folder)
+        scene = _write_scene(run, folder)
         steps = StepFiles(run, folder)
         steps.catch_up()
         if run.solution is not None:
             steps.add_fields()
-        _finish(run, result, folder)
+        _finish(run, result, folder, scene)
 
 
-def _write_scene(run: Run, folder: Path) -> None:
-    """First of all, so that a run that is killed has said what it was."""
+def _write_scene(run: Run, folder: Path) -> str:
+    """First of all, so that a run that is killed has said what it was; returns the text."""
 
-    def written() -> None:
+    def written() -> str:
         make_folder(folder)
-        write_scene(run.scene, folder, run.own_mesh)
+        return write_scene(run.scene, folder, run.own_mesh)
 
-    on_root(run.problem.comm, written)
+    return on_root(run.problem.comm, written)
 
 
-def _finish(run: Run, result: Result, folder: Path) -> None:
+def _finish(run: Run, result: Result, folder: Path, scene: str) -> None:
     with run.timings.phase("output"):
-        on_root(run.problem.comm, lambda: _write_tables(result, folder))
+        on_root(run.problem.comm, lambda: _write_tables(result, folder, scene))
 
 
 class StepFiles:
@@ -269,16 +266,17 @@ def _clear(folder: Path, names: str) -> None:
                 path.unlink()
 
 
-def _write_tables(result: Result, folder: Path) -> None:
+def _write_tables(result: Result, folder: Path, scene: str) -> None:
     if result.points is not None:
         names = [contact["name"] for contact in result.contacts]
         _replace(folder / "contact.csv", _csv_rows(result.points, names))
-    _write_result(result, folder)
+    _write_result(result, folder, scene)
 
 
-def _write_result(result: Result, folder: Path) -> None:
+def _write_result(result: Result, folder: Path, scene: str) -> None:
     # Last, and in one move: where it exists, the run is complete.
-    text = json.dumps(_finite(result.as_dict()), indent=2, ensure_ascii=False, allow_nan=False)
+    content = _finite(result.as_dict()) | {"scene": scene}
+    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     replace_file(folder / "result.json", f"{text}\n".encode())
 
 

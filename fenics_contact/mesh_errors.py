@@ -85,7 +85,8 @@ def mesh_errors(
         changes[name] += error
     energy = 0.5 * local.total**2
     changes |= {name: part * energy for name, part in _ENERGIES.items() if name in changes}
-    changes |= {key: changes[key] + energy for key in changes if _name(key) == "friction_work"}
+    for key in _frictional_works(problem) & changes.keys():
+        changes[key] += energy
     found = {key: _LOCAL * changes[key] + _SCATTER * scatter[key] for key in changes}
     for key, addition in _at_contacts(problem, solution).items():
         if addition is None:
@@ -95,8 +96,14 @@ def mesh_errors(
     return found, local
 
 
-def _name(key: Hashable) -> Hashable:
-    return key[-1] if isinstance(key, tuple) else key
+def _frictional_works(problem: Problem) -> set[Hashable]:
+    """Keys of the friction works that are not zero whatever the mesh."""
+    found: set[Hashable] = {
+        (number, "friction_work")
+        for number, contact in enumerate(problem.contacts)
+        if contact.friction is not None
+    }
+    return found | {"friction_work"} if found else found
 
 
 def _changes(

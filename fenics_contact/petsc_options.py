@@ -23,6 +23,9 @@ ZONE_PREFIX = f"{PREFIX}zone_"
 
 # What PETSc says of a value that it does not know, or cannot take (its petscerror.h).
 _REFUSALS = (56, 60, 62, 63, 83, 86, 92)
+# Where it does so: as it reads its database, or looks for the package that an option names. The
+# same errors from elsewhere are faults of the program.
+_READING = re.compile(r"\b(PetscOptions\w+|\w+SetFromOptions\w*|MatGetFactor)\(\)")
 
 
 def parse(words: Sequence[str]) -> dict[str, str]:
@@ -79,25 +82,32 @@ def given(options: dict[str, str], comm: MPI.Comm) -> Iterator[None]:
         comm: Communicator of the run.
 
     Raises:
-        InputError: PETSc refused one.
+        InputError: PETSc refused one, or one with the program's prefix that ``PETSC_OPTIONS`` has.
     """
     database = PETSc.Options()
     before = database.getAll()
     for name, value in options.items():
         database.setValue(name, value)
+    every = {name: value for name, value in before.items() if name.startswith(PREFIX)} | options
     try:
         yield
         _report_unused(options, comm)
     except PETSc.Error as error:
-        if options and error.__cause__ is None and getattr(error, "ierr", 0) in _REFUSALS:
+        if every and _is_refusal(error):
             said = str(error).splitlines()[-1].split("] ", 1)[-1]
-            raise InputError(f"PETSc refused an option of {_listed(options)}: {said}") from None
+            raise InputError(f"PETSc refused an option of {_listed(every)}: {said}") from None
         raise
     finally:
         for name in options:
             database.delValue(name)
             if name in before:
                 database.setValue(name, before[name])
+
+
+def _is_refusal(error: PETSc.Error) -> bool:
+    """Whether PETSc could not take an option; not an error of ours in a callback, or its own."""
+    known = error.__cause__ is None and getattr(error, "ierr", 0) in _REFUSALS
+    return known and _READING.search(str(error)) is not None
 
 
 def _report_unused(options: dict[str, str], comm: MPI.Comm) -> None:
@@ -126,4 +136,4 @@ def is_used(name: str) -> bool:
 
 def _listed(options: dict[str, str]) -> str:
     """Options as a user writes them."""
-    return " ".join(f"-{n.removeprefix(PREFIX)} {v}".rstrip() for n, v in options.items())
+    return " ".join(f"-{n.removeprefix(PREFIX)} {v or ''}".rstrip() for n, v in options.items())

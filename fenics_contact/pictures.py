@@ -24,7 +24,7 @@ from fenics_contact.history_pictures import draw_history
 from fenics_contact.mesh_picture import draw_mesh
 from fenics_contact.picture import Picture
 from fenics_contact.scene import Scene
-from fenics_contact.scene_file import load_scene
+from fenics_contact.scene_file import scene_of_text
 from fenics_contact.section_stress import draw_section
 from fenics_contact.surface_displacement import draw_surface_displacement
 from fenics_contact.surface_maps import draw_maps
@@ -39,7 +39,7 @@ class _Run:
         result: The content of ``result.json``.
         table: That of ``contact.csv``.
         body: A pyvista grid with the fields of the last step.
-        scene: What was solved; None where no file says it.
+        scene: What was solved; None where it was made of what a file cannot hold.
         analytic: Its formulas, if it has some.
     """
 
@@ -80,7 +80,7 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Picture]:
     """Draw what the files of a run show.
 
     Args:
-        folder: Holds ``contact.csv``, ``fields.pvd`` and, if formulas are wanted, ``scene.toml``.
+        folder: Holds ``contact.csv`` and ``fields.pvd``.
         result: The content of its ``result.json``.
 
     Returns:
@@ -94,7 +94,7 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Picture]:
     """
     require("matplotlib", "pyvista")
     table, body = ContactTable.read(folder / "contact.csv"), read_body(folder)
-    scene = _scene(folder)
+    scene = _scene(folder, result)
     run = _Run(folder, result, table, body, scene, recognise(scene, result, table, body))
     with style():
         return [
@@ -123,13 +123,10 @@ def require(*libraries: str) -> None:
             ) from None
 
 
-def _scene(folder: Path) -> Scene | None:
-    """The scene that was solved, None where its file is missing or cannot be run again."""
-    path = folder / "scene.toml"
-    if not path.exists():
-        return None
+def _scene(folder: Path, result: dict[str, Any]) -> Scene | None:
+    """The scene that was solved, None where it cannot be run again."""
     try:
-        return load_scene(path)
+        return scene_of_text(result["scene"], folder / "result.json")
     except InputError:  # made in Python, of what a file cannot hold
         return None
 

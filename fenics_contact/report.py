@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
 
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.convergence_pictures import draw_convergence
@@ -14,6 +12,7 @@ from fenics_contact.figures import style
 from fenics_contact.html_writing import Html
 from fenics_contact.pictures import draw_pictures, require
 from fenics_contact.report_page import Content, page
+from fenics_contact.result_file import read_result
 from fenics_contact.scene_writing import SCENE_FILE
 from fenics_contact.view_3d import make_view, view_html
 from fenics_contact.writing import replace_file
@@ -41,40 +40,35 @@ def write_report(folder: Path) -> list[Path]:
     if (folder / "fields.pvd").exists() and result["quantities"]:
         # what was done, without a load step that was not
         done = result | {"steps": [step for step in result["steps"] if step["quantities"]]}
-        body, table = whole_body(folder), ContactTable.read(folder / "contact.csv")
+        body, table = whole_body(folder), _points(folder, result["model"]["contact_points"])
         view = view_html(make_view(body, done, table))
         pictures = draw_pictures(folder, done)
     with style():
         convergence = draw_convergence(folder, result)
     names = {picture.path for picture in convergence}
     shown = [picture for picture in pictures if picture.path not in names]
-    content = Content(folder.resolve().name, result, _scene(folder), shown, convergence, view)
+    kept = _is_in(folder, result["scene"])
+    content = Content(folder.resolve().name, result, kept, shown, convergence, view)
     path = folder / PAGE
     replace_file(path, page(content).encode())
     return [*(picture.path for picture in [*shown, *convergence]), path]
 
 
-def read_result(folder: Path) -> dict[str, Any]:
-    """The content of a run's ``result.json``.
+def _points(folder: Path, number: int) -> ContactTable:
+    """The contact points, of which the run had so many.
 
     Raises:
-        InputError: There is none, or it is not one of this program.
+        InputError: Some are missing, or the file cannot be read.
     """
-    path = folder / "result.json"
-    try:
-        result = json.loads(path.read_text(encoding="utf-8"))
-        if not isinstance(result, dict) or "converged" not in result:
-            raise ValueError("it lacks the key 'converged'")
-        return result
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except ValueError as error:
-        raise InputError(f"{path}: not a result of this program: {error}") from None
+    path = folder / "contact.csv"
+    table = ContactTable.read(path)
+    if len(table.status) != number:
+        there = f"it has {len(table.status)} points, but the run had {number}"
+        raise InputError(f"{path}: damaged: {there}; make the run again")
+    return table
 
 
-def _scene(folder: Path) -> str:
-    """The scene of a run; empty of one that wrote none."""
+def _is_in(folder: Path, scene: str) -> bool:
+    """Whether the folder's ``scene.toml`` is the one that was solved, and not the user's own."""
     path = folder / SCENE_FILE
-    if not path.exists():
-        return ""
-    return path.read_text(encoding="utf-8", errors="replace")
+    return path.exists() and path.read_text(encoding="utf-8", errors="replace") == scene

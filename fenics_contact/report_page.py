@@ -62,7 +62,7 @@ class Content:
     Attributes:
         name: Of the run's folder.
         result: The content of its ``result.json``.
-        scene: That of its ``scene.toml``, empty where there is none.
+        keeps_scene: Whether the folder's ``scene.toml`` is what was solved.
         pictures: What was drawn of the fields.
         convergence: What was drawn of the iterations.
         view: The interactive view, empty where there are no fields.
@@ -70,7 +70,7 @@ class Content:
 
     name: str
     result: dict[str, Any]
-    scene: str
+    keeps_scene: bool
     pictures: list[Picture]
     convergence: list[Picture]
     view: Html
@@ -120,7 +120,7 @@ def _sections(content: Content) -> Iterator[tuple[str, str, Html]]:
     yield "quantities", "Quantities and errors", _quantities(result)
     yield "pictures", "Pictures", joined(_figure(picture) for picture in content.pictures)
     yield "view-3d", "Interactive view", content.view
-    yield "scene", "Scene", _scene(content.scene)
+    yield "scene", "Scene", element("pre", result["scene"], tabindex="0")
     yield "model", "Model", model_table(result["model"])
     yield "contacts", "Contacts", joined(contact_table(one) for one in result["contacts"])
     yield "iterations", "Iterations", _iterations(content)
@@ -130,15 +130,9 @@ def _sections(content: Content) -> Iterator[tuple[str, str, Html]]:
     yield "reproduce", "How to reproduce", _reproduction(content)
 
 
-def is_trusted(result: dict[str, Any]) -> bool:
-    """Whether it converged, to the accuracy asked for, and every check holds."""
-    passed = all(check["passed"] for check in result["checks"].values())
-    return bool(result["converged"] and passed and result.get("accuracy", {}).get("reached", True))
-
-
 def _verdict(result: dict[str, Any]) -> Html:
     """In large what came out, then in words; of checks that failed, each by itself."""
-    trusted, wrong = is_trusted(result), failures(result)
+    trusted, wrong = result["passed"], failures(result)
     if trusted:
         said = f"✓ OK: converged, and all {len(result['checks'])} checks passed"
     elif not result["converged"]:
@@ -184,7 +178,7 @@ def _quantities(result: dict[str, Any]) -> Html:
     """What came out, how far from the truth it may be, and why."""
     if not result["quantities"]:
         return Html()
-    parts = [quantities_table(result, "Quantities")]
+    parts = [quantities_table(result, result["contacts"], "Quantities")]
     errors = errors_table(result)
     notes = [paragraph(note) for note in result.get("error_notes", [])]
     if errors:
@@ -201,12 +195,6 @@ def _figure(picture: Picture) -> Html:
     image = Html(f'<img src="{address}" alt="{html(picture.title)}" data-file="{name}">')
     words = joined([element("b", f"{picture.title}."), picture.caption], " ")
     return element("figure", joined([image, element("figcaption", words)]))
-
-
-def _scene(text: str) -> Html:
-    if not text:
-        return paragraph("The folder holds no scene.toml: an earlier version made this run.")
-    return element("pre", text, tabindex="0")
 
 
 def _iterations(content: Content) -> Html:
@@ -230,11 +218,16 @@ def _reproduction(content: Content) -> Html:
     """The command that makes the run again."""
     ranks = content.result["model"].get("ranks", 1)
     launched = f"mpirun -n {ranks} " if ranks > 1 else ""
-    if not content.scene or content.scene.startswith("# This file cannot be run"):
+    if content.result["scene"].startswith("# This file cannot be run"):
         return paragraph("A script made this run, of what a scene file cannot hold: run it again.")
-    words = (
-        "In the folder of this run, whose scene.toml is the scene above; the meshes' files are "
-        "where it says. Numbers are those of the versions above, but for round-off."
+    if content.keeps_scene:
+        file, words = "scene.toml", "In the folder of this run, whose scene.toml is the scene above"
+    else:
+        file = "solved.toml"
+        words = f"Save the scene above as {file} in the folder of this run, and there"
+    words += (
+        "; the meshes' files are where it says. Numbers are those of the versions above, but for "
+        "round-off."
     )
-    command = f"{launched}fenics-contact run scene.toml --out again"
+    command = f"{launched}fenics-contact run {file} --out again"
     return joined([paragraph(words), element("pre", command, tabindex="0")])

@@ -12,6 +12,7 @@ from fenics_contact.result import (
     Check,
     error_bar,
     error_rows,
+    idle_quantities,
     motion_words,
     reactions_by_group,
     share_words,
@@ -67,13 +68,20 @@ def _failure(name: str, check: dict[str, Any]) -> str:
     return f"{failure(name, found)} (limit: {written(found.limit)})"
 
 
-def quantities_table(found: dict[str, Any], caption: str) -> Html:
-    """Quantities of a result or a contact, each with its error bar where there are some."""
-    errors = found.get("errors") or {}
-    bars = [error_bar(errors.get(name)) for name in found["quantities"]]
+def quantities_table(found: dict[str, Any], contacts: list[dict[str, Any]], caption: str) -> Html:
+    """Quantities with their error bars where there are some, without those that say nothing.
+
+    Args:
+        found: A result or a contact.
+        contacts: That it is of.
+        caption: Of the table.
+    """
+    idle, errors = idle_quantities(contacts), found.get("errors") or {}
+    shown = {name: value for name, value in found["quantities"].items() if name not in idle}
+    bars = [error_bar(errors.get(name)) for name in shown]
     head = ["quantity", "value", "± estimated error", "relative"]
     rows: list[list[str]] = [head if any(bars) else head[:2]]
-    for (name, value), width in zip(found["quantities"].items(), bars, strict=True):
+    for (name, value), width in zip(shown.items(), bars, strict=True):
         said = _with_share(width, value) if any(bars) else []
         rows.append([words(name), written(value), *said])
     return table(rows, caption)
@@ -97,7 +105,9 @@ def _percent(share: float) -> str:
 
 def errors_table(result: dict[str, Any]) -> Html:
     """Where the errors come from; nothing where none were estimated."""
-    rows = error_rows(result.get("errors", {}))
+    idle = idle_quantities(result["contacts"])
+    errors = result.get("errors", {})
+    rows = error_rows({name: row for name, row in errors.items() if name not in idle})
     return table(rows, "Estimated errors by source") if rows else Html()
 
 
@@ -129,7 +139,7 @@ def contact_table(contact: dict[str, Any]) -> Html:
         plain_table({**kind, **contact["parameters"]}, f"Contact {name}"),
     ]
     if contact["quantities"]:
-        said.append(quantities_table(contact, f"Quantities of {name}"))
+        said.append(quantities_table(contact, [contact], f"Quantities of {name}"))
     return joined(said)
 
 

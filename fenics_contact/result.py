@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -28,6 +28,24 @@ QUANTITIES = (
     "friction_work",
     "penalty_energy",
 )
+
+# Those that say something only with friction, or where contact is found.
+_OF_FRICTION = {"friction_force", "stick_area", "slip_area", "max_slip", "friction_work"}
+_OF_CONTACT_FOUND = {"indentation", "max_penetration"}
+
+
+def idle_quantities(contacts: Sequence[Mapping[str, Any]]) -> set[str]:
+    """Names of the quantities that say nothing about some contacts, and are not shown.
+
+    Args:
+        contacts: As in ``result.json``.
+    """
+    idle = set()
+    if all(contact["law"] == "none" for contact in contacts):
+        idle |= _OF_FRICTION
+    if all(contact["contact"] == "prescribed" for contact in contacts):
+        idle |= _OF_CONTACT_FOUND
+    return idle
 
 
 @dataclass(frozen=True)
@@ -131,6 +149,8 @@ def reactions_by_group(supports: list[dict[str, Any]]) -> dict[str, list[float]]
 class Result:
     """A run's outcome; its attributes are the keys of ``result.json``.
 
+    There ``scene`` stands besides, the text of the scene that was solved, and ``passed``.
+
     Numbers are global: the same on every rank, and on any number of ranks.
 
     Attributes:
@@ -206,6 +226,7 @@ class Result:
         return {
             "title": self.title,
             "converged": self.converged,
+            "passed": self.passed,
             "verdict": self.verdict,
             "model": dict(self.model),
             "contacts": self.contacts,

@@ -41,28 +41,50 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     fenics_contact.errors.InputError: nowhere.toml: cannot be read: No such file or directory
     """
     path = Path(path)
-    data = _read(path)
+    data = _parsed(_read(path), path)
     for setting in overrides:
         _override(data, setting)
+    return _beside(_scene(data, path), path.parent)
+
+
+def scene_of_text(text: str, path: Path) -> Scene:
+    """A scene of the text of a scene file; paths of its meshes are as they stand there.
+
+    Args:
+        text: TOML.
+        path: What messages say that it is from.
+
+    Raises:
+        InputError: As ``load_scene``.
+    """
+    return _scene(_parsed(text, path), path)
+
+
+def _scene(data: dict[str, Any], path: Path) -> Scene:
     _refuse_extremes(data, path)
     if data.get("mesh", []) == []:
         raise InputError(f"{path}: the table [mesh] is missing; it names the mesh's file")
     try:
-        scene = TypeAdapter(Scene).validate_python(data)
+        return TypeAdapter(Scene).validate_python(data)
     except ValidationError as error:
         raise InputError(f"{path}: {sentence(error, data, Scene)}") from None
-    return _beside(scene, path.parent)
 
 
-def _read(path: Path) -> dict[str, Any]:
+def _read(path: Path) -> str:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not valid TOML: {error}") from None
+        return path.read_text(encoding="utf-8")
     except UnicodeDecodeError:
         raise InputError(f"{path}: not a text file in UTF-8") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except (OSError, ValueError) as error:  # a name with a null byte
+        said = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"{path}: cannot be read: {said}") from None
+
+
+def _parsed(text: str, path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not valid TOML: {error}") from None
     except (ValueError, RecursionError) as error:  # thousands of digits, or of brackets
         raise InputError(f"{path}: cannot be read: {error}") from None
 

@@ -12,9 +12,7 @@ import tomlkit
 from pydantic.fields import FieldInfo
 from tomlkit.items import Table
 
-from fenics_contact.errors import InputError
 from fenics_contact.scene import Scene
-from fenics_contact.scene_file import load_scene
 from fenics_contact.scene_values import Path as LoadPath
 from fenics_contact.scene_values import Profile
 from fenics_contact.writing import replace_file
@@ -30,40 +28,32 @@ _WIDTH = 96  # of a line; longer lists have a line an entry
 _WHOLE = 1e15  # below it, floats that are whole numbers are written as these
 
 
-def write_scene(scene: Scene, folder: Path, own_mesh: bool = False) -> None:
+def write_scene(scene: Scene, folder: Path, own_mesh: bool = False) -> str:
     """Write ``scene.toml`` into the folder of a run; one of the user's own is left as it is.
+
+    That may say something else by now, so ``result.json`` keeps what was solved.
 
     Args:
         scene: What is solved; paths of its meshes are from the present folder.
         folder: Of the run, which is there.
         own_mesh: Whether the mesh was passed from Python, instead of the one the scene names.
 
+    Returns:
+        The text of the scene that is solved, with paths of meshes from the folder.
+
     Raises:
-        InputError: A file of the user's is there, and another scene.
         MachineError: The file could not be written.
     """
     path, here = folder / SCENE_FILE, folder.resolve()
     text = _text_beside(dataclasses.replace(scene, mesh=() if own_mesh else scene.mesh), here)
     if not _is_foreign(path):
         replace_file(path, text.encode())
-    elif not _says(path, text):
-        raise InputError(
-            f"'{path}' is not of an earlier run, and another scene than this one: it would be "
-            "lost, so give another --out"
-        )
+    return text
 
 
 def _is_foreign(path: Path) -> bool:
     """Whether there is a file that this module has not written."""
     return path.exists() and _HEAD not in path.read_text(encoding="utf-8", errors="replace")
-
-
-def _says(path: Path, text: str) -> bool:
-    """Whether a scene file says the same."""
-    try:
-        return _text_beside(load_scene(path), path.parent.resolve()) == text
-    except InputError:
-        return False
 
 
 def _text_beside(scene: Scene, folder: Path) -> str:

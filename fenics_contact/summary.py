@@ -19,6 +19,7 @@ from fenics_contact.result import (
     Result,
     branch_rows,
     error_bar,
+    idle_quantities,
     motion_words,
     reactions_by_group,
     share_words,
@@ -34,10 +35,8 @@ _IN_WORDS = {
 }
 # Those that say something only where there are motions that supports leave to friction.
 _OF_FREE_MOTIONS = ("free_rigid_motions", "used_share_of_limit_load")
-# Quantities in the order shown; some say something only with friction, or where contact is found.
+# Quantities in the order shown.
 _SHOWN = [name for name in QUANTITIES if name not in ("external_work", "penalty_energy")]
-_OF_FRICTION = {"friction_force", "stick_area", "slip_area", "max_slip", "friction_work"}
-_OF_CONTACT_FOUND = {"indentation", "max_penetration"}
 # Parameters of a contact, in the order of its line; those that do not apply are zero or missing.
 _PARAMETERS = (
     "pressure",
@@ -191,11 +190,7 @@ def _add_reactions(quantities: Table, result: Result) -> None:
 
 def _shown(result: Result) -> list[str]:
     """The quantities that say something about the contacts of a result."""
-    hidden = set()
-    if all(contact["law"] == "none" for contact in result.contacts):
-        hidden |= _OF_FRICTION
-    if all(contact["contact"] == "prescribed" for contact in result.contacts):
-        hidden |= _OF_CONTACT_FOUND
+    hidden = idle_quantities(result.contacts)
     points = [key for key in result.quantities if key.startswith("displacement_")]
     shown = [key for key in _SHOWN if key in result.quantities and key not in hidden]
     return shown + points

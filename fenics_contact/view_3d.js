@@ -108,13 +108,15 @@
   function coloured(bar) {
     const shades = ["#e5e7e9"].concat(data.statusColours);
     const scale = [];
-    shades.forEach((shade, n) => scale.push([n / 4, shade], [(n + 1) / 4, shade]));
+    const kinds = shades.length;
+    shades.forEach((shade, n) => scale.push([n / kinds, shade], [(n + 1) / kinds, shade]));
     Object.assign(bar, {
       title: { text: "status", side: isNarrow() ? "top" : "right" },
-      tickvals: [-1, 0, 1, 2], ticktext: ["no contact"].concat(data.statusNames),
+      tickvals: shades.map((_, n) => n - 1), ticktext: ["no contact"].concat(data.statusNames),
     });
     return {
-      intensity: statusOfTriangles, intensitymode: "cell", colorscale: scale, cmin: -1.5, cmax: 2.5,
+      intensity: statusOfTriangles, intensitymode: "cell", colorscale: scale,
+      cmin: -1.5, cmax: kinds - 1.5,
     };
   }
   function sides(x, y, z) {
@@ -151,10 +153,10 @@
   }
   // Of a plane body the contact is a line, which no triangle shows.
   function marks(x, y) {
-    const shown = [0, 1, 2].map((kind) => {
+    const shown = data.statusColours.map((colour, kind) => {
       const own = Array.from(status.keys()).filter((n) => status[n] === kind);
       return { type: "scatter3d", mode: "markers", hoverinfo: "text", showlegend: false,
-        text: own.map((n) => words[n]), marker: { size: 4, color: data.statusColours[kind] },
+        text: own.map((n) => words[n]), marker: { size: 4, color: colour },
         x: own.map((n) => x[n]), y: own.map((n) => y[n]), z: own.map(() => 0.9 * depth(box())) };
     });
     return shown.filter((trace) => trace.x.length > 0);

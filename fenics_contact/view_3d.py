@@ -16,13 +16,12 @@ from scipy.spatial import cKDTree
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.html_writing import Html
 from fenics_contact.obstacle_picture import ObstacleSurface, obstacles_of
-from fenics_contact.picture_style import COLOURS, neighbourhood
+from fenics_contact.picture_style import Mark, marks, neighbourhood
 from fenics_contact.view_revolved import revolved
 from fenics_contact.view_surface import Surface, boundary, surface_of
 
 Array = NDArray[np.float64]
 
-STATUS = ("OPEN", "STICK", "SLIP")  # values 0, 1, 2 of the field `status`, -1 off the contacts
 _MOVE = 0.06  # of what is shown: the largest displacement, where it is magnified
 _READABLE = 0.02  # from which it is seen as it is
 _MISFIT = 0.01  # of what is shown: false gaps and overlaps that magnification may make
@@ -35,8 +34,10 @@ class View:
     """What the view shows.
 
     Attributes:
-        surface: With the fields `displacement`, `status`, `obstacle`, and those that colours show.
+        surface: With the fields `displacement`, `status` (a number of ``kinds``, or -1 off the
+            contacts), `obstacle`, and those that colours show.
         kinematics: Of the model.
+        kinds: How the states of contact points are called, and look; the open one first.
         shown: Name of a field → its symbol.
         factors: Of the displacements, that one can choose between.
         zone: Lowest and highest coordinates of the contact zone, (2, 3), if it is small.
@@ -45,6 +46,7 @@ class View:
 
     surface: Surface
     kinematics: str
+    kinds: tuple[Mark, ...]
     shown: dict[str, str]
     factors: list[float]
     zone: Array | None
@@ -67,6 +69,8 @@ def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
     kinematics = result["model"]["kinematics"]
     shown = {"von Mises stress": "σ_VM", "displacement": "|u|"}
     fields = {name: np.asarray(body[name], dtype=float) for name in ("displacement", "status")}
+    kinds = _kinds(result)
+    fields["status"] = np.minimum(fields["status"], len(kinds) - 1)
     fields["von Mises stress"] = np.asarray(body["von Mises stress"], dtype=float)
     if (fields["status"] >= 0).any():
         fields["contact pressure"] = np.asarray(body["contact_pressure"], dtype=float)
@@ -88,7 +92,14 @@ def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
     if kinematics == "3D" and zone is not None:
         low, high = surface.points.min(axis=0), surface.points.max(axis=0)
         aside = (zone.sum(axis=0) - low - high) / (high - low).max()
-    return View(surface, kinematics, shown, factors, zone, _towards(front, aside))
+    return View(surface, kinematics, kinds, shown, factors, zone, _towards(front, aside))
+
+
+def _kinds(result: dict[str, Any]) -> tuple[Mark, ...]:
+    """States of contact points: open, stick and slip, or without any friction open and closed."""
+    frictional = any(contact["law"] != "none" for contact in result["contacts"])
+    *closed, still_open = marks("static" if frictional else "none")
+    return still_open, *closed
 
 
 def _obstacles(body: Any, obstacles: list[ObstacleSurface]) -> Array:
@@ -184,8 +195,8 @@ def _data(view: View) -> dict[str, Any]:
         "fields": fields,
         "status": None if not (status >= 0).any() else _floats(status),
         "statusOfTriangles": _floats(np.median(status[surface.triangles], axis=1)),
-        "statusNames": list(STATUS),
-        "statusColours": [COLOURS[name] for name in STATUS],
+        "statusNames": [kind.label for kind in view.kinds],
+        "statusColours": [kind.colour for kind in view.kinds],
         "obstacle": _floats(np.nan_to_num(obstacle)) if there.any() else None,
         "obstacleTriangles": _integers(surface.triangles[there[surface.triangles].all(axis=1)]),
         "obstacleLines": _integers(edges[there[edges].all(axis=1)]),

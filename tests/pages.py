@@ -8,5 +8,5 @@ from fenics_contact.html_writing import Html
 from fenics_contact.report_page import Content, page
 
 
-def page_of(result: dict[str, Any], scene: str = "") -> str:
-    return page(Content("folder", result, scene, [], [], Html()))
+def page_of(result: dict[str, Any], scene: str = "", keeps_scene: bool = True) -> str:
+    return page(Content("folder", {"scene": scene} | result, keeps_scene, [], [], Html()))

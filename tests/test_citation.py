@@ -41,4 +41,4 @@ def test_bibtex_is_balanced():
     text = citation.bibtex()
     assert text.count("{") == text.count("}")
     assert re.findall(r"^@(\w+)", text, re.MULTILINE) == ["article", "misc"]
-    assert citation.how_to_cite().splitlines() == [citation.PAPER, citation.PROGRAM]
+    assert citation.how_to_cite() == f"{citation.PAPER} {citation.PROGRAM}"

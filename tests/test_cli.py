@@ -106,6 +106,8 @@ def test_run_writes_what_the_interface_promises(folder):
     assert set(result) >= {
         "title",
         "converged",
+        "passed",
+        "scene",
         "verdict",
         "model",
         "contacts",

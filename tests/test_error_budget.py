@@ -167,5 +167,7 @@ def test_files_page_and_terminal_have_them(tmp_path_factory, capsys):
     assert set(row) == COLUMNS and row["domain"] > 0
     assert result["contacts"][0]["errors"]["normal_force"] == pytest.approx(row)
     assert "±" in shown and error_bar(row) in shown
+    assert result["errors"]["friction_work"]["total"] == 0  # there is no friction
+    assert result["contacts"][0]["errors"]["friction_work"]["total"] == 0
     page = page_of(result)
     assert "Estimated errors" in page and f"± {row['total']:.2g}</td>" in page

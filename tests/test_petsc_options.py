@@ -6,7 +6,7 @@ from petsc4py import PETSc
 
 import fenics_contact
 from fenics_contact import InputError, cli, main
-from fenics_contact.petsc_options import given, is_used, parse
+from fenics_contact.petsc_options import _REFUSALS, given, is_used, parse
 from tests.scenes import PULLED_BLOCK, box_body, with_solver
 from tests.test_cli import SCENE, write
 
@@ -71,6 +71,42 @@ def test_values_that_petsc_refuses_are_bad_input(folder, capsys):
     assert "PETSc refused an option of -ksp_type nonsense: Unable to find requested KSP" in said
     code, _, said = run(folder, capsys, "-snes_monitor", "4", "5")
     assert code == 2 and "'5' is neither" in said
+
+
+@pytest.mark.parametrize("solver", ["condensed", "full"])
+def test_values_that_are_read_late_are_bad_input_too(folder, capsys, solver):
+    """MUMPS reads its options as it begins to factorise."""
+    sets = [f"solver.solver={solver}"]
+    code, _, said = run(folder, capsys, "-mat_mumps_icntl_14", "abc", sets=sets)
+    assert code == 2 and said.count("\n") == 1
+    assert "an option of -mat_mumps_icntl_14 abc: Input string abc has no integer value" in said
+
+
+@pytest.mark.parametrize("name", ["ksp_type", "pc_factor_mat_solver_type"])
+def test_a_package_or_method_that_is_not_there_is_bad_input(folder, capsys, name):
+    code, _, said = run(folder, capsys, f"-{name}", "foo", sets=["solver.solver=full"])
+    assert code == 2 and f"PETSc refused an option of -{name} foo: " in said
+
+
+def test_those_of_the_environment_are_refused_likewise(folder, capsys):
+    """PETSc puts ``PETSC_OPTIONS`` into its database as it starts."""
+    PETSc.Options().setValue("fenics_contact_ksp_type", "foo")
+    try:
+        code, _, said = run(folder, capsys, "-snes_max_it", "9")
+    finally:
+        PETSc.Options().delValue("fenics_contact_ksp_type")
+    assert code == 2 and said.count("\n") == 1
+    assert "PETSc refused an option of -ksp_type foo -snes_max_it 9: Unable to find" in said
+
+
+def test_other_errors_of_petsc_are_not_blamed_on_options():
+    """Sizes that do not fit are a fault of the program, whatever options there are."""
+    square = PETSc.Mat().createAIJ((2, 2), comm=MPI.COMM_SELF)
+    square.assemble()
+    short, long = (PETSc.Vec().createSeq(size, comm=MPI.COMM_SELF) for size in (2, 3))
+    with pytest.raises(PETSc.Error) as raised, given({"fenics_contact_snes_max_it": "9"}, COMM):
+        square.mult(long, short)
+    assert raised.value.ierr in _REFUSALS
 
 
 def test_the_iterative_solver_takes_them(folder):

@@ -1,11 +1,13 @@
 """The page of a run: what it says and in which order, and that it is one valid file."""
 
+import base64
 import json
 import re
 import shutil
 import sys
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 from mpi4py import MPI
 
@@ -22,8 +24,13 @@ from fenics_contact import (
     files,
     main,
 )
+from fenics_contact.contact_table import ContactTable
+from fenics_contact.field_files import whole_body
 from fenics_contact.html_writing import bar, element, html, table
 from fenics_contact.report import write_report
+from fenics_contact.result import idle_quantities
+from fenics_contact.result_file import read_result
+from fenics_contact.view_3d import make_view, view_html
 from tests.pages import page_of
 from tests.scenes import PULLED_BLOCK, box_body, slab, with_solver
 from tests.test_outputs import block, cycled
@@ -99,7 +106,9 @@ def test_the_page_holds_everything_in_order(run):
     assert shown == {path.name for path in written if path.suffix != ".html"}
     assert all(image["alt"] for image in reader.images)
     result = json.loads((folder / "result.json").read_text())
-    for name in (*result["checks"], *result["quantities"], *result["versions"]):
+    shown = result["quantities"].keys() - idle_quantities(result["contacts"])
+    assert len(shown) > 6
+    for name in (*result["checks"], *shown, *result["versions"]):
         assert name.replace("_", " ") in text, name
     assert html((folder / "scene.toml").read_text()) in text
     assert "@article{CamposOdenKikuchi1982" in text
@@ -147,7 +156,8 @@ def found(**changes):
     model, step = {"kinematics": "3D"}, {"load_factor": 1.0, "newton_iterations": 3}
     step |= {"outer_iterations": 0, "quantities": {"normal_force": 2.0}}
     return {
-        "title": "", "verdict": "Converged.", "converged": True, "checks": checks, "model": model,
+        "title": "", "verdict": "Converged.", "converged": True, "passed": True, "model": model,
+        "checks": checks,
         "quantities": {"normal_force": 2.0}, "contacts": [], "supports": [], "steps": [step],
         "timings": {"solve": 1.0, "total": 2.0}, "versions": {"dolfinx": "0"}, "errors": {},
     } | changes  # fmt: skip
@@ -169,26 +179,57 @@ def test_what_failed_is_said_with_how_much_and_where():
         "penetration_depth": {"value": 0.3, "limit": 0.01, "passed": False, "kind": "cell"},
         "dissipation": {"value": None, "limit": 1e-6, "passed": False},
     }  # fmt: skip
-    text = page_of(found(checks=checks))
+    text = page_of(found(checks=checks, passed=False))
     assert "Not to be trusted: 3 of 4 checks failed" in text and 'class="verdict bad"' in text
     assert "the contact pulls with 25 % of the peak pressure at" in text
     assert "near (1, 2)" in text and "penetration is 30 % of the shortest edge of a cell" in text
     assert "its value is not a number" in text
     assert text.count(">FAILED<") == 3 and text.count("bar failed") == 3
     assert "use of the limit" in text
-    short = page_of(found(accuracy={"asked": {}, "reached": False}))
+    short = page_of(found(accuracy={"asked": {}, "reached": False}, passed=False))
     assert "Not as accurate as was asked for" in short
 
 
 def test_errors_are_beside_the_quantities():
     row = {"mesh": 0.01, "penalty": None, "total": None}
     whole = {"mesh": 0.01, "penalty": 0.01, "total": 0.02}
-    quantities = {"normal_force": 2.0, "reaction": [3.0, 4.0], "friction_work": 0.0}
+    quantities = {"normal_force": 2.0, "reaction": [3.0, 4.0], "external_work": 0.0}
     errors = {"normal_force": row, "reaction": whole}
     text = page_of(found(quantities=quantities, errors=errors, error_notes=["A note."]))
     assert "± 0.01 or more</td><td>0.5 %" in text
     assert "± 0.02</td><td>0.4 %" in text
     assert "not estimated" in text and "A note." in text
+
+
+def test_what_says_nothing_without_friction_is_not_shown():
+    """Neither of the whole, nor of the contact, nor among the errors."""
+    quantities = {"normal_force": 2.0, "slip_area": 3.0, "max_slip": 0.1, "friction_work": 0.0}
+    errors = {name: {"mesh": 0.01, "total": 0.01} for name in quantities}
+    contact = {
+        "name": "top", "contact": "unilateral", "law": "none", "parameters": {},
+        "quantities": quantities, "errors": errors,
+    }  # fmt: skip
+    text = page_of(found(quantities=quantities, errors=errors, contacts=[contact]))
+    assert text.count("normal force") == 3
+    for words in ("slip area", "max slip", "friction work"):
+        assert words not in text
+    rough = found(quantities=quantities, errors=errors, contacts=[contact | {"law": "static"}])
+    assert page_of(rough).count("slip area") == 3
+
+
+@pytest.mark.parametrize(
+    "coefficient, names", [(0.0, ["open", "in contact"]), (0.3, ["open", "stick", "slip"])]
+)
+def test_without_friction_the_view_tells_contact_alone(coefficient, names, tmp_path):
+    scene = slab(100, coefficient=coefficient)
+    files.solve_and_write(Run(scene, MPI.COMM_SELF), tmp_path)
+    points = ContactTable.read(tmp_path / "contact.csv")
+    view = make_view(whole_body(tmp_path), read_result(tmp_path), points)
+    text = re.search('id="view-data">(.*?)</script>', view_html(view), re.DOTALL)[1]
+    data = json.loads(text)
+    assert data["statusNames"] == names and len(data["statusColours"]) == len(names)
+    status = np.frombuffer(base64.b64decode(data["status"]), "<f4")
+    assert status.min() == -1 and 1 <= status.max() < len(names)
 
 
 def test_a_run_without_an_answer_says_what_to_try(tmp_path):
@@ -245,6 +286,17 @@ def garbled(folder):
     path.write_bytes(path.read_bytes().replace(b"displacement", b"something", 1))
 
 
+def cut_to_lines(path, number):
+    lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(b"".join(lines[:number]))
+
+
+def replaced(path, text, other):
+    before = path.read_text(encoding="utf-8")
+    assert text in before
+    path.write_text(before.replace(text, other, 1), encoding="utf-8")
+
+
 DAMAGES = {
     "a piece is cut off": (cut_off("fields_p0_*.vtu"), r"\.vtu: damaged: its end is missing"),
     "a grid is cut off": (cut_off("*.pvtu"), r"\.pvtu: damaged: its end is missing"),
@@ -255,6 +307,43 @@ DAMAGES = {
         "names no files",
     ),
     "points are gone": (lambda folder: (folder / "contact.csv").unlink(), r"contact\.csv: cannot"),
+    "points are cut off": (cut_off("contact.csv"), r"contact\.csv: damaged: line \d+ is not whole"),
+    "a line of the points is gone": (
+        lambda folder: cut_to_lines(folder / "contact.csv", -1),
+        r"contact\.csv: damaged: it has \d+ points, but the run had \d+",
+    ),
+    "points are empty": (
+        lambda folder: (folder / "contact.csv").write_text(""),
+        r"contact\.csv: damaged: its first line does not name the columns",
+    ),
+    "points have a column less": (
+        lambda folder: replaced(folder / "contact.csv", ",gap,", ","),
+        r"contact\.csv: damaged: its first line does not name",
+    ),
+    "a point is no number": (
+        lambda folder: replaced(folder / "contact.csv", "\nz0,", "\nz0,x"),
+        r"contact\.csv: damaged: could not convert string to float: 'x",
+    ),
+    "the result is cut off": (
+        cut_off("result.json"),
+        r"result\.json: not a result of this program",
+    ),
+    "the result is a word": (
+        lambda folder: (folder / "result.json").write_text('{"converged": true}'),
+        r"result\.json: not a result of this program: it lacks the key 'title'",
+    ),
+    "the result is a list": (
+        lambda folder: (folder / "result.json").write_text("[]"),
+        r"result\.json: not a result of this program: the whole: ",
+    ),
+    "a part of the result is gone": (
+        lambda folder: replaced(folder / "result.json", '"newton_iterations"', '"newton"'),
+        r"result\.json: not a .*: it lacks the key 'steps\.0\.newton_iterations'",
+    ),
+    "a part of the result is another": (
+        lambda folder: replaced(folder / "result.json", '"passed": true', '"passed": [2]'),
+        r"result\.json: not a result of this program: passed: input should be a valid boolean",
+    ),
 }
 
 
@@ -266,6 +355,7 @@ def test_damaged_files_are_named(damage, run, tmp_path):
     action(tmp_path / "damaged")
     with pytest.raises(InputError, match=words):
         write_report(tmp_path / "damaged")
+    assert main(["report", str(tmp_path / "damaged")]) == 2
     assert not (tmp_path / "damaged/report.html").exists()
 
 
@@ -278,3 +368,6 @@ def test_a_library_that_is_missing_is_named(run, monkeypatch):
 def test_a_scene_of_a_file_says_how_to_make_it_again():
     text = page_of(found(model={"ranks": 2}), 'kinematics = "3D"\n')
     assert "mpirun -n 2 fenics-contact run scene.toml --out again" in text
+    text = page_of(found(), 'kinematics = "3D"\n', keeps_scene=False)
+    assert "Save the scene above as solved.toml" in text
+    assert "fenics-contact run solved.toml --out again" in text

@@ -15,7 +15,6 @@ from fenics_contact import (
     Accuracy,
     Contact,
     HalfSpace,
-    InputError,
     Load,
     Material,
     MeshSource,
@@ -33,7 +32,9 @@ from fenics_contact import (
     main,
 )
 from fenics_contact.gmsh_files import load_body
+from fenics_contact.html_writing import html
 from fenics_contact.parallel import on_root
+from fenics_contact.scene_file import scene_of_text
 from fenics_contact.scene_writing import scene_text, write_scene
 from tests.random_scenes import draw
 from tests.scenes import ROOT, SLAB, slab
@@ -180,12 +181,36 @@ def test_a_file_of_the_user_is_never_lost(tmp_path):
     text = own.read_text().split("\n", 1)[1] + "# my own words\n"
     own.write_text(text)
     write_scene(load_scene(own), tmp_path)  # the same scene
-    with pytest.raises(InputError, match=r"scene\.toml' is not of an earlier run"):
-        write_scene(load_scene(own, ["contact.0.pressure=200"]), tmp_path)
+    said = write_scene(load_scene(own, ["contact.0.pressure=200"]), tmp_path)
     assert own.read_text() == text
+    assert tomllib.loads(said)["contact"][0]["pressure"] == 200
     own.write_text("[not a scene")
-    with pytest.raises(InputError, match="not of an earlier run"):
-        write_scene(load_scene(ROOT / "demos/slab.toml"), tmp_path)
+    write_scene(load_scene(ROOT / "demos/slab.toml"), tmp_path)
+    assert own.read_text() == "[not a scene"
+
+
+@pytest.mark.serial
+def test_what_was_solved_is_known_whatever_becomes_of_the_file(tmp_path):
+    """A scene.toml of the user's in the run's folder, changed on the command line, then edited."""
+    own = tmp_path / "scene.toml"
+    demo = (ROOT / "demos/slab.toml").read_text().replace("../meshes", str(ROOT / "meshes"))
+    own.write_text(demo)
+    run = ["run", str(own), "--out", str(tmp_path), "--quiet"]
+    assert main([*run, "--set", "contact.0.pressure=200"]) == 0
+    assert own.read_text() == demo
+    assert main([*run, "--set", "contact.0.pressure=200", "--set", "steps.end=2", "--resume"]) == 0
+    own.write_text(demo.replace("pressure = 300", "pressure = 900"))
+    assert main(["report", str(tmp_path), "--quiet"]) == 0
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert scene_of_text(result["scene"], own).contact[0].pressure == 200
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert html(result["scene"]) in page and "pressure = 900" not in page
+    assert "Save the scene above as solved.toml" in page
+    (tmp_path / "solved.toml").write_text(result["scene"], encoding="utf-8")
+    solved, said = load_scene(tmp_path / "solved.toml"), load_scene(own, ["contact.0.pressure=200"])
+    assert pathlib.Path(solved.mesh[0].file).resolve() == ROOT / "meshes/slab.geo"
+    ours = dataclasses.replace(said, steps=solved.steps, mesh=solved.mesh)
+    assert solved == ours and solved.steps.end == 2
 
 
 def test_levels_have_the_scene_of_the_user(folder):
@@ -196,5 +221,7 @@ def test_levels_have_the_scene_of_the_user(folder):
     files.solve_levels_and_write(Run(scene, COMM), folder / "out")
     read = on_root(COMM, lambda: load_scene(folder / "out/scene.toml"))
     assert read.accuracy == scene.accuracy
+    kept = on_root(COMM, lambda: json.loads((folder / "out/result.json").read_text())["scene"])
+    assert kept == on_root(COMM, lambda: (folder / "out/scene.toml").read_text())
     found = on_root(COMM, lambda: str(pathlib.Path(read.mesh[0].file).resolve()))
     assert found == str(ROOT / "meshes/slab.geo")

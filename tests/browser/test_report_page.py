@@ -11,8 +11,9 @@ from PIL import Image
 from fenics_contact import Obstacle, Run, files
 from fenics_contact.contact_table import ContactTable
 from fenics_contact.field_files import whole_body
-from fenics_contact.report import read_result, write_report
+from fenics_contact.report import write_report
 from fenics_contact.report_page import Content, page
+from fenics_contact.result_file import read_result
 from fenics_contact.view_3d import make_view, view_html
 from tests.browser.conftest import WINDOW
 from tests.pages import page_of
@@ -51,7 +52,7 @@ def view_page(folder):
     """A page with the view of a run, and no pictures."""
     result, table = read_result(folder), ContactTable.read(folder / "contact.csv")
     view = view_html(make_view(whole_body(folder), result, table))
-    return page(Content("folder", result, "", [], [], view))
+    return page(Content("folder", result, True, [], [], view))
 
 
 def drawn(browser):
@@ -131,7 +132,7 @@ def test_the_view_says_the_values_pointed_at(pages, browser):
     drawn(browser)
     said = browser.driver.execute_script("return document.getElementById('view').data[0].text")
     result = json.loads((pages["plane"].parent / "result.json").read_text())
-    assert any(text.endswith("SLIP") for text in said)
+    assert any(text.endswith("slip") for text in said)
     pressure = result["quantities"]["max_contact_pressure"]
     assert any(f"contact pressure p = {pressure:g}" in text for text in said)
 
@@ -173,9 +174,9 @@ def test_anchors_lead_somewhere(pages, browser):
 
 def test_a_page_without_fields_has_no_error(browser, tmp_path):
     result = {
-        "title": "<b>", "verdict": "No answer", "converged": False, "checks": {}, "quantities": {},
-        "model": {}, "contacts": [], "supports": [], "timings": {"total": 1.0}, "versions": {},
-        "steps": [],
+        "title": "<b>", "verdict": "No answer", "converged": False, "passed": False,
+        "checks": {}, "quantities": {}, "model": {}, "contacts": [], "supports": [],
+        "timings": {"total": 1.0}, "versions": {}, "steps": [],
     }  # fmt: skip
     path = tmp_path / "report.html"
     path.write_text(page_of(result), encoding="utf-8")
