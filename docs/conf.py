@@ -77,13 +77,18 @@ napoleon_use_ivar = True
 napoleon_use_rtype = False  # "The exit code: 0 …" is no type
 
 # Names in signatures that have no page here: those of other projects, whose pages are not asked, as
-# nothing is fetched, and those of modules that are not shown.
+# nothing is fetched; and, by name, those of modules that are not shown.
 nitpick_ignore_regex = [
     (r"py:.*", r"(numpy|np|dolfinx|ufl|basix|petsc4py|PETSc|mpi4py|MPI|scipy|pydantic|NDArray).*"),
     (r"py:.*", r"(argparse|collections|pathlib|types)\..*"),
-    (r"py:class", r"fenics_contact\.\w+\.\w+"),
-    (r"py:class", r"[A-Z]\w+"),
 ]
+_INNER = (
+    *("accepted_step.Unknowns", "condensed_system.CondensedSystem", "contact.ContactSurface"),
+    *("facet_mesh.FacetMesh", "problem.Problem", "solution.Solution", "spaces.Spaces"),
+    *("state_file.SavedRun", "state_file.StateFile", "supports.Supports", "system.System"),
+    *("timings.Timings", "trace.Trace"),
+)
+nitpick_ignore = [("py:class", f"fenics_contact.{name}") for name in _INNER]
 
 _MATHJAX = "tex-svg-full.js"  # all of it in one file, fonts as well
 mathjax_path = f"mathjax/{_MATHJAX}"
