@@ -81,7 +81,8 @@ def measure(folder: Path, quick: bool) -> dict[str, Any]:
     for name, phase in PHASES.items():
         setattr(report, name, timed(seconds, phase, getattr(report, name)))
     started, begun = time.perf_counter(), time.process_time()
-    *_, page = report.write_report(folder)
+    report.write_report(folder)
+    page = folder / report.PAGE
     total, own = time.perf_counter() - started, time.process_time() - begun
     return {
         "dofs": result.model["dofs"],

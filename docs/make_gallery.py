@@ -18,11 +18,9 @@ from concurrent.futures import ThreadPoolExecutor
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
 
-from fenics_contact import report
 from fenics_contact.contact_table import ContactTable
-from fenics_contact.pictures import draw_pictures
+from fenics_contact.report import write_report
 from fenics_contact.result import error_bar
 from fenics_contact.verification.case import Finding
 
@@ -93,15 +91,11 @@ def run(name: str, folder: Path, overrides: Sequence[str] = ()) -> None:
 
 def draw(folder: Path) -> None:
     """Write the report of a run, and what its pictures show to ``pictures.json``."""
-    pictures = draw_pictures(folder, _read(folder).result)
     said = [
         {"file": picture.path.name, "title": picture.title, "caption": picture.caption}
-        for picture in pictures
+        for picture in write_report(folder)
     ]
     (folder / "pictures.json").write_text(json.dumps(said), encoding="utf-8")
-    # they are drawn, and need not be again
-    with patch.object(report, "draw_pictures", lambda *_: pictures):
-        report.write_report(folder)
 
 
 def _call(command: list[str]) -> None:

@@ -167,11 +167,11 @@ def _draw(folder: Path, quiet: bool) -> None:
 
 
 def _report(folder: Path, quiet: bool) -> int:
-    from fenics_contact.report import write_report
+    from fenics_contact.report import PAGE, write_report
 
-    for path in write_report(folder):
-        if not quiet:
-            print(f"  {path}")
+    written = [*(picture.path for picture in write_report(folder)), folder / PAGE]
+    for path in [] if quiet else written:
+        print(f"  {path}")
     return 0
 
 

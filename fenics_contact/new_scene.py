@@ -7,6 +7,8 @@ import shlex
 import tomllib
 from pathlib import Path
 
+import tomlkit
+
 from fenics_contact.cli_options import did_you_mean
 from fenics_contact.errors import InputError, MachineError
 from fenics_contact.own_files import mesh_file, templates
@@ -52,7 +54,7 @@ def write(name: str | None, out: Path | None = None) -> str:
         if path.exists():
             raise InputError(f"new: '{path}' exists, and is left as it is; give another --out")
     (source,) = geometries(text)
-    text = _GEOMETRY.sub(lambda _: f"file = {_quoted(geometry.name)}", text)
+    text = _GEOMETRY.sub(lambda _: f"file = {tomlkit.string(geometry.name).as_string()}", text)
     try:
         make_folder(scene.parent)
         replace_file(geometry, Path(mesh_file(source)).read_bytes())
@@ -65,11 +67,6 @@ def write(name: str | None, out: Path | None = None) -> str:
 def geometries(text: str) -> set[str]:
     """The files of a scene's meshes."""
     return set(_GEOMETRY.findall(text))
-
-
-def _quoted(name: str) -> str:
-    """A text as TOML has it."""
-    return '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
 def _next(title: str, scene: Path, geometry: Path) -> str:

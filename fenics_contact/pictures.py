@@ -16,7 +16,6 @@ from fenics_contact.body_film import MOST_BODIES, Overview, draw_body_film
 from fenics_contact.body_picture import draw_body
 from fenics_contact.contact_profile import draw_profile
 from fenics_contact.contact_table import ContactTable
-from fenics_contact.convergence_pictures import draw_convergence
 from fenics_contact.curves import draw_curves
 from fenics_contact.errors import InputError
 from fenics_contact.figures import style
@@ -87,7 +86,7 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Picture]:
         The deformed body; of each contact pressure and friction, beside formulas where there are
         some, and the stress below it; displacements and stresses along lines of flat models;
         curves over the load steps where there are several, and animations where there are many;
-        the mesh of an adaptive run; how it converged. Beside each PNG is a PDF of its name.
+        the mesh of an adaptive run. Beside each PNG is a PDF of its name.
 
     Raises:
         InputError: matplotlib, pyvista or a display is missing; says what to install.
@@ -104,7 +103,6 @@ def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Picture]:
             *draw_history(folder, result, run.far),
             *_animations(run),
             *_adapted(run),
-            *draw_convergence(folder, result),
         ]
 
 

@@ -10,6 +10,7 @@ from fenics_contact.errors import InputError
 from fenics_contact.field_files import whole_body
 from fenics_contact.figures import style
 from fenics_contact.html_writing import Html
+from fenics_contact.picture import Picture
 from fenics_contact.pictures import draw_pictures, require
 from fenics_contact.report_page import Content, page
 from fenics_contact.result_file import read_result
@@ -20,7 +21,7 @@ from fenics_contact.writing import replace_file
 PAGE = "report.html"
 
 
-def write_report(folder: Path) -> list[Path]:
+def write_report(folder: Path) -> list[Picture]:
     """Draw the pictures of a run and write ``report.html``, which holds them, beside them.
 
     Of a run that did not converge they are those of the last load step that was done, if any.
@@ -29,7 +30,7 @@ def write_report(folder: Path) -> list[Path]:
         folder: Output folder of a run.
 
     Returns:
-        The files written.
+        The pictures that were drawn.
 
     Raises:
         InputError: The folder holds no run, or a file of it cannot be read; a library is missing.
@@ -45,13 +46,10 @@ def write_report(folder: Path) -> list[Path]:
         pictures = draw_pictures(folder, done)
     with style():
         convergence = draw_convergence(folder, result)
-    names = {picture.path for picture in convergence}
-    shown = [picture for picture in pictures if picture.path not in names]
     kept = _is_in(folder, result["scene"])
-    content = Content(folder.resolve().name, result, kept, shown, convergence, view)
-    path = folder / PAGE
-    replace_file(path, page(content).encode())
-    return [*(picture.path for picture in [*shown, *convergence]), path]
+    content = Content(folder.resolve().name, result, kept, pictures, convergence, view)
+    replace_file(folder / PAGE, page(content).encode())
+    return [*pictures, *convergence]
 
 
 def _points(folder: Path, number: int) -> ContactTable:

@@ -201,7 +201,7 @@ def test_curves_over_the_steps(tmp_path):
     pytest.importorskip("pyvista")
     prepared = Run(cycled(FEWEST_STEPS - 1), MPI.COMM_SELF, block(MPI.COMM_SELF, (4, 2)))
     assert files.solve_and_write(prepared, tmp_path).passed
-    names = {path.name for path in report.write_report(tmp_path)}
+    names = {picture.path.name for picture in report.write_report(tmp_path)}
     assert names >= HISTORY
     assert all((tmp_path / name).stat().st_size > 10_000 for name in HISTORY)
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
