@@ -222,23 +222,18 @@ class FarField:
                 f"{key}.obstacle: in plane strain the indentation of a half-space has no datum (it "
                 "grows with the logarithm of the distance), so give its force"
             )
-        apex = self._apex(contact, key)
+        apex = self._apex(contact)
         foot = apex + ((rows[0, :3] - apex) @ inward) * inward
         self._require_inside(rows[:, :3], foot, contact, key)
         return foot
 
-    def _apex(self, contact: ContactSurface, key: str) -> Array:
-        """The obstacle's apex; without one, the middle of the contact surface."""
+    def _apex(self, contact: ContactSurface) -> Array:
+        """The obstacle's position, by default the origin; without any, the surface's middle."""
         obstacle = contact.contact.obstacle
         apex = np.zeros(3)
         if obstacle is not None and obstacle.position is not None:
             apex[: self._spaces.components] = obstacle.position
-        elif obstacle is not None and obstacle.gap is not None:
-            raise InputError(
-                f"{key}.obstacle.position is missing: a half_space needs to know where a gap's "
-                "force acts"
-            )
-        elif obstacle is None or obstacle.shape is None:
+        elif obstacle is None or (obstacle.shape is None and obstacle.gap is None):
             trace = contact.trace
             apex = trace.integral(trace.coordinates) / trace.integral(np.ones(len(trace.weights)))
             if self._spaces.kinematics == "axisymmetric":

@@ -63,7 +63,10 @@ class Obstacle:
     ] = None
     position: Annotated[
         Direction | None,
-        Field(description="apex, or a point of a plane (length); by default the origin"),
+        Field(
+            description="apex, a point of a plane, or where a gap's force acts on a half-space "
+            "(length); by default the origin"
+        ),
     ] = None
     normal: Annotated[
         Direction | None,
@@ -108,7 +111,7 @@ class Obstacle:
         if self.force is not None and self.indentation is not None:
             raise ValueError("give either an indentation or a force")
         if self.shape is None and self.gap is None and self.position is not None:
-            raise ValueError("position: only a shape has one")
+            raise ValueError("position: only a shape or a gap has one")
         if self.along is not None and self.shape not in ("parabola", "cylinder"):
             raise ValueError("along: only a 3D parabola or cylinder has such a direction")
         needs_radius = self.shape not in (None, "plane")

@@ -159,6 +159,18 @@ def test_around_an_axis_friction_has_no_resultant():
     assert [unknown.kind for unknown in prepared.problem.unknowns] == ["indentation"]
 
 
+@pytest.mark.parametrize(
+    ("kinematics", "shape"), [("axisymmetric", "paraboloid"), ("plane strain", "parabola")]
+)
+def test_the_force_of_a_gap_acts_at_the_origin_by_default(kinematics, shape):
+    """The gap x²/2R is the parabola's, which stands at the origin."""
+    gap = Obstacle(gap=lambda x: x[0] ** 2 / 16, force=500)
+    found = run(scene(kinematics, gap)).quantities
+    wanted = run(scene(kinematics, Obstacle(shape, radius=8, force=500))).quantities
+    for name in ("max_contact_pressure", "contact_area", "strain_energy"):
+        assert found[name] == pytest.approx(wanted[name], rel=1e-9), name
+
+
 def test_line_contact_half_and_whole_agree_and_name_no_indentation():
     """Mirror images: half a model with half the force, on either side of x = 0."""
     radius, force = 8.0, 400.0

@@ -168,7 +168,7 @@ def test_bad_obstacles_give_one_sentence(obstacle, kinematics, normals, message)
         ({"shape": "annular punch", "radius": 1}, "inner_radius belongs"),
         ({"shape": "annular punch", "radius": 1, "inner_radius": 2}, "must be less"),
         ({"shape": "sphere", "radius": 1, "along": (1, 0, 0)}, "only a 3D parabola or cylinder"),
-        ({"position": (0, 5)}, "position: only a shape has one"),
+        ({"position": (0, 5)}, "position: only a shape or a gap has one"),
         ({"normal": (0, 0)}, "normal must not be a zero vector"),
         ({"force": -1}, "greater than or equal to 0"),
     ],
