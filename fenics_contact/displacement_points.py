@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
-from dolfinx import fem
+from dolfinx import fem, geometry
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fenics_contact import compat
@@ -16,12 +17,15 @@ from fenics_contact.scene import Point
 from fenics_contact.spaces import Spaces
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.integer[Any]]
 
 # Reference coordinates beyond a cell's by no more are inside: round-off of points on its boundary.
 _OUTSIDE = 1e-6
 # How far a cell with curved sides may reach beyond the box around its nodes, over that box.
 _BULGE = 0.1
 _NEWTON_STEPS = 30
+# Points whose cells are sought together: what is kept of them meanwhile stays small.
+_AT_ONCE = 512
 
 
 class DisplacementPoints:
@@ -39,12 +43,22 @@ class DisplacementPoints:
     """
 
     def __init__(self, points: Sequence[Point], spaces: Spaces) -> None:
-        self._comm, self._components = spaces.comm, spaces.components
-        self._found = [_find(point, number, spaces) for number, point in enumerate(points)]
+        self._comm = spaces.comm
         self._names = [f"displacement_{point.name}" for point in points]
+        self._shape = len(points), spaces.components
         self._at = np.zeros((len(points), 3))
         for place, point in zip(self._at, points, strict=True):
             place[: len(point.at)] = point.at
+        found = _cells_with(spaces, self._at)
+        first = _first_of(spaces, found, len(points))
+        outside = np.flatnonzero(first == np.inf)
+        if outside.size:
+            _refuse(points, int(outside[0]), spaces)
+        mine = _numbers(spaces)[found.cells] == first[found.points]
+        self._points, self._cells = found.points[mine], found.cells[mine]
+        element = spaces.displacement_space.ufl_element().sub_elements[0]
+        self._weights = _table(element, 0, found.references[mine])[0]
+        self._nodes = spaces.displacement_space.dofmap.list[self._cells]
 
     def quantities(self, displacement: Array) -> dict[str, list[float]]:
         """The displacement at every point, by quantity.
@@ -52,82 +66,127 @@ class DisplacementPoints:
         Args:
             displacement: At the body's nodes of this rank, (nodes, components) (length).
         """
-        values = np.zeros((len(self._found), self._components))
-        for value, (_, nodes, weights) in zip(values, self._found, strict=True):
-            value += weights @ displacement[nodes]
-        return self._summed(values)
+        return self._summed(np.einsum("pn,pnc->pc", self._weights, displacement[self._nodes]))
 
     def of_function(self, function: fem.Function) -> dict[str, list[float]]:
         """A function of vectors at every point, in the cell that the point counts to."""
-        values = np.zeros((len(self._found), self._components))
-        for value, at, (cell, _, _) in zip(values, self._at, self._found, strict=True):
-            if cell is not None:
-                value += function.eval(at, cell)
-        return self._summed(values)
+        values = function.eval(self._at[self._points], self._cells.astype(np.int32))
+        return self._summed(np.reshape(values, (len(self._points), -1)))
 
     def _summed(self, values: Array) -> dict[str, list[float]]:
-        return dict(zip(self._names, total(self._comm, values).tolist(), strict=True))
+        """Values at the points of this rank, by quantity and of all ranks."""
+        every = np.zeros(self._shape)
+        every[self._points] = values
+        return dict(zip(self._names, total(self._comm, every).tolist(), strict=True))
 
 
-def _find(point: Point, number: int, spaces: Spaces) -> tuple[int | None, NDArray[np.int32], Array]:
-    """Cell, nodes and shape functions of a point on the rank that has it, none on the others."""
-    mesh = spaces.body.mesh
-    at = np.zeros(3)
-    at[: len(point.at)] = point.at
-    inside = _cells_with(mesh, spaces.body.dimension, at)
-    original = np.asarray(mesh.topology.original_cell_index, dtype=np.float64)
-    first = smallest(spaces.comm, original[list(inside)], empty=np.inf)
-    if first == np.inf:
-        corners = mesh.geometry.x.T[: len(point.at)]
-        least, most = ([f(spaces.comm, x) for x in corners] for f in (smallest, largest))
-        raise InputError(
-            f"point[{number}].at = {list(point.at)}: is outside the body, which reaches from "
-            f"{_written(least)} to {_written(most)}"
-        )
-    for cell, reference in inside.items():
-        if original[cell] == first:
-            element = spaces.displacement_space.ufl_element().sub_elements[0]
-            weights = element.tabulate(0, reference[None])[0].reshape(-1)
-            return cell, spaces.displacement_space.dofmap.cell_dofs(cell), weights
-    return None, np.zeros(0, dtype=np.int32), np.zeros(0)
+class _Found(NamedTuple):
+    """Cells of this rank that hold points: a row for each pair of these.
+
+    Attributes:
+        points: Numbers of the points, (pairs,).
+        cells: Numbers of the cells, (pairs,).
+        references: Where the point is on the reference cell, (pairs, dimension).
+    """
+
+    points: Integers
+    cells: Integers
+    references: Array
 
 
-def _cells_with(mesh: Any, dimension: int, at: Array) -> dict[int, Array]:
-    """This rank's own cells that hold a point, and where it is on their reference cell."""
-    corners = mesh.geometry.x[
-        compat.geometry_nodes(mesh)[: mesh.topology.index_map(dimension).size_local]
-    ][:, :, :dimension]
+def _numbers(spaces: Spaces) -> Array:
+    """The number that each cell of this rank had where the mesh was made."""
+    return np.asarray(spaces.body.mesh.topology.original_cell_index, dtype=np.float64)
+
+
+def _first_of(spaces: Spaces, found: _Found, count: int) -> Array:
+    """Of all ranks' cells that hold a point the first number, infinite without one; collective."""
+    first = np.full(count, np.inf)
+    np.minimum.at(first, found.points, _numbers(spaces)[found.cells])
+    spaces.comm.Allreduce(MPI.IN_PLACE, first, op=MPI.MIN)
+    return first
+
+
+def _refuse(points: Sequence[Point], number: int, spaces: Spaces) -> NoReturn:
+    """A point that no cell holds; collective."""
+    at = points[number].at
+    corners = spaces.body.mesh.geometry.x.T[: len(at)]
+    least, most = ([f(spaces.comm, x) for x in corners] for f in (smallest, largest))
+    raise InputError(
+        f"point[{number}].at = {list(at)}: is outside the body, which reaches from "
+        f"{_written(least)} to {_written(most)}"
+    )
+
+
+def _cells_with(spaces: Spaces, at: Array) -> _Found:
+    """This rank's own cells that hold the points."""
+    mesh, dimension = spaces.body.mesh, spaces.body.dimension
+    own = np.arange(mesh.topology.index_map(dimension).size_local, dtype=np.int32)
+    corners = mesh.geometry.x[compat.geometry_nodes(mesh)[own]][:, :, :dimension]
+    nothing = np.zeros(0, dtype=np.int64)
+    parts = [_Found(nothing, nothing, np.zeros((0, dimension)))]
+    if len(own) and len(at):
+        # Round-off is in units of the coordinates, too, for bodies far from the origin.
+        bulge = _BULGE if spaces.geometry_order > 1 else _OUTSIDE
+        margin = bulge * np.ptp(corners, axis=1).max() + 1e-12 * np.abs(corners).max()
+        tree = geometry.bb_tree(mesh, dimension, entities=own, padding=margin)
+        for start in range(0, len(at), _AT_ONCE):
+            near = geometry.compute_collisions_points(tree, at[start : start + _AT_ONCE])
+            points = start + np.repeat(np.arange(near.num_nodes), np.diff(near.offsets))
+            parts.append(_inside(mesh, corners, at[:, :dimension], points, near.array))
+    return _Found(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def _inside(mesh: Any, corners: Array, at: Array, points: Integers, cells: Integers) -> _Found:
+    """The pairs of points and cells near each other whose cell really holds the point."""
     least, most = corners.min(axis=1), corners.max(axis=1)
     margin = _BULGE * (most - least)
-    place = at[:dimension]
-    near = ((place >= least - margin) & (place <= most + margin)).all(axis=1)
-    found = {}
-    for cell in np.flatnonzero(near):
-        reference = _reference_of(mesh, corners[cell], place)
-        if reference is not None:
-            found[int(cell)] = reference
-    return found
+    place, least, most = at[points], (least - margin)[cells], (most + margin)[cells]
+    near = np.all((place >= least) & (place <= most), axis=1)
+    points, cells = points[near], cells[near]
+    references, inside = _references_of(mesh, corners[cells], at[points])
+    return _Found(points[inside], cells[inside], references[inside])
 
 
-def _reference_of(mesh: Any, corners: Array, place: Array) -> Array | None:
-    """Where a point is on a cell's reference cell, by Newton's method; None if outside."""
+def _references_of(mesh: Any, corners: Array, places: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Where points are on the reference cells, by Newton's method, and whether they are inside.
+
+    Args:
+        mesh: Whose cells they are.
+        corners: All points of each cell's geometry, (pairs, points, dimension).
+        places: The points that are sought, (pairs, dimension).
+    """
     element = mesh.ufl_domain().ufl_coordinate_element().sub_elements[0]
     tensor = compat.is_tensor_cell(mesh)
-    dimension = len(place)
-    reference = np.full(dimension, 1 / 2 if tensor else 1 / (dimension + 1))
+    dimension = places.shape[1]
+    references = np.full(places.shape, 1 / 2 if tensor else 1 / (dimension + 1))
+    settled = np.zeros(len(places), dtype=bool)
+    active = np.arange(len(places))
     for _ in range(_NEWTON_STEPS):
-        table = element.tabulate(1, reference[None]).reshape(1 + dimension, -1)
-        gradient = (table[1:] @ corners).T
-        if not np.linalg.det(gradient):
-            return None
-        step = np.linalg.solve(gradient, place - table[0] @ corners)
-        reference = reference + step
-        if np.abs(step).max() < 1e-2 * _OUTSIDE:
+        if not active.size:
             break
-    else:
-        return None
-    beyond = max(-reference.min(), reference.max() - 1 if tensor else reference.sum() - 1)
-    return reference if beyond <= _OUTSIDE else None
+        table = _table(element, 1, references[active])
+        reached, *slopes = (np.einsum("pn,pnd->pd", rows, corners[active]) for rows in table)
+        gradients = np.stack(slopes, axis=2)
+        regular = np.linalg.det(gradients) != 0
+        active = active[regular]
+        missing = places[active] - reached[regular]
+        steps = np.linalg.solve(gradients[regular], missing[:, :, None])[:, :, 0]
+        references[active] += steps
+        done = np.abs(steps).max(axis=1, initial=0.0) < 1e-2 * _OUTSIDE
+        settled[active[done]] = True
+        active = active[~done]
+    far = references.max(axis=1) - 1 if tensor else references.sum(axis=1) - 1
+    beyond = np.maximum(-references.min(axis=1), far)
+    return references, settled & (beyond <= _OUTSIDE)
+
+
+def _table(element: Any, derivatives: int, references: Array) -> Array:
+    """Shape functions, and their slopes, at points: (1 or 1 + dimension, points, nodes)."""
+    if len(references):
+        return np.asarray(element.tabulate(derivatives, references))
+    # basix takes no empty list of points
+    return np.zeros((1 + derivatives * references.shape[1], 0, element.dim))
 
 
 def _written(values: Sequence[float]) -> str:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
@@ -293,12 +294,8 @@ class Scene:
                     f"point[{number}].at has {len(point.at)} entries; "
                     f"a {self.kinematics} model needs {dimension}"
                 )
-            if any(other.name == point.name for other in self.point[:number]):
-                raise ValueError(f"two points are called '{point.name}': give each its own name")
-        labels = [contact.label for contact in self.contact]
-        for label in labels:
-            if labels.count(label) > 1:
-                raise ValueError(f"two contacts are called '{label}': give each its own name")
+        _require_distinct("points", [point.name for point in self.point])
+        _require_distinct("contacts", [contact.label for contact in self.contact])
 
     @property
     def dimension(self) -> int:
@@ -308,12 +305,17 @@ class Scene:
 
 def _require_names(meshes: tuple[MeshSource, ...]) -> None:
     """Several meshes are told apart by their names."""
-    names = [mesh.name for mesh in meshes]
-    for number, name in enumerate(names):
-        if not name:
+    for number, mesh in enumerate(meshes):
+        if not mesh.name:
             raise ValueError(f"mesh[{number}].name is missing: each of several meshes needs one")
-        if name in names[:number]:
-            raise ValueError(f"mesh[{number}].name = '{name}': another mesh has it already")
+    _require_distinct("meshes", [mesh.name for mesh in meshes])
+
+
+def _require_distinct(things: str, names: Sequence[str]) -> None:
+    """Things of one kind are told apart by their names."""
+    name, count = Counter(names).most_common(1)[0] if names else ("", 0)
+    if count > 1:
+        raise ValueError(f"two {things} are called '{name}': give each its own name")
 
 
 def _require_axes(obstacle: Obstacle | None, dimension: int, key: str) -> None:

@@ -202,7 +202,7 @@ def test_names_that_do_not_tell_meshes_apart_are_refused(folder):
     upper, lower = two(folder)
     for wrong, message in (
         ("", r"mesh\[1\].name is missing"),
-        ("upper", r"mesh\[1\].name = 'upper': another mesh has it already"),
+        ("upper", "two meshes are called 'upper': give each its own name"),
     ):
         with pytest.raises(ValueError, match=message):
             scene_of((upper, dataclasses.replace(lower, name=wrong)), ("upper", "lower"))

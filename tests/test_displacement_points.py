@@ -19,6 +19,8 @@ from fenics_contact import (
     Scene,
     Support,
 )
+from fenics_contact.displacement_points import DisplacementPoints
+from fenics_contact.spaces import Spaces
 from tests.scenes import ROOT, box_body
 
 COMM = MPI.COMM_WORLD
@@ -151,6 +153,18 @@ def test_points_that_make_no_sense_are_refused(points, message):
         dataclasses.replace(scene, point=points)
     with pytest.raises(ValueError, match="may have only letters"):
         Point("a,b", (0.0, 0.0))
+
+
+def test_as_many_points_as_one_likes():
+    """50,000, some on sides that cells share: in seconds, not the hours of comparing each pair."""
+    size = 1.0, 0.8
+    places = np.random.default_rng(3).integers(0, 97, (50_000, 2)) / 96.0 * size
+    scene = linear_scene(2, 1, [tuple(place) for place in places.tolist()])
+    spaces = Spaces(scene, twisted(box_body((5, 4), size), size))
+    points = DisplacementPoints(scene.point, spaces)
+    found = points.quantities(spaces.coordinates[:, :2] @ GRADIENT[:2, :2].T)
+    values = np.array([found[f"displacement_{point.name}"] for point in scene.point])
+    assert np.abs(values - places @ GRADIENT[:2, :2].T).max() < 1e-14
 
 
 def test_steps_have_it_too(tmp_path):
