@@ -20,7 +20,7 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
-from fenics_contact import compat, material
+from fenics_contact import compat, form_cache, material
 from fenics_contact.elasticity import Isotropic, strain, strain_energy
 from fenics_contact.material import Elasticities
 from fenics_contact.moduli import Moduli
@@ -75,7 +75,7 @@ class ElasticBody:
             stress = self.law.deviatoric_stress(e)
         energy = strain_energy(e, stress, spaces.weight, spaces.bulk)
         residual = ufl.derivative(energy, displacement)
-        self.stiffness = fem.form(ufl.derivative(residual, displacement))
+        self.stiffness = form_cache.form(ufl.derivative(residual, displacement))
 
     def moduli_behind(self, nodes: NDArray[np.int32]) -> Moduli:
         """Those of the stiffest of the parts that nodes of this rank belong to; collective."""
@@ -122,9 +122,9 @@ class ElasticBody:
             difference = _cell_covariance(spaces.body.mesh, s, t)
             compressibility += weight / law.shear_modulus * difference * bulk
         return MixedForms(
-            gradient=fem.form(weight * s * ufl.tr(self.strain(v)) * bulk),
-            divergence=fem.form(weight * t * ufl.tr(self.strain(u)) * bulk),
-            compressibility=fem.form(compressibility),
+            gradient=form_cache.form(weight * s * ufl.tr(self.strain(v)) * bulk),
+            divergence=form_cache.form(weight * t * ufl.tr(self.strain(u)) * bulk),
+            compressibility=form_cache.form(compressibility),
             mean_stress=fem.Function(space, name="mean_stress"),
         )
 

@@ -15,6 +15,7 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from fenics_contact import form_cache
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.check_tools import balance, nearer_to_failing
 from fenics_contact.compliance_checks import penetration_depth, stick_creep
@@ -143,7 +144,9 @@ def boundary_stress(forces: BulkForces) -> Check | None:
         if problem.is_loaded(contact.sides.group) or not axes.any():
             continue
         measure = spaces.boundary(contact.sides.group)
-        nodal = spaces.assemble(fem.form(spaces.weight * ufl.dot(stress_vector, test) * measure))
+        nodal = spaces.assemble(
+            form_cache.form(spaces.weight * ufl.dot(stress_vector, test) * measure)
+        )
         found = total(problem.comm, nodal[: spaces.owned_nodes].sum(axis=0))
         state = forces.solution.states[number]
         traction = state.friction_traction - state.contact_pressure[:, None] * contact.trace.normals
@@ -178,5 +181,5 @@ def _mean_stress(forces: BulkForces) -> float:
     """Root mean square stress of the body, √(E a(u, u) / volume), E the largest stiffness."""
     problem, spaces = forces.problem, forces.problem.spaces
     energy = 2 * forces.strain_energy
-    volume = total(problem.comm, fem.assemble_scalar(fem.form(spaces.weight * spaces.bulk)))
+    volume = total(problem.comm, fem.assemble_scalar(form_cache.form(spaces.weight * spaces.bulk)))
     return float(np.sqrt(max(energy, 0.0) * problem.elastic.reference_modulus / volume))

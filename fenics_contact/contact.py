@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem
 from numpy.typing import NDArray
 
+from fenics_contact import form_cache
 from fenics_contact.body_kinematics import BodyKinematics
 from fenics_contact.bulk import ElasticBody
 from fenics_contact.contact_history import ContactHistory
@@ -335,7 +335,7 @@ class ContactSurface:
         work = -prescribed_pressure_energy(
             test, self.trace.normal, pressure, self.trace.weight, self.trace.measure
         )
-        return fem.form(work)
+        return form_cache.form(work)
 
     def pressure(self) -> Array:
         """Contact pressure at the points at the present jump (stress)."""

@@ -71,7 +71,7 @@ class DisplacementPoints:
     def of_function(self, function: fem.Function) -> dict[str, list[float]]:
         """A function of vectors at every point, in the cell that the point counts to."""
         values = function.eval(self._at[self._points], self._cells.astype(np.int32))
-        return self._summed(np.reshape(values, (len(self._points), -1)))
+        return self._summed(np.reshape(values, (len(self._points), self._shape[1])))
 
     def _summed(self, values: Array) -> dict[str, list[float]]:
         """Values at the points of this rank, by quantity and of all ranks."""

@@ -14,6 +14,7 @@ from dolfinx import fem
 from dolfinx.mesh import compute_midpoints
 from numpy.typing import NDArray
 
+from fenics_contact import form_cache
 from fenics_contact.surface_space import SurfaceSpace
 
 Array = NDArray[np.float64]
@@ -61,7 +62,7 @@ class FacetCentres:
         self.coordinates = self.scalar_space.tabulate_dof_coordinates()[self._scalar_dofs]
         measure = surface.measure(custom_rule(_CENTRE, np.array([_MIDDLE])))
         test = ufl.TestFunction(self.scalar_space)
-        weights = fem.assemble_vector(fem.form(test * measure))
+        weights = fem.assemble_vector(form_cache.form(test * measure))
         self.weights = np.array(weights.array[self._scalar_dofs])
         self.normals = self._outward_normals()
         # From equal weights on the six nodes to those of the rule.
@@ -76,7 +77,7 @@ class FacetCentres:
         jacobian = ufl.Jacobian(surface.mesh)
         across = ufl.cross(jacobian[:, 0], jacobian[:, 1])
         facets = np.arange(len(self.nodes), dtype=np.int32)
-        normals = fem.Expression(across, _CENTRE).eval(surface.mesh, facets).reshape(-1, 3)
+        normals = form_cache.expression(across, _CENTRE).eval(surface.mesh, facets).reshape(-1, 3)
         cells = np.ascontiguousarray(surface.parents[:, 0])
         behind = compute_midpoints(surface.spaces.body.mesh, 3, cells)
         outward = np.sign(np.einsum("ij,ij->i", normals, self.coordinates - behind))

@@ -7,7 +7,6 @@ the others in a collective call for ever, so it ends them all, with its message.
 from __future__ import annotations
 
 import os
-import re
 import signal
 import sys
 import time
@@ -19,6 +18,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fenics_contact.errors import FenicsContactError, MachineError, StoppedError
+from fenics_contact.form_cache import COMPILER_SAID
 
 # Seconds in which all ranks come to an error that they share.
 _PATIENCE = 4.0
@@ -28,7 +28,6 @@ BUG = 1
 READER_LEFT = 128 + signal.SIGPIPE  # as the shell has it
 _NO_MEMORY = 55  # PETSC_ERR_MEM
 _NO_MEMORY_SAID = "PETSc error code is: 55,"  # by dolfinx, in a plain RuntimeError
-_COMPILER_SAID = re.compile("(JIT|just-in-time) (compilation|cache load)")  # likewise
 _LONGEST = 200  # of what a compiler said
 
 LESS_MEMORY = "use a coarser mesh, a lower degree, or more machines"
@@ -83,7 +82,7 @@ def _is_of_printing(error: BaseException) -> bool:
 
 def _is_of_compiler(error: BaseException) -> bool:
     by_name = type(error).__name__ == "VerificationError"  # cffi's, on one rank
-    return by_name or (isinstance(error, RuntimeError) and bool(_COMPILER_SAID.search(str(error))))
+    return by_name or (isinstance(error, RuntimeError) and bool(COMPILER_SAID.search(str(error))))
 
 
 def say(text: str) -> None:

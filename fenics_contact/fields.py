@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from dolfinx import fem
 from numpy.typing import NDArray
 
-from fenics_contact import compat
+from fenics_contact import compat, form_cache
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.contact_state import OPEN, STICK
 from fenics_contact.parallel import on_root
@@ -89,7 +88,7 @@ class NodalStress:
             mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32
         )
         self._nodes = space.dofmap.list[self._cells].ravel()
-        self._expression = fem.Expression(problem.elastic.stress(), points)
+        self._expression = form_cache.expression(problem.elastic.stress(), points)
 
     def at_nodes(self) -> Array:
         """That of the problem's present displacement, (nodes, 3, 3) (stress)."""

@@ -10,6 +10,7 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from fenics_contact import form_cache
 from fenics_contact.friction import (
     coulomb_residual,
     friction_energy,
@@ -89,8 +90,8 @@ class FrictionTerm:
             trace.measure,
         )
         self.stick_all()
-        self.residual = fem.form(ufl.derivative(self.energy, jump))
-        self.tangent = fem.form(ufl.derivative(self._modified, jump))
+        self.residual = form_cache.form(ufl.derivative(self.energy, jump))
+        self.tangent = form_cache.form(ufl.derivative(self._modified, jump))
 
     @property
     def forms(self) -> tuple[Any, ...]:
@@ -120,12 +121,12 @@ class FrictionTerm:
             trace.weight,
             trace.measure,
         )
-        return fem.form(ufl.derivative(residual, self._jump))
+        return form_cache.form(ufl.derivative(residual, self._jump))
 
     @cached_property
     def _springs(self) -> Any:
         """∫ g/ε w_T · v_T, compiled when asked."""
-        return fem.form(self._modified)
+        return form_cache.form(self._modified)
 
     @cached_property
     def _tractions(self) -> tuple[Any, Any]:
@@ -133,7 +134,7 @@ class FrictionTerm:
         trace = self._trace
         function = trace.function(np.zeros_like(self._slip))
         work = traction_work(function.ufl, self._test, trace.normal, trace.weight, trace.measure)
-        return function, fem.form(work)
+        return function, form_cache.form(work)
 
     @property
     def regularisation_parameter(self) -> float:

@@ -16,7 +16,7 @@ import ufl
 from dolfinx import fem, la
 from numpy.typing import NDArray
 
-from fenics_contact import compat
+from fenics_contact import compat, form_cache
 from fenics_contact.bubbles import bubble_space
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.contact import ContactSurface
@@ -59,7 +59,7 @@ class LocalErrors:
         self._response = self._compile(test, self._error)
         self._on_contacts = [self._contact_forms(trace, test) for _, trace in self._traces()]
         self._loads = [
-            (fem.form(work(self._test)), path)
+            (form_cache.form(work(self._test)), path)
             for term in problem.terms
             if (work := term.work) is not None and (path := term.path) is not None
         ]
@@ -142,7 +142,7 @@ class LocalErrors:
         stress = spaces.weight * elastic.law.stress(elastic.strain(moved))
         between = ufl.dot(self._cut(ufl.avg(stress), "+"), ufl.jump(tested))
         held = ufl.Measure("ds", mesh, subdomain_data=[(1, self._held)], metadata=self._rule)
-        return fem.form(
+        return form_cache.form(
             -ufl.inner(stress, elastic.strain(tested)) * ufl.dx(mesh, metadata=self._rule)
             + between * ufl.dS(mesh, metadata=self._rule)
             + ufl.dot(self._cut(stress), tested) * held(1)
@@ -157,7 +157,9 @@ class LocalErrors:
         measure = spaces.boundary(trace.group, self._rule)
         stress = spaces.weight * elastic.law.stress(elastic.strain(test))
         work = spaces.weight * ufl.dot(self._traction, self._test) * measure
-        return fem.form(work), fem.form(ufl.dot(self._cut(stress), self._error) * measure)
+        return form_cache.form(work), form_cache.form(
+            ufl.dot(self._cut(stress), self._error) * measure
+        )
 
     def _cut(self, stress: Any, side: str = "") -> Any:
         """Tractions of a stress, with the components that displacements have."""
@@ -174,7 +176,7 @@ class LocalErrors:
         trial = ufl.TrialFunction(self._space)
         stress = spaces.weight * elastic.law.stress(elastic.strain(trial))
         measure = ufl.dx(spaces.body.mesh, metadata=self._rule)
-        form = fem.form(ufl.inner(stress, elastic.strain(self._test)) * measure)
+        form = form_cache.form(ufl.inner(stress, elastic.strain(self._test)) * measure)
         count, size = self._space.dofmap.list.shape[1], self._space.dofmap.index_map_bs
         blocks = fem.assemble_matrix(form).to_scipy().data
         blocks = blocks.reshape(-1, count, count, size, size)[: self._cells]

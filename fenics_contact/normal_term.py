@@ -14,6 +14,7 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from fenics_contact import form_cache
 from fenics_contact.normal_contact import (
     bonded_energy,
     penetration_energy,
@@ -56,8 +57,8 @@ class NormalTerm:
                 jump, trace.normal, self.gap_ufl, self.stiffness_ufl, weight, measure
             )
         residual = ufl.derivative(energy, jump)
-        self.residual = fem.form(residual)
-        self.tangent = fem.form(ufl.derivative(residual, jump))
+        self.residual = form_cache.form(residual)
+        self.tangent = form_cache.form(ufl.derivative(residual, jump))
 
     @property
     def stiffness(self) -> Array:
@@ -87,7 +88,7 @@ class NormalTerm:
         work = prescribed_pressure_energy(
             test, trace.normal, function.ufl, trace.weight, trace.measure
         )
-        return function, fem.form(-work)
+        return function, form_cache.form(-work)
 
     def set_gap(self, gap: Array) -> None:
         """Follow an obstacle that moves along the surface."""

@@ -16,7 +16,7 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
-from fenics_contact import compat
+from fenics_contact import compat, form_cache
 from fenics_contact.bulk import ElasticBody
 from fenics_contact.contact import ContactSurface
 from fenics_contact.displacement_points import DisplacementPoints
@@ -321,7 +321,7 @@ class Problem:
         def work(displacement: Any) -> Any:
             return spaces.weight * ufl.dot(force, displacement) * measure
 
-        form = fem.form(work(ufl.TestFunction(spaces.displacement_space)))
+        form = form_cache.form(work(ufl.TestFunction(spaces.displacement_space)))
         name = f"{kind.replace('_', ' ')} on {load.on}"
         path = KeyedPath(load.path, f"{key}.path")
         return [Term(name, (form,), path, work)]

@@ -13,7 +13,7 @@ import ufl
 from dolfinx import fem, la
 from numpy.typing import NDArray
 
-from fenics_contact import compat
+from fenics_contact import compat, form_cache
 from fenics_contact.elasticity import measure_weight
 from fenics_contact.mesh import Group
 from fenics_contact.parallel import largest, smallest
@@ -70,7 +70,7 @@ class SurfaceSpace:
     def mass(self) -> Any:
         """∫ N_i N_j of the scalar space, a compiled form."""
         trial, test = ufl.TrialFunction(self.scalar_space), ufl.TestFunction(self.scalar_space)
-        return fem.form(self.weight * trial * test * self.measure())
+        return form_cache.form(self.weight * trial * test * self.measure())
 
     @cached_property
     def dofs(self) -> NDArray[np.int64]:

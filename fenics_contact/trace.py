@@ -16,6 +16,7 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from fenics_contact import form_cache
 from fenics_contact.facet_centres import SEVEN_POINTS, SIX_NODES, FacetCentres
 from fenics_contact.mesh import Group
 from fenics_contact.parallel import gather_rows, largest, smallest, total
@@ -120,7 +121,7 @@ class Trace:
             test = ufl.TestFunction(self.surface.space)
             along = ufl.as_vector([1.0] * self.surface.components)
             measure = self.surface.measure(self._nodal_rule())
-            self._area_form = fem.form(self.weight * ufl.dot(along, test) * measure)
+            self._area_form = form_cache.form(self.weight * ufl.dot(along, test) * measure)
         cells = self._counted.function_space.dofmap.list[: len(shares), 0]
         self._counted.x.array[cells] = shares
         weights = self.surface.assemble(self._area_form)[:, 0]
@@ -165,7 +166,7 @@ class Trace:
         """∫ N_i of the shape function of every node; collective."""
         test = ufl.TestFunction(self.surface.space)
         along = ufl.as_vector([1.0] * self.surface.components)
-        return self.surface.assemble(fem.form(weight * ufl.dot(along, test) * measure))[:, 0]
+        return self.surface.assemble(form_cache.form(weight * ufl.dot(along, test) * measure))[:, 0]
 
     def _at_nodes(self) -> tuple[Array, Array]:
         """Areas and averaged normals of all nodes, from integrals of their shape functions."""
@@ -175,7 +176,7 @@ class Trace:
         test = ufl.TestFunction(spaces.displacement_space)
         outward = ufl.dot(ufl.FacetNormal(spaces.body.mesh), test)
         boundary = spaces.boundary(self.group, self._nodal_rule())
-        averaged = spaces.assemble(fem.form(outward * boundary))[self.surface.body_nodes]
+        averaged = spaces.assemble(form_cache.form(outward * boundary))[self.surface.body_nodes]
         lengths = np.linalg.norm(averaged, axis=1)
         # 1 on a flat surface; the cosine of half the angle at an edge between two facets.
         self._flatness = lengths / np.where(bare > 0, bare, 1.0)
