@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, NoReturn
 
+from fenics_contact.plain_text import printable
+
 PROGRAM = "fenics-contact"
 
 _ABOUT = """\
@@ -132,7 +134,7 @@ class _Parser(argparse.ArgumentParser):
 
     def _print_message(self, message: str, file: IO[str] | None = None) -> None:  # type: ignore[override]
         if is_first_rank():
-            super()._print_message(message, file)
+            super()._print_message(printable(message), file)
 
 
 def is_first_rank() -> bool:

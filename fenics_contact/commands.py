@@ -17,6 +17,7 @@ from fenics_contact.errors import InputError
 from fenics_contact.faults import READER_LEFT, drop_output, explain, failing_together, say
 from fenics_contact.interrupts import Interrupts
 from fenics_contact.parallel import on_root
+from fenics_contact.plain_text import one_line
 from fenics_contact.progress import Announce, activity
 from fenics_contact.result import Result
 from fenics_contact.scene import Scene
@@ -24,6 +25,7 @@ from fenics_contact.scene_file import load_scene
 from fenics_contact.simulation import Run
 from fenics_contact.state_file import StateFile
 from fenics_contact.summary import print_model, print_result
+from fenics_contact.terminal import PlainFormatter
 
 logger = logging.getLogger(__name__)
 
@@ -171,7 +173,7 @@ def _report(folder: Path, quiet: bool) -> int:
 
     written = [*(picture.path for picture in write_report(folder)), folder / PAGE]
     for path in [] if quiet else written:
-        print(f"  {path}")
+        print(f"  {one_line(str(path))}")
     return 0
 
 
@@ -223,7 +225,7 @@ def _log_to_terminal(options: argparse.Namespace, level: int) -> None:
     level = logging.DEBUG if options.verbose else level
     logger = logging.getLogger("fenics_contact")
     handler = logging.StreamHandler(sys.stderr)
-    handler.setFormatter(logging.Formatter("%(message)s"))
+    handler.setFormatter(PlainFormatter("%(message)s"))
     handler.addFilter(lambda record: MPI.COMM_WORLD.rank == 0)
     handler.setLevel(level)
     logger.handlers = [handler]

@@ -19,6 +19,7 @@ from petsc4py import PETSc
 
 from fenics_contact.errors import FenicsContactError, MachineError, StoppedError
 from fenics_contact.form_cache import COMPILER_SAID
+from fenics_contact.plain_text import one_line, printable
 
 # Seconds in which all ranks come to an error that they share.
 _PATIENCE = 4.0
@@ -41,7 +42,7 @@ def explain(error: BaseException) -> tuple[int, str]:
     """
     error = original(error)
     if isinstance(error, FenicsContactError):
-        return error.exit_code, str(error)
+        return error.exit_code, one_line(str(error))
     if isinstance(error, KeyboardInterrupt):
         return StoppedError.exit_code, "interrupted"
     if _is_want_of_memory(error):
@@ -87,7 +88,7 @@ def _is_of_compiler(error: BaseException) -> bool:
 
 def say(text: str) -> None:
     """Tell the user, after all that was said before."""
-    for stream, what in ((sys.stdout, ""), (sys.stderr, f"fenics-contact: {text}\n")):
+    for stream, what in ((sys.stdout, ""), (sys.stderr, f"fenics-contact: {printable(text)}\n")):
         with suppress(OSError):  # who does not read it, or has no room for it, has the exit code
             stream.write(what)
             stream.flush()

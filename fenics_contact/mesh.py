@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from fenics_contact import compat
 from fenics_contact.errors import InputError
 from fenics_contact.parallel import largest, smallest, total
+from fenics_contact.plain_text import one_line
 
 
 @dataclass(frozen=True)
@@ -178,7 +179,7 @@ class Body:
 
     def known_groups(self) -> str:
         """Names of the groups, and numbers of the geometric parts with their places."""
-        names = sorted(self.groups)
+        names = sorted(map(one_line, self.groups))
         for number, group in sorted(self.numbers.items(), key=lambda item: _in_order(item[0])):
             if group.centre and number not in self.groups:
                 place = ", ".join(f"{value:.4g}" for value in group.centre)

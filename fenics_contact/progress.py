@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from typing import Any
 
 from mpi4py import MPI
-from rich.console import Console
 from rich.progress import (
     BarColumn,
     Progress,
@@ -21,6 +20,7 @@ from rich.progress import (
 
 from fenics_contact import timings
 from fenics_contact.scene import Steps
+from fenics_contact.terminal import Terminal
 
 # Characters of the bar; and of all that stands beside the words.
 _BAR = 20
@@ -61,7 +61,7 @@ def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Anno
     Yields:
         What to call with number and record of every load step, or None where they are logged.
     """
-    console = Console(stderr=True)
+    console = Terminal(stderr=True)
     shows = console.is_terminal and not console.is_dumb_terminal and not quiet
     if not comm.bcast(shows):
         yield None

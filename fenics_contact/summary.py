@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from rich import box
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from fenics_contact.accuracy_words import level_rows
 from fenics_contact.check_words import compares
+from fenics_contact.plain_text import one_line
 from fenics_contact.result import (
     QUANTITIES,
     Check,
@@ -25,6 +25,7 @@ from fenics_contact.result import (
     share_words,
 )
 from fenics_contact.scene import Scene
+from fenics_contact.terminal import Terminal
 
 # Keys of the model whose names alone say little.
 _IN_WORDS = {
@@ -64,7 +65,7 @@ def print_model(
         contacts: ``contacts`` of ``result.json``.
         plan: What is said of an accuracy that is asked for.
     """
-    console = Console()
+    console = Terminal()
     table = _table("", "")
     hidden = {"terms", "rigid_motions", *([] if model["free_rigid_motions"] else _OF_FREE_MOTIONS)}
     for key, value in model.items():
@@ -72,14 +73,14 @@ def print_model(
             words = share_words(value) if key == "used_share_of_limit_load" else _written(value)
             table.add_row(_IN_WORDS.get(key, key.replace("_", " ")), escape(words))
     table.add_row("groups of the mesh", escape(groups))
-    console.print(f"\n[bold]{escape(scene.title or 'Scene')}[/bold]")
+    console.print(f"\n[bold]{escape(one_line(scene.title or 'Scene'))}[/bold]")
     console.print(table)
     console.print("Energy terms modelled:")
     for term in model["terms"]:
         console.print(f"  {term}", markup=False)
     _print_motions(console, model["rigid_motions"])
     for line in _conditions(scene):
-        console.print(line, markup=False, highlight=False, soft_wrap=True)
+        console.print(one_line(line), markup=False, highlight=False, soft_wrap=True)
     _print_contacts(console, contacts)
     if plan:
         console.print(plan, markup=False, highlight=False, soft_wrap=True)
@@ -106,19 +107,19 @@ def _given(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float | int) else "varying"
 
 
-def _print_motions(console: Console, motions: list[dict[str, Any]]) -> None:
+def _print_motions(console: Terminal, motions: list[dict[str, Any]]) -> None:
     """A line for each rigid motion that supports leave free, and what may resist it."""
     if motions:
         console.print("Rigid motions that the supports leave free, before contact:")
     for motion in motions:
-        words = f"  {motion_words(motion)}"
+        words = one_line(f"  {motion_words(motion)}")
         console.print(words, markup=False, highlight=False, soft_wrap=True)
 
 
 def print_result(result: Result, folder: Path) -> None:
     """Say what came out and whether to trust it."""
-    console = Console()
-    console.print(f"\n[bold]{escape(result.title or 'Result')}[/bold]", highlight=False)
+    console = Terminal()
+    console.print(f"\n[bold]{escape(one_line(result.title or 'Result'))}[/bold]", highlight=False)
     if result.converged:
         bars = ("±",) if result.errors else ()
         quantities = _table("quantity", "value", *bars)
@@ -129,12 +130,12 @@ def print_result(result: Result, folder: Path) -> None:
                 _add_reactions(quantities, result)
         console.print(quantities)
         for note in result.error_notes:
-            console.print(note, markup=False, highlight=False, soft_wrap=True)
+            console.print(one_line(note), markup=False, highlight=False, soft_wrap=True)
         _print_contacts(console, result.contacts)
         _print_checks(console, result.checks)
         _print_branches(console, result)
         _print_levels(console, result)
-    console.print(result.verdict, markup=False, highlight=False)
+    console.print(one_line(result.verdict), markup=False, highlight=False)
     took = f"{result.timings['total']:.2f} s"
     if result.steps:  # it may have been interrupted before the first
         took += f", {result.steps[-1]['newton_iterations']} Newton steps"
@@ -145,7 +146,7 @@ def print_result(result: Result, folder: Path) -> None:
     )
 
 
-def _print_checks(console: Console, checks: Mapping[str, Check]) -> None:
+def _print_checks(console: Terminal, checks: Mapping[str, Check]) -> None:
     """The trust report: every check, and what the failed ones compare."""
     table = _table("check", "value", "limit", "")
     failed = [name for name, check in checks.items() if not check.passed]
@@ -154,14 +155,15 @@ def _print_checks(console: Console, checks: Mapping[str, Check]) -> None:
         rows = [(name.replace("_", " "), check), *((f"  of {part.part}", part) for part in parts)]
         for words, shown in rows:
             verdict = "ok" if shown.passed else "[bold red]FAILED[/bold red]"
-            table.add_row(escape(words), f"{shown.value:.2e}", f"{shown.limit:.2e}", verdict)
+            numbers = f"{shown.value:.2e}", f"{shown.limit:.2e}"
+            table.add_row(escape(one_line(words)), *numbers, verdict)
     console.print(table)
     for name in failed:
         words = f"{name.replace('_', ' ')}: {compares(name)}"
         console.print(words, markup=False, highlight=False, soft_wrap=True)
 
 
-def _print_branches(console: Console, result: Result) -> None:
+def _print_branches(console: Terminal, result: Result) -> None:
     """All answers that were found, where there are several."""
     rows = branch_rows(result.branches)
     if rows:
@@ -171,7 +173,7 @@ def _print_branches(console: Console, result: Result) -> None:
         console.print(table)
 
 
-def _print_levels(console: Console, result: Result) -> None:
+def _print_levels(console: Terminal, result: Result) -> None:
     """Meshes and estimated errors on the way to an accuracy."""
     rows = level_rows(result.levels, result.accuracy)
     if rows:
@@ -185,7 +187,7 @@ def _add_reactions(quantities: Table, result: Result) -> None:
     """Those of each group, where supports on several add up."""
     reactions = reactions_by_group(result.supports)
     for name, reaction in reactions.items() if len(reactions) > 1 else ():
-        quantities.add_row(f"  of {escape(name)}", _written(reaction))
+        quantities.add_row(f"  of {escape(one_line(name))}", _written(reaction))
 
 
 def _shown(result: Result) -> list[str]:
@@ -196,7 +198,7 @@ def _shown(result: Result) -> list[str]:
     return shown + points
 
 
-def _print_contacts(console: Console, contacts: list[dict[str, Any]]) -> None:
+def _print_contacts(console: Terminal, contacts: list[dict[str, Any]]) -> None:
     """A line a contact: its kind, its law, and the parameters that apply."""
     for contact in contacts:
         words = [contact["contact"]]
@@ -214,7 +216,7 @@ def _print_contacts(console: Console, contacts: list[dict[str, Any]]) -> None:
                 f"'{contact['master']}'"
             )
         line = f"Contact '{contact['name']}': {', '.join(words)}"
-        console.print(line, markup=False, highlight=False, soft_wrap=True)
+        console.print(one_line(line), markup=False, highlight=False, soft_wrap=True)
 
 
 def _table(*headers: str) -> Table:

@@ -11,7 +11,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from mpi4py import MPI
-from rich.console import Console
 
 from fenics_contact import (
     Contact,
@@ -33,6 +32,7 @@ from fenics_contact.load_steps import History
 from fenics_contact.pace import AutomaticPace
 from fenics_contact.scene_file import load_scene
 from fenics_contact.summary import print_result
+from fenics_contact.terminal import Terminal
 from tests.histories import (
     DRAGGED,
     OF_THE_PATH,
@@ -319,13 +319,13 @@ def test_keys_of_automatic_steps_that_contradict(keys, words):
 @pytest.mark.serial
 def test_a_terminal_has_a_bar_and_a_file_lines(monkeypatch, caplog):
     terminal = io.StringIO()
-    console = functools.partial(Console, file=terminal, force_terminal=True, width=120)
-    monkeypatch.setattr(progress, "Console", lambda stderr: console())
+    console = functools.partial(Terminal, file=terminal, force_terminal=True, width=120)
+    monkeypatch.setattr(progress, "Terminal", lambda stderr: console())
     with progress.activity(Steps(number=4), COMM) as announce, caplog.at_level(logging.INFO):
         Run(dragged(Steps(number=4)), COMM, block()).solve(announce=announce)
     assert "step 4: time 1, " in terminal.getvalue()
     assert not caplog.messages
-    monkeypatch.setattr(progress, "Console", lambda stderr: console(force_terminal=False))
+    monkeypatch.setattr(progress, "Terminal", lambda stderr: console(force_terminal=False))
     with progress.activity(Steps(number=4), COMM) as announce, caplog.at_level(logging.INFO):
         Run(dragged(Steps(number=4)), COMM, block()).solve(announce=announce)
     assert announce is None and len(caplog.messages) == 4

@@ -115,3 +115,47 @@ def test_help_does_not_wait_for_fenicsx():
     )
     assert done.returncode == 0, done.stderr
     assert max(map(len, done.stdout.splitlines())) > 85  # as wide as the terminal
+
+
+STEERING = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1a\x1c-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+
+
+def hostile_scene(folder):
+    """A scene whose names and title would clear the screen and name the window."""
+    clear, window, c1 = r"\u001b[2J\u001b[H", r"\u001b]0;mine\u0007", r"\u009b2J\u202e"
+    (folder / "block.geo").write_text(
+        (ROOT / "meshes" / "sloped_block.geo")
+        .read_text()
+        .replace('"bottom"', '"\x1b[2J\x9b2Jbottom"')
+    )
+    text = f"""
+        title = "{clear}{window}{c1}[bold]block\\nConverged; all 99 checks of the physics passed."
+        kinematics = "plane strain"
+        mesh = {{ file = "block.geo", parameters = {{ cells_along = 2, cells_across = 2 }} }}
+        material = {{ youngs_modulus = 1000, poissons_ratio = 0.3 }}
+        support = [{{ on = "left", displacement = {{ x = 0.01, y = 0 }} }}]
+        contact = [{{ on = "{clear}{c1}bottom", name = "{clear}{window}{c1}" }}]
+    """
+    (folder / "scene.toml").write_text(text)
+    return str(folder / "scene.toml")
+
+
+@pytest.mark.parametrize(
+    ("command", "code"),
+    [
+        (["check"], 2),
+        (["run", "--set", "contact.0.\x1b[2Jno=1"], 2),
+        (["run", "--\x1b[2J\x9b2Jno=1"], 2),
+        (["check", "--set", "contact.0.on=right"], 0),
+        (["run", "--set", "contact.0.on=right", "--verbose"], 0),
+    ],
+)
+def test_names_of_files_cannot_steer_the_terminal(tmp_path, command, code):
+    scene = hostile_scene(tmp_path)
+    options = ["--out", str(tmp_path / "out")] if command[0] == "run" else []
+    found, said = on_terminal(command[0], scene, *command[1:], *options)
+    assert found == code, said
+    assert f"{ESCAPE}[2J" not in said and f"{ESCAPE}]" not in said and f"{ESCAPE}[H" not in said
+    assert not STEERING.search(said)
+    assert not re.search("^(\x1b[^m]*m)?Converged; all 99", said, re.MULTILINE)
+    assert "\\x1b[2J" in said

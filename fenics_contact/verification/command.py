@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import Protocol, TypeVar
 
 from mpi4py import MPI
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from fenics_contact.errors import FenicsContactError, InputError
 from fenics_contact.parallel import on_root
+from fenics_contact.terminal import Terminal
 from fenics_contact.verification import CASES
 from fenics_contact.verification.case import Case, Finding, Outcome, no_value
 from fenics_contact.writing import replace_file
@@ -61,7 +61,7 @@ def verify(
     comm = MPI.COMM_WORLD
     to_run = chosen(names, cases)
     on_root(comm, lambda: require_folder("--json", json_file))
-    console = Console(quiet=quiet or comm.rank > 0, highlight=False)
+    console = Terminal(quiet=quiet or comm.rank > 0, highlight=False)
     console.width = max(console.width, _WIDTH)
     outcomes = []
     width = max(len(case.name) for case in to_run)
@@ -127,7 +127,7 @@ def _write(json_file: Path | None, outcomes: Sequence[Outcome]) -> None:
         replace_file(json_file, text.encode())
 
 
-def _print_outcomes(console: Console, outcomes: Sequence[Outcome]) -> None:
+def _print_outcomes(console: Terminal, outcomes: Sequence[Outcome]) -> None:
     """The table of findings, then sources and what went wrong."""
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("case", no_wrap=True)

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
-from rich.console import Console
 from rich.markup import escape
 
 from fenics_contact.parallel import on_root
+from fenics_contact.terminal import Terminal
 from fenics_contact.verification.bars import CASES, bar_table
 from fenics_contact.verification.bars.bar_case import SOURCES, BarCase, Row
 from fenics_contact.verification.bars.bar_runs import (
@@ -55,7 +55,7 @@ def verify_errors(
     to_run = [case for case in chosen(names, cases) if case.quick or names or not quick]
     on_root(comm, lambda: require_folder("--json", json_file))
     on_root(comm, lambda: require_folder("--table", table_file))
-    console = Console(quiet=quiet or comm.rank > 0, highlight=False, soft_wrap=True)
+    console = Terminal(quiet=quiet or comm.rank > 0, highlight=False, soft_wrap=True)
     width = max(len(case.name) for case in to_run)
     outcomes = []
     for number, case in enumerate(to_run, 1):
@@ -89,7 +89,7 @@ def _lines(outcome: BarOutcome, counted: str, width: int) -> list[str]:
     return lines + [escape(f"      {note}") for note in outcome.notes]
 
 
-def _print_short(console: Console, outcomes: Sequence[BarOutcome]) -> None:
+def _print_short(console: Terminal, outcomes: Sequence[BarOutcome]) -> None:
     """The bars that are too short, quantity by quantity of every case."""
     for outcome in outcomes:
         short = [row for row in outcome.rows if row.counts and not row.held]

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mpi4py import MPI
-from rich.console import Console
 from rich.markup import escape
 
 from fenics_contact.parallel import on_root
+from fenics_contact.terminal import Terminal
 from fenics_contact.verification.command import FAILED, chosen, require_folder
 from fenics_contact.verification.hard import CASES, table
 from fenics_contact.verification.hard.hard_case import HardCase, HardOutcome, run_hard_case
@@ -43,7 +43,7 @@ def verify_hard(
     to_run = chosen(names, cases)
     on_root(comm, lambda: require_folder("--json", json_file))
     on_root(comm, lambda: require_folder("--table", table_file))
-    console = Console(quiet=comm.rank > 0, highlight=False, soft_wrap=True)
+    console = Terminal(quiet=comm.rank > 0, highlight=False, soft_wrap=True)
     width = max(len(case.name) for case in to_run)
     outcomes = []
     for number, case in enumerate(to_run, 1):
