@@ -111,7 +111,7 @@ class AdaptiveRun:
             result = solve_level(run, guess)
             if not result.converged:
                 return self._failed(result, last)
-            errors = relative_errors(result, self.asked)
+            errors = relative_errors(result, self.asked, run.scene.names)
             self._note(run, result, errors)
             self.run, last = run, result
             if is_met(errors, self.asked):

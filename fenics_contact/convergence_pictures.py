@@ -94,7 +94,7 @@ def _levels(result: dict[str, Any], path: Path) -> Picture:
         errors = np.array([level["errors"][name] or np.nan for level in levels], dtype=float)
         colour, dashes = LINES[number % len(LINES)]
         order = _order(dofs, errors) if grows else None
-        label = name.replace("_", " ") + ("" if order is None else f", order {order:.2g}")
+        label = in_words(name) + ("" if order is None else f", order {order:.2g}")
         mark = _MARKS[number % len(_MARKS)]
         panel.plot(along, errors, mark, linestyle=dashes, color=colour, label=label)
     limits = sorted(set(asked.values()))

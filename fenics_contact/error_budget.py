@@ -25,7 +25,7 @@ from fenics_contact.parameter_errors import (
 )
 from fenics_contact.problem import Problem
 from fenics_contact.quantities import contact_quantities, global_quantities, support_reactions
-from fenics_contact.result import QUANTITIES
+from fenics_contact.result import QUANTITIES, reactions_by_name
 from fenics_contact.solution import Solution
 from fenics_contact.step_errors import step_errors
 
@@ -45,18 +45,55 @@ class ErrorBudget:
     Attributes:
         quantities: Quantity → source → error, and ``total``; None where it was not estimated.
         contacts: The same of every contact, in scene order.
+        supports: The same of every support.
+        reactions: The same of all supports of a name together, by that.
         notes: Sentences that say what was not estimated, and why.
         local: Errors of the cells, where those by the mesh were estimated.
     """
 
     quantities: dict[str, Row] = field(default_factory=dict)
     contacts: list[dict[str, Row]] = field(default_factory=list)
+    supports: list[dict[str, Row]] = field(default_factory=list)
+    reactions: dict[str, dict[str, Row]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     local: LocalErrors | None = None
 
     def of_contact(self, number: int) -> dict[str, Any]:
         """``errors`` of a contact for ``result.json``, where there are any."""
         return {"errors": self.contacts[number]} if self.contacts else {}
+
+    def of_supports(self, supports: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        """``supports`` of ``result.json``, with ``errors`` where there are any.
+
+        Args:
+            supports: Without.
+        """
+        if not self.supports:
+            return supports
+        rows = zip(supports, self.supports, strict=True)
+        return [support | {"errors": errors} for support, errors in rows]
+
+    def of_reactions(self, supports: list[dict[str, Any]]) -> dict[str, dict[str, Any]]:
+        """``reactions`` of ``result.json``, with ``errors`` where there are any.
+
+        Args:
+            supports: As of ``of_supports``.
+        """
+        return {
+            name: {"reaction": reaction}
+            | ({"errors": self.reactions[name]} if name in self.reactions else {})
+            for name, reaction in reactions_by_name(supports).items()
+        }
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """Key of the reaction of a support by its number, or of all of a name together.
+
+    Those of a contact are tuples, those of the whole texts.
+    """
+
+    of: int | str
 
 
 def error_budget(history: History, steps: Sequence[Mapping[str, Any]]) -> ErrorBudget:
@@ -78,16 +115,21 @@ def error_budget(history: History, steps: Sequence[Mapping[str, Any]]) -> ErrorB
     found, notes = estimates.all()
     rows = {key: _row(key, found) for key in answer}
     every = {key: row for key, row in rows.items() if isinstance(key, str)}
-    if len(steps) > 1:
-        del every["external_work"]  # what is measured is that of the last forces alone
-        defect = steps[-1]["quantities"].get("energy_defect")
-        if defect is not None:
-            every["external_work"] = _of_work(every, defect)
+    if len(steps) > 1:  # what is measured is that of the last forces alone
+        every["external_work"] = _of_work(every, steps[-1]["quantities"].get("energy_defect"))
     contacts = [
         {key[1]: row for key, row in rows.items() if isinstance(key, tuple) and key[0] == number}
         for number in range(len(problem.contacts))
     ]
-    return ErrorBudget(every, contacts, notes, estimates.local)
+    of = {key.of: {"reaction": row} for key, row in rows.items() if isinstance(key, Reaction)}
+    return ErrorBudget(
+        quantities=every,
+        contacts=contacts,
+        supports=[of[number] for number in range(len(problem.applied_supports))],
+        reactions={name: row for name, row in of.items() if isinstance(name, str)},
+        notes=notes,
+        local=estimates.local,
+    )
 
 
 class _Measure:
@@ -110,15 +152,21 @@ class _Measure:
     def _measured(self, solution: Solution) -> dict[Hashable, Any]:
         problem = self._problem
         forces = BulkForces(problem, solution)
-        reactions, _ = support_reactions(forces)
+        reactions, supports = support_reactions(forces)
         contacts = [contact_quantities(problem, solution, i) for i in range(len(problem.contacts))]
         every = global_quantities(forces, reactions, contacts)
-        found: dict[Hashable, Any] = {name: every[name] for name in QUANTITIES if name in every}
+        found: dict[Hashable, Any] = {name: every.get(name) for name in QUANTITIES}
         found.update(problem.points.quantities(solution.displacement))
         for number, of_contact in enumerate(contacts):
-            names = [name for name in QUANTITIES if name in of_contact]
-            found |= {(number, name): of_contact[name] for name in names}
-        return found
+            found |= {(number, name): of_contact.get(name) for name in QUANTITIES}
+        found |= _reactions(supports)
+        return {key: value for key, value in found.items() if value is not None}
+
+
+def _reactions(supports: list[dict[str, Any]]) -> dict[Hashable, Any]:
+    """Of each support, and of those of each name together."""
+    found = {Reaction(number): row["reaction"] for number, row in enumerate(supports)}
+    return found | {Reaction(name): sum_ for name, sum_ in reactions_by_name(supports).items()}
 
 
 class _Estimates:
@@ -232,10 +280,11 @@ _WORDS = {
 
 def _recorded(step: Mapping[str, Any], answer: Mapping[Hashable, Any]) -> dict[Hashable, Any]:
     """Quantities of a load step by the keys of ``_Measure``, those that it has."""
-    found: dict[Hashable, Any] = {}
-    for key, value in answer.items():
-        of, name = (step["contacts"][key[0]], key[1]) if isinstance(key, tuple) else (step, key)
-        found[key] = of["quantities"].get(name, value)
+    found: dict[Hashable, Any] = dict(answer) | _reactions(step["supports"])
+    for key in answer:
+        if isinstance(key, str | tuple):
+            of, name = (step["contacts"][key[0]], key[1]) if isinstance(key, tuple) else (step, key)
+            found[key] = of["quantities"].get(name, answer[key])
     return found
 
 
@@ -261,14 +310,14 @@ def _sum(values: Sequence[float | None]) -> float | None:
     return sum(known) if len(known) == len(values) else None
 
 
-def _of_work(rows: Mapping[str, Row], defect: float) -> Row:
+def _of_work(rows: Mapping[str, Row], defect: float | None) -> Row:
     """Of the work along a path: it went into energies and friction, so it is as wrong as these.
 
     Args:
         rows: Of other quantities.
-        defect: What the steps leave open of that balance.
+        defect: What the steps leave open of that balance; None where it is not known.
     """
     parts = [rows[name] for name in ("strain_energy", "penalty_energy", "friction_work")]
     row = {source: _sum([part[source] for part in parts]) for source in SOURCES}
-    row["step"] = _sum([row["step"], abs(defect)])
+    row["step"] = None if defect is None else _sum([row["step"], abs(defect)])
     return row | {"total": _sum(list(row.values()))}

@@ -94,7 +94,7 @@ class History:
                 [np.where(held, row["displacement"], 0.0) for row in rows], dtype=float
             )
             reaction = np.array([row["reaction"] for row in rows]) * held
-            where = f"the support on '{support['on']}'"
+            where = f"the support '{support.get('name', support['on'])}'"
             yield from _along(where, moved, reaction, "reaction", "R")
 
 

@@ -134,6 +134,7 @@ def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
         by_node[np.arange(len(mine)), mine % spaces.components] = needed[mine]
         rows.append(
             {
+                "name": support.label,
                 "on": support.on,
                 "reaction": _resultant(spaces, by_node).tolist(),
                 "displacement": _mean_displacement(forces, mine),

@@ -131,17 +131,18 @@ class ContactPoints:
         return np.asarray(self.contact == contact)
 
 
-def reactions_by_group(supports: list[dict[str, Any]]) -> dict[str, list[float]]:
-    """Resultant of the supports of each group, by its name.
+def reactions_by_name(supports: list[dict[str, Any]]) -> dict[str, list[float]]:
+    """Resultant of the supports of each name.
 
     Args:
-        supports: As in ``result.json``, where a group may have several.
+        supports: As in ``result.json``, where several may have the same; in older ones they have
+            that of their group.
     """
     found: dict[str, list[float]] = {}
     for support in supports:
-        reaction = support["reaction"]
-        before = found.get(support["on"], [0.0] * len(reaction))
-        found[support["on"]] = [a + b for a, b in zip(before, reaction, strict=True)]
+        name, reaction = support.get("name", support["on"]), support["reaction"]
+        before = found.get(name, [0.0] * len(reaction))
+        found[name] = [a + b for a, b in zip(before, reaction, strict=True)]
     return found
 
 
@@ -166,7 +167,10 @@ class Result:
         steps: Of each load step: its time, iterations, history of the force imbalance (force), and
             quantities.
         checks: Name → check of the physics.
-        supports: Of each support: its group and its reaction (force).
+        supports: Of each support: its name, its group, its reaction (force), the mean displacement
+            of what it holds (length), and ``errors``.
+        reactions: Name → ``reaction`` of all supports of that name together (force), and its
+            ``errors``.
         timings: Phase → seconds.
         versions: Program or library → version.
         branches: All answers that were found, where the scene asks for others.
@@ -188,6 +192,7 @@ class Result:
     steps: list[dict[str, Any]]
     checks: Mapping[str, Check]
     supports: list[dict[str, Any]] = field(default_factory=list)
+    reactions: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     branches: list[dict[str, Any]] = field(default_factory=list)
     errors: Mapping[str, Any] = field(default_factory=dict)
     levels: list[dict[str, Any]] = field(default_factory=list)
@@ -231,6 +236,7 @@ class Result:
             "model": dict(self.model),
             "contacts": self.contacts,
             "supports": self.supports,
+            "reactions": dict(self.reactions),
             "quantities": dict(self.quantities),
             "steps": self.steps,
             "checks": {name: check.as_dict() for name, check in self.checks.items()},
@@ -275,19 +281,18 @@ def share_words(share: float) -> str:
     return "just below 1, the limit" if words == "1" else words
 
 
+# In place of an error that was not estimated.
+UNKNOWN = "?"
+
+
 def error_bar(row: Mapping[str, float | None] | None) -> str:
-    """The total of a row of ``errors``; without one, what it is at the least.
+    """The total of a row of ``errors``; ``?`` where it was not estimated, or not in full.
 
     Args:
         row: Source → error, and ``total``; None for a quantity that has none.
     """
-    if row is None:
-        return ""
-    total = row["total"]
-    if total is not None:
-        return f"{total:.1e}"
-    known = sum(value for source, value in row.items() if value is not None)
-    return f"{known:.1e} or more"
+    total = None if row is None else row["total"]
+    return UNKNOWN if total is None else f"{total:.1e}"
 
 
 def error_rows(errors: Mapping[str, Mapping[str, float | None]]) -> list[list[str]]:
@@ -297,6 +302,6 @@ def error_rows(errors: Mapping[str, Mapping[str, float | None]]) -> list[list[st
     sources = list(next(iter(errors.values())))
     rows = [["quantity", *sources]]
     for name, row in errors.items():
-        cells = ["?" if value is None else f"{value:.1e}" for value in row.values()]
+        cells = [UNKNOWN if value is None else f"{value:.1e}" for value in row.values()]
         rows.append([name.replace("_", " "), *cells])
     return rows

@@ -265,3 +265,8 @@ class HalfSpace:
         tuple[Text, ...],
         Field(min_length=1, description="physical groups of the outer boundary, inside the body"),
     ]
+
+    @property
+    def label(self) -> str:
+        """Name in results, as that of a support."""
+        return ", ".join(self.on)

@@ -114,7 +114,7 @@ def newton_again(history: History, tolerance: float | None = None) -> Solution:
 def differences(
     answer: Quantities, other: Quantities | None, factor: float = 1.0
 ) -> dict[Hashable, float] | None:
-    """How far quantities are apart, of vectors the length of the difference.
+    """How far quantities are apart that both have, of vectors the length of the difference.
 
     Args:
         answer: By name.
@@ -126,6 +126,7 @@ def differences(
     return {
         name: factor * float(np.linalg.norm(np.subtract(other[name], value)))
         for name, value in answer.items()
+        if name in other
     }
 
 
