@@ -113,12 +113,16 @@ class _Measure:
         reactions, _ = support_reactions(forces)
         contacts = [contact_quantities(problem, solution, i) for i in range(len(problem.contacts))]
         every = global_quantities(forces, reactions, contacts)
-        found: dict[Hashable, Any] = {name: every[name] for name in QUANTITIES if name in every}
+        found: dict[Hashable, Any] = _known(every)
         found.update(problem.points.quantities(solution.displacement))
         for number, of_contact in enumerate(contacts):
-            names = [name for name in QUANTITIES if name in of_contact]
-            found |= {(number, name): of_contact[name] for name in names}
+            found |= {(number, name): value for name, value in _known(of_contact).items()}
         return found
+
+
+def _known(quantities: Mapping[str, Any]) -> dict[Hashable, Any]:
+    """Those that have a true value, and one here: the force along no axis is none."""
+    return {name: quantities[name] for name in QUANTITIES if quantities.get(name) is not None}
 
 
 class _Estimates:
@@ -235,7 +239,8 @@ def _recorded(step: Mapping[str, Any], answer: Mapping[Hashable, Any]) -> dict[H
     found: dict[Hashable, Any] = {}
     for key, value in answer.items():
         of, name = (step["contacts"][key[0]], key[1]) if isinstance(key, tuple) else (step, key)
-        found[key] = of["quantities"].get(name, value)
+        recorded = of["quantities"].get(name)
+        found[key] = value if recorded is None else recorded
     return found
 
 
