@@ -6,9 +6,9 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 
 from fenics_contact.errors import InputError
-from fenics_contact.quantity_names import CONTACT_FORCES, OF_CONTACTS
+from fenics_contact.quantity_names import OF_CONTACTS
 from fenics_contact.relative_errors import Errors
-from fenics_contact.result import Result
+from fenics_contact.result import OF_ONE_CONTACT, Result
 from fenics_contact.scene import Scene
 from fenics_contact.scene_accuracy import Accuracy
 from fenics_contact.simulation import Run
@@ -80,7 +80,7 @@ def _of_each_contact(asked: Mapping[str, float], labels: Sequence[str]) -> dict[
         return dict(asked)
     found: dict[str, float] = {}
     for text, limit in asked.items():
-        of_each = "." not in text and text.startswith(CONTACT_FORCES)
+        of_each = "." not in text and text.startswith(OF_ONE_CONTACT)
         names = [f"{label}.{text}" for label in labels] if of_each else [text]
         found |= {name: asked.get(name, limit) for name in names}
     return found

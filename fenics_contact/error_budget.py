@@ -155,18 +155,22 @@ class _Measure:
         reactions, supports = support_reactions(forces)
         contacts = [contact_quantities(problem, solution, i) for i in range(len(problem.contacts))]
         every = global_quantities(forces, reactions, contacts)
-        found: dict[Hashable, Any] = {name: every.get(name) for name in QUANTITIES}
+        found: dict[Hashable, Any] = _known(every)
         found.update(problem.points.quantities(solution.displacement))
         for number, of_contact in enumerate(contacts):
-            found |= {(number, name): of_contact.get(name) for name in QUANTITIES}
-        found |= _reactions(supports)
-        return {key: value for key, value in found.items() if value is not None}
+            found |= {(number, name): value for name, value in _known(of_contact).items()}
+        return found | _reactions(supports)
 
 
 def _reactions(supports: list[dict[str, Any]]) -> dict[Hashable, Any]:
     """Of each support, and of those of each name together."""
     found = {Reaction(number): row["reaction"] for number, row in enumerate(supports)}
     return found | {Reaction(name): sum_ for name, sum_ in reactions_by_name(supports).items()}
+
+
+def _known(quantities: Mapping[str, Any]) -> dict[Hashable, Any]:
+    """Those that have a true value, and one here: the force along no axis is none."""
+    return {name: quantities[name] for name in QUANTITIES if quantities.get(name) is not None}
 
 
 class _Estimates:
@@ -284,7 +288,8 @@ def _recorded(step: Mapping[str, Any], answer: Mapping[Hashable, Any]) -> dict[H
     for key in answer:
         if isinstance(key, str | tuple):
             of, name = (step["contacts"][key[0]], key[1]) if isinstance(key, tuple) else (step, key)
-            found[key] = of["quantities"].get(name, answer[key])
+            recorded = of["quantities"].get(name)
+            found[key] = answer[key] if recorded is None else recorded
     return found
 
 

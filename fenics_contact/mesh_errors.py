@@ -15,7 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.bulk_forces import BulkForces
+from fenics_contact.contact import ContactSurface
 from fenics_contact.contact_area import cut_areas
+from fenics_contact.contact_radii import radii
+from fenics_contact.contact_state import ContactState
 from fenics_contact.load_scatter import load_scatter
 from fenics_contact.load_steps import History
 from fenics_contact.local_errors import LocalErrors
@@ -87,7 +90,7 @@ def mesh_errors(
     changes |= {name: part * energy for name, part in _ENERGIES.items() if name in changes}
     for key in _frictional_works(problem) & changes.keys():
         changes[key] += energy
-    found = {key: _LOCAL * changes[key] + _SCATTER * scatter[key] for key in changes}
+    found = {key: _LOCAL * changes[key] + _SCATTER * scatter[key] for key in changes if key in scatter}
     for key, addition in _at_contacts(problem, solution).items():
         if addition is None:
             found.pop(key, None)
@@ -122,6 +125,7 @@ def _changes(
     return {
         key: max(value, float(np.sqrt(np.mean([change[key] ** 2 for change in drawn]))))
         for key, value in whole.items()
+        if all(key in change for change in drawn)
     }
 
 
@@ -156,11 +160,22 @@ def _at_contacts(problem: Problem, solution: Solution) -> dict[Hashable, float |
         for name, cut in cuts.items():
             added[number, name] = cut
             areas[name] += cut
+        radii_cut = _radii_cut(contact, state, cuts)
+        added |= {(number, name): cut for name, cut in radii_cut.items()} | radii_cut
         peaks.append(_peak_error(forces, number))
         added[number, "max_contact_pressure"] = peaks[-1]
     known = [peak for peak in peaks if peak is not None]
     of_all = max(known, default=0.0) if len(known) == len(peaks) else None
     return added | areas | {"max_contact_pressure": of_all}
+
+
+def _radii_cut(
+    contact: ContactSurface, state: ContactState, cuts: dict[str, float]
+) -> dict[Hashable, float]:
+    """What areas at the edges are of the radii of discs, dA = 2πr dr; collective."""
+    areas = {"contact_radius": "contact_area", "stick_radius": "stick_area"}
+    found = radii(contact, state)
+    return {name: cuts[areas[name]] / (2 * np.pi * r) for name, r in found.items() if r}
 
 
 def _peak_error(forces: BulkForces, number: int) -> float | None:

@@ -9,12 +9,12 @@ from __future__ import annotations
 import difflib
 from dataclasses import dataclass
 
-AXES = ("x", "y", "z")
-# Forces, of which a scene with several contacts has one of each contact.
-CONTACT_FORCES = ("normal_force", "pressure_integral", "friction_force", "contact_force")
+from fenics_contact.result import OF_ONE_CONTACT
+from fenics_contact.scene_values import AXES
+
 _VECTORS = ("friction_force", "contact_force", "reaction")
 OF_CONTACTS = (
-    *CONTACT_FORCES,
+    *OF_ONE_CONTACT,
     *("max_contact_pressure", "contact_area", "stick_area", "slip_area", "contact_radius"),
     *("stick_radius", "max_slip", "indentation", "friction_work"),
 )

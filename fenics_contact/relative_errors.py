@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from fenics_contact.quantity_names import CONTACT_FORCES, QuantityName, QuantityNames
-from fenics_contact.result import Result
+from fenics_contact.quantity_names import QuantityName, QuantityNames
+from fenics_contact.result import OF_ONE_CONTACT, Result
 
 # By quantity, then by source, with their total; None where it is not estimated.
 Errors = Mapping[str, Mapping[str, float | None]]
@@ -27,7 +27,7 @@ _MEASURED_BY = {
     "stick_radius": "contact_radius",
     "friction_work": "strain_energy",
 }
-_FORCES = (*CONTACT_FORCES, "reaction")
+_FORCES = (*OF_ONE_CONTACT, "reaction")
 # Of the largest force, or displacement, by which smaller ones are measured.
 _SMALL = 0.01
 

@@ -14,7 +14,9 @@ from fenics_contact.errors import StoppedError
 # Those that have a true value to be apart from; others count points, or say how a run went.
 QUANTITIES = (
     "normal_force",
+    "pressure_integral",
     "friction_force",
+    "contact_force",
     "reaction",
     "indentation",
     "max_contact_pressure",
@@ -22,6 +24,8 @@ QUANTITIES = (
     "contact_area",
     "stick_area",
     "slip_area",
+    "contact_radius",
+    "stick_radius",
     "max_slip",
     "strain_energy",
     "external_work",
@@ -29,8 +33,13 @@ QUANTITIES = (
     "penalty_energy",
 )
 
+# Resultants of a contact, which several do not have together.
+OF_ONE_CONTACT = ("normal_force", "pressure_integral", "friction_force", "contact_force")
+
 # Those that say something only with friction, or where contact is found.
-_OF_FRICTION = {"friction_force", "stick_area", "slip_area", "max_slip", "friction_work"}
+_OF_FRICTION = {
+    *("friction_force", "stick_area", "slip_area", "stick_radius", "max_slip", "friction_work")
+}
 _OF_CONTACT_FOUND = {"indentation", "max_penetration"}
 
 

@@ -118,7 +118,8 @@ def differences(
 
     Args:
         answer: By name.
-        other: Likewise; None if there are none.
+        other: Likewise; None if there are none. What it lacks is left out: a zone may be a disc
+            in one answer alone.
         factor: To multiply with.
     """
     if other is None:
