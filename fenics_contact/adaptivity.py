@@ -59,7 +59,10 @@ _AIM_AT = 0.85
 # chance. And by how much these become smaller at the most, at once.
 _EDGE_AIM, _EDGE_LEAST = 0.5, 0.1
 # Quantities that are as wrong as the edge of contact, or of stick, is far from its place.
-_AREAS = (("contact_area", "slip_area"), ("stick_area", "slip_area"))
+_AREAS = (
+    ("contact_area", "slip_area", "contact_radius"),
+    ("stick_area", "slip_area", "stick_radius"),
+)
 # Meshes in a row on which an error may be unknown; and what it is then, over what is allowed.
 _PATIENCE, _UNKNOWN = 3, 2.0
 # Share that is left to the mesh whatever others take: they are to become smaller, too.
@@ -202,17 +205,23 @@ class AdaptiveRun:
         """
         run = self.run
         assert run.solution is not None
-        finer = [
-            max((self._mesh_ratio(errors, (name,)) for name in names if name in errors), default=0)
-            for names in _AREAS
-        ]
         rows = [np.zeros((0, 4))]
         for contact, state in zip(run.problem.contacts, run.solution.states, strict=True):
-            for ratio, found in zip(finer, edges(contact, state), strict=True):
+            for areas, found in zip(_AREAS, edges(contact, state), strict=True):
+                ratio = self._mesh_ratio(errors, self._asked_of(areas, contact.label))
                 if ratio > 0:
                     share = float(np.clip(_EDGE_AIM / ratio, _EDGE_LEAST, 1.0))
                     rows.append(found * [1, 1, 1, share])
         return np.concatenate(rows)
+
+    def _asked_of(self, quantities: Sequence[str], contact: str = "") -> list[str]:
+        """The names asked for that are of some quantities, of a contact or of all."""
+        found = {text: self.run.scene.names.find(text) for text in self.asked}
+        return [
+            text
+            for text, name in found.items()
+            if name.quantity in quantities and (not contact or name.owner in ("", contact))
+        ]
 
     def _mesh_ratio(self, errors: Errors, names: Sequence[str]) -> float:
         """The mesh's error over what is left to it, the largest of some quantities."""
@@ -265,7 +274,7 @@ class AdaptiveRun:
     def _growth(self, errors: Errors, has_edges: bool) -> float:
         """How many times as many cells the errors ask for, but for those of areas, at edges."""
         order = self.run.problem.spaces.degree / self.run.problem.body.dimension
-        areas = {*_AREAS[0], *_AREAS[1]} if has_edges else set()
+        areas = self._asked_of([*_AREAS[0], *_AREAS[1]]) if has_edges else []
         growths = [
             (self._mesh_ratio(errors, (name,)) / _AIM_AT)
             ** (1 / np.clip(self._observed_order(name, order), order, 2 * order))

@@ -255,6 +255,9 @@ class _Estimates:
         again = self._times if self._takes_history("penalty") else []
         again = again if len(again) <= _SHORT or self._wants_all else []
         found, self.local = mesh_errors(self._history, self._measure, recorded, again)
+        if found is not None:
+            for key, error in self._shared().items():
+                found[key] += error
         if self._is_mixed("mesh"):
             self._notes.append(
                 "The error by the mesh is not estimated of nearly incompressible bodies."
@@ -265,6 +268,20 @@ class _Estimates:
                 "grows with every refinement, as under a corner of an obstacle."
             )
         return found
+
+    def _shared(self) -> dict[Hashable, float]:
+        """What is not known of reactions where supports meet; collective."""
+        problem, last = self._problem, self._history.last
+        assert last is not None
+        needed = BulkForces(problem, last.solution).unbalanced.reshape(-1)
+        labels = [support.label for support in problem.applied_supports]
+        groups: dict[int | str, list[int]] = {number: [number] for number in range(len(labels))}
+        for number, label in enumerate(labels):
+            groups.setdefault(label, []).append(number)
+        unknown = problem.shared_reactions.unknown
+        return {
+            Reaction(of): unknown(needed, last.solution, numbers) for of, numbers in groups.items()
+        }
 
     def _takes_history(self, source: str) -> bool:
         """Whether an estimate takes all load steps again, not the last one alone."""
@@ -320,9 +337,13 @@ def _of_work(rows: Mapping[str, Row], defect: float | None) -> Row:
 
     Args:
         rows: Of other quantities.
-        defect: What the steps leave open of that balance; None where it is not known.
+        defect: What the steps leave open of that balance; None without one, as with the static law,
+            where only sources that are not there make no error.
     """
     parts = [rows[name] for name in ("strain_energy", "penalty_energy", "friction_work")]
     row = {source: _sum([part[source] for part in parts]) for source in SOURCES}
-    row["step"] = None if defect is None else _sum([row["step"], abs(defect)])
+    if defect is None:
+        row = {source: 0.0 if error == 0 else None for source, error in row.items()}
+    else:
+        row["step"] = _sum([row["step"], abs(defect)])
     return row | {"total": _sum(list(row.values()))}

@@ -91,8 +91,8 @@ def _motion(problem: Problem, contact: ContactSurface) -> dict[str, Any]:
 def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
     """Nodal reactions, and the resultant of each support.
 
-    A reaction is what the bulk needs beyond loads and contact forces; a dof that two
-    supports hold counts to the first.
+    A reaction is what the bulk needs beyond loads and contact forces; where two supports meet,
+    each has its part of what is needed at the dofs of both (``shared_reactions``).
 
     Returns:
         Reactions of shape (nodes, components), zero at free dofs; and a row a support, with
@@ -103,8 +103,9 @@ def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
     owned = spaces.owned_nodes * spaces.components
     reactions = np.zeros_like(needed)
     counted = np.zeros(len(needed), dtype=bool)
-    rows = []
-    for support in problem.applied_supports:
+    rows: list[dict[str, Any]] = []
+    moved = problem.shared_reactions.moved(needed, forces.solution)
+    for support, more in zip(problem.applied_supports, moved, strict=True):
         dofs = support.dofs[~counted[support.dofs]]
         reactions[dofs] = needed[dofs]
         counted[dofs] = True
@@ -115,7 +116,7 @@ def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
             {
                 "name": support.label,
                 "on": support.on,
-                "reaction": resultant(spaces, by_node).tolist(),
+                "reaction": (resultant(spaces, by_node) + more).tolist(),
                 "displacement": _mean_displacement(forces, mine),
             }
         )

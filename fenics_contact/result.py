@@ -36,6 +36,13 @@ QUANTITIES = (
 # Resultants of a contact, which several do not have together.
 OF_ONE_CONTACT = ("normal_force", "pressure_integral", "friction_force", "contact_force")
 
+
+
+def has_true_value(name: str) -> bool:
+    """Whether a quantity has a true value to be apart from: then an error bar, or a ``?``."""
+    return name in QUANTITIES or name.startswith("displacement_")
+
+
 # Those that say something only with friction, or where contact is found.
 _OF_FRICTION = {
     *("friction_force", "stick_area", "slip_area", "stick_radius", "max_slip", "friction_work")
@@ -305,12 +312,16 @@ def error_bar(row: Mapping[str, float | None] | None) -> str:
 
 
 def error_rows(errors: Mapping[str, Mapping[str, float | None]]) -> list[list[str]]:
-    """A table of estimated errors by source, its head first; empty where there are none."""
+    """A table of estimated errors by source, its head first; empty where there are none.
+
+    Args:
+        errors: By quantity, in words.
+    """
     if not errors:
         return []
     sources = list(next(iter(errors.values())))
     rows = [["quantity", *sources]]
     for name, row in errors.items():
         cells = [UNKNOWN if value is None else f"{value:.1e}" for value in row.values()]
-        rows.append([name.replace("_", " "), *cells])
+        rows.append([name, *cells])
     return rows

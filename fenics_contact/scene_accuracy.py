@@ -69,7 +69,7 @@ class Accuracy:
     def __post_init__(self) -> None:
         for name in self.of:
             if name in QUANTITIES:
-                raise ValueError(f"'{name}' is a key of its own, beside `of`")
+                raise ValueError(f"'{name}' is a key of its own, beside of")
         if not any(getattr(self, name) for name in QUANTITIES) and not (self.main or self.of):
             raise ValueError(
                 f"ask for that of main or of any of {', '.join(QUANTITIES)}, or of a quantity by "

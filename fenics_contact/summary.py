@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from rich.table import Table
 from fenics_contact.accuracy_words import level_rows
 from fenics_contact.check_words import compares
 from fenics_contact.result import (
+    OF_ONE_CONTACT,
     QUANTITIES,
     Check,
     Result,
@@ -21,7 +22,6 @@ from fenics_contact.result import (
     error_bar,
     idle_quantities,
     motion_words,
-    reactions_by_group,
     share_words,
 )
 from fenics_contact.scene import Scene
@@ -91,7 +91,8 @@ def _conditions(scene: Scene) -> list[str]:
     lines = []
     for support in scene.support:
         held = [f"{axis} = {_given(value)}" for axis, value in support.displacement.items()]
-        lines.append(f"Support '{support.on}': {', '.join(held)}")
+        on = f" on '{support.on}'" if support.label != support.on else ""
+        lines.append(f"Support '{support.label}'{on}: {', '.join(held)}")
     for load in scene.load:
         kinds = ("traction", "pressure", "body_force")
         kind = next(kind for kind in kinds if getattr(load, kind) is not None)
@@ -122,11 +123,8 @@ def print_result(result: Result, folder: Path) -> None:
     if result.converged:
         bars = ("±",) if result.errors else ()
         quantities = _table("quantity", "value", *bars)
-        for key in _shown(result):
-            row = [key.replace("_", " "), _written(result.quantities[key])]
-            quantities.add_row(*row, *(error_bar(result.errors.get(key)) for _ in bars))
-            if key == "reaction":
-                _add_reactions(quantities, result)
+        for name, value, row in _quantities(result):
+            quantities.add_row(escape(name), _written(value), *(error_bar(row) for _ in bars))
         console.print(quantities)
         for note in result.error_notes:
             console.print(note, markup=False, highlight=False, soft_wrap=True)
@@ -175,17 +173,26 @@ def _print_levels(console: Console, result: Result) -> None:
     """Meshes and estimated errors on the way to an accuracy."""
     rows = level_rows(result.levels, result.accuracy)
     if rows:
-        table = _table(*rows[0])
+        table = _table(*map(escape, rows[0]))
         for row in rows[1:]:
             table.add_row(*row)
         console.print(table)
 
 
-def _add_reactions(quantities: Table, result: Result) -> None:
-    """Those of each group, where supports on several add up."""
-    reactions = reactions_by_group(result.supports)
-    for name, reaction in reactions.items() if len(reactions) > 1 else ():
-        quantities.add_row(f"  of {escape(name)}", _written(reaction))
+def _quantities(result: Result) -> Iterator[tuple[str, Any, Mapping[str, float | None] | None]]:
+    """Name, value and errors of what is shown: of the whole, and of contacts and supports."""
+    for key in _shown(result):
+        name, value = key.replace("_", " "), result.quantities[key]
+        if value is not None:
+            yield name, value, result.errors.get(key)
+        elif key in OF_ONE_CONTACT:
+            for contact in result.contacts:
+                if (of_contact := contact["quantities"][key]) is not None:
+                    errors = contact.get("errors", {})
+                    yield f"{name} of {contact['name']}", of_contact, errors.get(key)
+        if key == "reaction" and len(result.reactions) > 1:
+            for support, found in result.reactions.items():
+                yield f"  of {support}", found[key], found.get("errors", {}).get(key)
 
 
 def _shown(result: Result) -> list[str]:
