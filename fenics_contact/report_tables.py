@@ -9,6 +9,7 @@ from typing import Any
 from fenics_contact.check_words import WORDS, compares, failure
 from fenics_contact.html_writing import Html, bar, element, joined, table
 from fenics_contact.result import (
+    OF_ONE_CONTACT,
     Check,
     error_bar,
     error_rows,
@@ -16,6 +17,7 @@ from fenics_contact.result import (
     motion_words,
     reactions_by_group,
     share_words,
+    without_value,
 )
 
 _OF_A_CONTACT = ("slave", "master", "slave_reason", "uniqueness_limit")
@@ -77,20 +79,24 @@ def quantities_table(found: dict[str, Any], contacts: list[dict[str, Any]], capt
         caption: Of the table.
     """
     idle, errors = idle_quantities(contacts), found.get("errors") or {}
-    shown = {name: value for name, value in found["quantities"].items() if name not in idle}
+    quantities = found["quantities"]
+    if len(contacts) > 1:  # each has its own table
+        idle |= set(OF_ONE_CONTACT)
+    shown = {name: value for name, value in quantities.items() if name not in idle}
     bars = [error_bar(errors.get(name)) for name in shown]
     head = ["quantity", "value", "± estimated error", "relative"]
     rows: list[list[str]] = [head if any(bars) else head[:2]]
     for (name, value), width in zip(shown.items(), bars, strict=True):
         said = _with_share(width, value) if any(bars) else []
-        rows.append([words(name), written(value), *said])
+        value = without_value(name, quantities) if value is None else written(value)
+        rows.append([words(name), value, *said])
     return table(rows, caption)
 
 
 def _with_share(width: str, value: Any) -> list[str]:
     """An error bar, and what share it is of the value, of vectors of their length."""
     if not width:
-        return ["not estimated", ""]
+        return ["" if value is None else "not estimated", ""]
     number, _, more = width.partition(" ")
     size = math.hypot(*value) if isinstance(value, list) else abs(value)
     share = _percent(float(number) / size) if size else ""
