@@ -73,11 +73,15 @@ def _of_model(found: Mapping[str, Any], signs: Signs, axisymmetric: bool) -> dic
         only = contacts[0]["quantities"] if len(contacts) == 1 else {}
         resultants = {key: only.get(key) for key in OF_ONE_CONTACT}
         radii = {key: only[key] for key in _RADII if key in only}
-        quantities = resultants | {
-            key: None if key in _NOT_KNOWN else value
-            for key, value in quantities.items()
-            if key not in OF_ONE_CONTACT
-        } | radii
+        quantities = (
+            resultants
+            | {
+                key: None if key in _NOT_KNOWN else value
+                for key, value in quantities.items()
+                if key not in OF_ONE_CONTACT
+            }
+            | radii
+        )
     return {**found, "quantities": quantities, **({"contacts": contacts} if contacts else {})}
 
 
