@@ -1,6 +1,7 @@
 """Forces of contacts: on the body of `on`, along one axis, whichever surface is the slave."""
 
 import dataclasses
+import json
 from itertools import product
 
 import numpy as np
@@ -14,12 +15,20 @@ from fenics_contact import (
     Material,
     MeshSource,
     Obstacle,
+    Path,
+    Run,
     Scene,
     SolverSettings,
+    Steps,
     Support,
     run,
 )
+from fenics_contact.history_pictures import draw_history
+from fenics_contact.report_tables import quantities_table
+from fenics_contact.result import QUANTITIES
 from fenics_contact.scene_values import Profile
+from fenics_contact.step_table import row_of
+from fenics_contact.summary import print_result
 from fenics_contact.verification import formulas
 from tests.pair_bodies import Box, boxes
 from tests.scenes import ROOT, box_body
@@ -199,6 +208,50 @@ def test_a_wall_all_around_has_a_pressure_integral_alone():
     assert found["contact_force"] == pytest.approx([0, 0], abs=1e-9)
     assert found["pressure_integral"] == pytest.approx(2 * np.pi * pressure, rel=1e-4)
     assert "contact_radius" not in found  # the wall is not about the axis
+
+
+def test_what_has_no_value_is_said_in_words(tmp_path, capsys):
+    result = run(bored(), COMM, body=box_body((6, 2), (1, 1)))
+    print_result(dataclasses.replace(result, timings={"total": 0.0}), tmp_path)
+    said = capsys.readouterr().out
+    assert "none, the surface wraps around" in said
+    assert "pressure integral" in said
+    page = quantities_table(result.as_dict(), result.contacts, "Quantities")
+    assert "<td>none, the surface wraps around</td>" in page
+
+
+def test_several_contacts_have_rows_of_their_own(tmp_path, capsys):
+    result = run(stack(("auto", "auto")), COMM, body=boxes(STACK))
+    print_result(dataclasses.replace(result, timings={"total": 0.0}), tmp_path)
+    said = capsys.readouterr().out
+    for name in ("middle.y0", "top.y0"):
+        assert f"normal force of {name}" in said
+        assert f"friction force of {name}" in said
+    assert "None" not in said
+    row = row_of(result.steps[0])
+    assert row["friction_force_x"] is None
+    assert row["top.y0.friction_force_x"] == quantities(result, 1)["friction_force"][0]
+    assert "friction_force" not in row
+
+
+@pytest.mark.serial
+def test_history_of_a_wall_all_around_is_of_its_pressure_integral(tmp_path):
+    body = box_body((4, 2), (1, 1), comm=MPI.COMM_SELF)
+    pressed = Path(time=(0, 1), factor=(0.5, 1))
+    pushed = dataclasses.replace(
+        bored(), load=(Load("y1", traction=(1.0, 0.0), path=pressed),), steps=Steps(3)
+    )
+    pushed = dataclasses.replace(pushed, support=pushed.support[:1])
+    result = json.loads(json.dumps(Run(pushed, MPI.COMM_SELF, body).solve().as_dict()))
+    pictures = {picture.path.name: picture for picture in draw_history(tmp_path, result)}
+    assert "∫ p dA" in pictures["history_forces.png"].caption
+
+
+def test_every_quantity_is_explained():
+    page = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
+    result = run(stack(("auto", "auto")), COMM, body=boxes(STACK))
+    names = {*QUANTITIES, *quantities(result), *result.quantities}
+    assert [name for name in sorted(names) if f"`{name}`" not in page] == []
 
 
 @pytest.mark.parametrize("axis", [None, (0, -1)])

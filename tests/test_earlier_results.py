@@ -21,7 +21,7 @@ NOT_KNOWN = ("pressure_integral", "contact_force", "max_slip")
 
 @pytest.fixture
 def folder(tmp_path):
-    """A copy on all ranks: two blocks on a floor, shoved; of the upper contact `against` is slave."""
+    """A copy: two blocks on a floor, shoved; in the upper contact `against` is the slave."""
     place = on_root(COMM, lambda: tmp_path / "copy")
     on_root(COMM, lambda: shutil.copytree(BEFORE, place))
     return place
