@@ -114,7 +114,7 @@ def _area(contact: ContactSurface, inside: NDArray[np.bool_], zone: Zone | None)
     """That of a zone; without one, what the points inside stand for."""
     trace = contact.trace
     if zone is None:
-        return float(trace.integral(inside * 1.0))
+        return float(trace.integral(np.where(inside, 1.0, 0.0)))
     pieces = trace.pieces
     inside = zone.inside[pieces.points]
     areas = pieces.areas * pieces.weights.mean(axis=1)

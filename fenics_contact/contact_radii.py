@@ -1,7 +1,7 @@
 """Radii of the zones of contact and of stick about the axis of revolution.
 
-The edge of a zone lies inside an element where ``contact_area`` finds it. A ring that touches farther
-out does not count: the radius is that of the disc at the axis.
+The edge of a zone lies inside an element where ``contact_area`` finds it. A ring that touches
+farther out does not count: the radius is that of the disc at the axis.
 """
 
 from __future__ import annotations
@@ -38,9 +38,7 @@ def radii(contact: ContactSurface, state: ContactState) -> dict[str, float | Non
     }
 
 
-def _radius(
-    contact: ContactSurface, inside: NDArray[np.bool_], zone: Zone | None
-) -> float | None:
+def _radius(contact: ContactSurface, inside: NDArray[np.bool_], zone: Zone | None) -> float | None:
     """Of the edge nearest to the axis, if what it encloses is inside; collective."""
     comm, pieces = contact.spaces.comm, contact.trace.pieces
     flags = inside[pieces.points]

@@ -90,7 +90,10 @@ def mesh_errors(
     changes |= {name: part * energy for name, part in _ENERGIES.items() if name in changes}
     for key in _frictional_works(problem) & changes.keys():
         changes[key] += energy
-    found = {key: _LOCAL * changes[key] + _SCATTER * scatter[key] for key in changes if key in scatter}
+    known = changes.keys() & scatter.keys()
+    found = {
+        key: _LOCAL * changes[key] + _SCATTER * scatter[key] for key in changes if key in known
+    }
     for key, addition in _at_contacts(problem, solution).items():
         if addition is None:
             found.pop(key, None)
@@ -160,8 +163,8 @@ def _at_contacts(problem: Problem, solution: Solution) -> dict[Hashable, float |
         for name, cut in cuts.items():
             added[number, name] = cut
             areas[name] += cut
-        radii_cut = _radii_cut(contact, state, cuts)
-        added |= {(number, name): cut for name, cut in radii_cut.items()} | radii_cut
+        for name, cut in _radii_cut(contact, state, cuts).items():
+            added[number, name] = added[name] = cut
         peaks.append(_peak_error(forces, number))
         added[number, "max_contact_pressure"] = peaks[-1]
     known = [peak for peak in peaks if peak is not None]
@@ -171,7 +174,7 @@ def _at_contacts(problem: Problem, solution: Solution) -> dict[Hashable, float |
 
 def _radii_cut(
     contact: ContactSurface, state: ContactState, cuts: dict[str, float]
-) -> dict[Hashable, float]:
+) -> dict[str, float]:
     """What areas at the edges are of the radii of discs, dA = 2πr dr; collective."""
     areas = {"contact_radius": "contact_area", "stick_radius": "stick_area"}
     found = radii(contact, state)

@@ -9,10 +9,9 @@ from __future__ import annotations
 import difflib
 from dataclasses import dataclass
 
-from fenics_contact.result import OF_ONE_CONTACT
+from fenics_contact.result import OF_ONE_CONTACT, VECTORS
 from fenics_contact.scene_values import AXES
 
-_VECTORS = ("friction_force", "contact_force", "reaction")
 OF_CONTACTS = (
     *OF_ONE_CONTACT,
     *("max_contact_pressure", "contact_area", "stick_area", "slip_area", "contact_radius"),
@@ -91,7 +90,7 @@ class QuantityNames:
         found: dict[str, list[QuantityName]] = {}
         for quantity in quantities:
             found.setdefault(quantity, []).append(QuantityName(owner, quantity))
-            if quantity in _VECTORS or quantity.startswith(_POINT):
+            if quantity in VECTORS or quantity.startswith(_POINT):
                 for axis, letter in enumerate(AXES[: self.dimension]):
                     component = QuantityName(owner, quantity, axis)
                     found.setdefault(f"{quantity}_{letter}", []).append(component)

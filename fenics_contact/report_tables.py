@@ -19,6 +19,7 @@ from fenics_contact.result import (
     motion_words,
     reactions_by_name,
     share_words,
+    without_value,
 )
 
 _OF_A_CONTACT = ("slave", "master", "slave_reason", "uniqueness_limit")
@@ -80,13 +81,16 @@ def quantities_table(found: dict[str, Any], contacts: list[dict[str, Any]], capt
         caption: Of the table.
     """
     idle, errors = idle_quantities(contacts), found.get("errors") or {}
-    head = ["quantity", "value", *_BARS]
-    rows: list[list[str]] = [head if errors else head[:2]]
-    for name, value in found["quantities"].items():
-        if name not in idle:
-            known = value is not None and has_true_value(name)
-            said = _with_share(error_bar(errors.get(name)), value) if known else ["", ""]
-            rows.append([words(name), written(value), *(said if errors else [])])
+    quantities = found["quantities"]
+    if len(contacts) > 1:  # each has its own table
+        idle |= set(OF_ONE_CONTACT)
+    rows: list[list[str]] = [["quantity", "value", *(_BARS if errors else ())]]
+    for name in [name for name in quantities if name not in idle]:
+        value = quantities[name]
+        is_known = value is not None and has_true_value(name)
+        bars = _with_share(error_bar(errors.get(name)), value) if is_known else ["", ""]
+        said = without_value(name, quantities) if value is None else written(value)
+        rows.append([words(name), said, *(bars if errors else [])])
     return table(rows, caption)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -36,6 +36,8 @@ QUANTITIES = (
 # Resultants of a contact, which several do not have together.
 OF_ONE_CONTACT = ("normal_force", "pressure_integral", "friction_force", "contact_force")
 
+# Those that have a component along each axis.
+VECTORS = ("friction_force", "contact_force", "reaction")
 
 
 def has_true_value(name: str) -> bool:
@@ -277,13 +279,38 @@ def branch_rows(branches: list[dict[str, Any]]) -> list[list[Any]]:
     """
     if len(branches) < 2:
         return []
-    rows: list[list[Any]] = [
-        ["answer from the start", *(key.replace("_", " ") for key in _OF_BRANCHES), "checks"]
-    ]
+    names = [name.replace("_", " ") for name, _ in _of_branch(branches[0])]
+    rows: list[list[Any]] = [["answer from the start", *names, "checks"]]
     for branch in branches:
-        numbers = [branch["quantities"][key] for key in _OF_BRANCHES]
+        numbers = [value for _, value in _of_branch(branch)]
         rows.append([branch["start"], *numbers, "ok" if branch["passed"] else "FAILED"])
     return rows
+
+
+def _of_branch(branch: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Name and value of each number, resultants of several contacts contact by contact."""
+    for key in _OF_BRANCHES:
+        if key in OF_ONE_CONTACT and len(branch["contacts"]) > 1:
+            for contact in branch["contacts"]:
+                yield f"{key} of '{contact['name']}'", contact["quantities"][key]
+        else:
+            yield key, branch["quantities"][key]
+
+
+def without_value(name: str, quantities: Mapping[str, Any]) -> str:
+    """Why a quantity of a contact has no value, in words.
+
+    Args:
+        name: Of the quantity.
+        quantities: All of the contact, or of the whole model with this contact alone.
+    """
+    if quantities.get("pressure_integral") is None:
+        return "not known"  # an earlier version of the program has not written it
+    return {
+        "normal_force": "none, the surface wraps around",
+        "contact_radius": "none, no contact at the axis",
+        "stick_radius": "none, no stick at the axis",
+    }.get(name, "none")
 
 
 def motion_words(motion: dict[str, Any]) -> str:

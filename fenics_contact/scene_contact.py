@@ -176,8 +176,8 @@ class Contact:
     slave: Annotated[
         Literal["auto", "on", "against"],
         Field(
-            description="of two surfaces, the one whose points contact acts at, and whose results "
-            "are given; `auto` takes the one that the other covers, not a much finer one"
+            description="of two surfaces, the one whose points contact acts at, and `contact.csv` "
+            "has; `auto` takes the one that the other covers, not a much finer one"
         ),
     ] = "auto"
     penalty_parameter: Annotated[

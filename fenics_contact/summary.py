@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ from fenics_contact.result import (
     idle_quantities,
     motion_words,
     share_words,
+    without_value,
 )
 from fenics_contact.scene import Scene
 
@@ -35,8 +36,9 @@ _IN_WORDS = {
 }
 # Those that say something only where there are motions that supports leave to friction.
 _OF_FREE_MOTIONS = ("free_rigid_motions", "used_share_of_limit_load")
-# Quantities in the order shown.
-_SHOWN = [name for name in QUANTITIES if name not in ("external_work", "penalty_energy")]
+# Quantities in the order shown; the others are in the files.
+_HIDDEN = ("pressure_integral", "contact_force", "external_work", "penalty_energy")
+_SHOWN = [name for name in QUANTITIES if name not in _HIDDEN]
 # Parameters of a contact, in the order of its line; those that do not apply are zero or missing.
 _PARAMETERS = (
     "pressure",
@@ -123,8 +125,10 @@ def print_result(result: Result, folder: Path) -> None:
     if result.converged:
         bars = ("±",) if result.errors else ()
         quantities = _table("quantity", "value", *bars)
-        for name, value, row in _quantities(result):
-            quantities.add_row(escape(name), _written(value), *(error_bar(row) for _ in bars))
+        for key in _shown(result):
+            _add_quantity(quantities, result, key)
+            if key == "reaction":
+                _add_reactions(quantities, result)
         console.print(quantities)
         for note in result.error_notes:
             console.print(note, markup=False, highlight=False, soft_wrap=True)
@@ -179,20 +183,27 @@ def _print_levels(console: Console, result: Result) -> None:
         console.print(table)
 
 
-def _quantities(result: Result) -> Iterator[tuple[str, Any, Mapping[str, float | None] | None]]:
-    """Name, value and errors of what is shown: of the whole, and of contacts and supports."""
-    for key in _shown(result):
-        name, value = key.replace("_", " "), result.quantities[key]
-        if value is not None:
-            yield name, value, result.errors.get(key)
-        elif key in OF_ONE_CONTACT:
-            for contact in result.contacts:
-                if (of_contact := contact["quantities"][key]) is not None:
-                    errors = contact.get("errors", {})
-                    yield f"{name} of {contact['name']}", of_contact, errors.get(key)
-        if key == "reaction" and len(result.reactions) > 1:
-            for support, found in result.reactions.items():
-                yield f"  of {support}", found[key], found.get("errors", {}).get(key)
+def _add_quantity(quantities: Table, result: Result, key: str) -> None:
+    """A row with its error bar; of a resultant, a row of each contact where there are several."""
+    words = key.replace("_", " ")
+    rows: list[tuple[str, Any, Any]] = [(words, result.quantities, result.errors)]
+    if key in OF_ONE_CONTACT and len(result.contacts) > 1:
+        rows = [
+            (f"{words} of {one['name']}", one["quantities"], one.get("errors", {}))
+            for one in result.contacts
+        ]
+    for name, found, errors in rows:
+        value, bar = without_value(key, found), ""
+        if found[key] is not None:
+            value, bar = _written(found[key]), error_bar(errors.get(key))
+        quantities.add_row(escape(name), value, *([bar] if result.errors else []))
+
+
+def _add_reactions(quantities: Table, result: Result) -> None:
+    """Those of each name, where there are several."""
+    for name, found in result.reactions.items() if len(result.reactions) > 1 else ():
+        bars = [error_bar(found.get("errors", {}).get("reaction"))] if result.errors else []
+        quantities.add_row(f"  of {escape(name)}", _written(found["reaction"]), *bars)
 
 
 def _shown(result: Result) -> list[str]:
@@ -200,6 +211,8 @@ def _shown(result: Result) -> list[str]:
     hidden = idle_quantities(result.contacts)
     points = [key for key in result.quantities if key.startswith("displacement_")]
     shown = [key for key in _SHOWN if key in result.quantities and key not in hidden]
+    if any(contact["quantities"]["normal_force"] is None for contact in result.contacts):
+        shown.insert(1, "pressure_integral")
     return shown + points
 
 
@@ -236,4 +249,4 @@ def _written(value: Any) -> str:
         return f"{value:.6g}"
     if isinstance(value, list | tuple):
         return ", ".join(_written(entry) for entry in value)
-    return str(value)
+    return "none" if value is None else str(value)

@@ -193,8 +193,10 @@ class Trace:
         axisymmetric = self.spaces.kinematics == "axisymmetric"
         if axisymmetric:  # the radius is linear on a straight facet, and so is what it weighs
             rows = rows * self.surface.coordinates[owned, :1]
-        *mean, area = total(self.spaces.comm, rows.sum(axis=0))
-        return np.asarray(mean) * np.where(np.arange(len(mean)) == 0, not axisymmetric, 1) / area
+        summed: Array = total(self.spaces.comm, rows.sum(axis=0))
+        if axisymmetric:  # over a revolution radial ones cancel
+            summed[0] = 0.0
+        return np.asarray(summed[:-1] / summed[-1])
 
     @property
     def mirrored_axes(self) -> list[int]:
