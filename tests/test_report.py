@@ -196,10 +196,10 @@ def test_errors_are_beside_the_quantities():
     quantities["undecided_points"] = 3
     errors = {"normal_force": row, "reaction": whole}
     text = page_of(found(quantities=quantities, errors=errors, error_notes=["A note."]))
-    assert "<td>normal force</td><td>2</td><td>?</td><td>?</td>" in text
+    assert "normal force</th><td>2</td><td>?</td><td>?</td>" in text
     assert "± 0.02</td><td>0.4 %" in text
-    assert "<td>external work</td><td>0</td><td>?</td><td>?</td>" in text
-    assert "<td>undecided points</td><td>3</td><td></td><td></td>" in text  # it has no true value
+    assert "external work</th><td>0</td><td>?</td><td>?</td>" in text
+    assert "undecided points</th><td>3</td><td></td><td></td>" in text  # it has no true value
     assert "or more" not in text and "A note." in text
 
 
@@ -212,8 +212,8 @@ def test_reactions_have_bars_by_name():
     ]
     reactions = {"wall": {"reaction": [0.0, 5.0], "errors": {"reaction": row}}}
     text = page_of(found(supports=supports, reactions=reactions))
-    assert "<td>wall</td><td>0, 5</td><td>± 0.05</td><td>1 %</td>" in text
-    assert "<td>floor</td><td>0, 1</td><td>?</td><td>?</td>" in text
+    assert "wall</th><td>0, 5</td><td>± 0.05</td><td>1 %</td>" in text
+    assert "floor</th><td>0, 1</td><td>?</td><td>?</td>" in text
     assert "± 0.05" not in page_of(found(supports=supports))
 
 
