@@ -29,6 +29,7 @@ from fenics_contact.accuracy_words import (
 )
 from fenics_contact.contact_area import edges
 from fenics_contact.errors import FenicsContactError, StoppedError
+from fenics_contact.level_history import LevelHistory, said, without_bars
 from fenics_contact.local_errors import LocalErrors
 from fenics_contact.mesh import Body
 from fenics_contact.mesh_sizes import SINGULAR
@@ -94,6 +95,7 @@ class AdaptiveRun:
         self._has_own_body = has_own_body
         self._seconds: dict[str, float] = {}
         self._between = 0.0
+        self._history = LevelHistory()
         self.asked = asked_of(first)
         self._hindrance = hindrance(first.scene, first.problem.body, has_own_body)
 
@@ -114,9 +116,10 @@ class AdaptiveRun:
             errors = relative_errors(result, self.asked)
             self._note(run, result, errors)
             self.run, last = run, result
-            if is_met(errors, self.asked):
+            reason = self._unbounded(last)
+            if is_met(errors, self.asked) and not reason and not self._beyond():
                 return self._with_levels(last, "")
-            reason = self._reason_to_stop(errors) or ""
+            reason = reason or self._reason_to_stop(errors)
             if reason:
                 return self._with_levels(last, reason)
             try:
@@ -144,7 +147,18 @@ class AdaptiveRun:
                 "sources": errors,
             }
         )
+        self._history.add(result)
         logger.info(level_line(len(self.levels), self.levels[-1], self.asked))
+
+    def _unbounded(self, result: Result) -> str:
+        """Why some of what is asked for does not converge, or nothing."""
+        found = [why for name, why in self.run.budget.unbounded.items() if name in self.asked]
+        away = [name for name in self.asked if self._history.runs_away(name)]
+        return found[0] if found else said(away, result) if away else ""
+
+    def _beyond(self) -> list[str]:
+        """What is asked for and moved, from the mesh before, by more than both bars."""
+        return [name for name in self.asked if self._history.is_beyond(name)]
 
     def _reason_to_stop(self, errors: Errors) -> str:
         """Why no further level can help, or nothing."""
@@ -163,7 +177,10 @@ class AdaptiveRun:
         if self._hindrance:
             return self._hindrance
         if len(self.levels) >= self._accuracy.max_levels:
-            return f"the accuracy.max_levels = {self._accuracy.max_levels} meshes are used up"
+            used_up = f"the accuracy.max_levels = {self._accuracy.max_levels} meshes are used up"
+            beyond = " and ".join(name.replace("_", " ") for name in self._beyond())
+            moved = f", and the last two differ in {beyond} by more than their error bars"
+            return used_up + (moved if beyond else "")
         return ""
 
     def _not_estimated(self, errors: Errors) -> str:
@@ -309,7 +326,7 @@ class AdaptiveRun:
     def _with_levels(self, result: Result, reason: str) -> Result:
         words = not_reached(reason) if reason else reached(len(self.levels))
         return dataclasses.replace(
-            result,
+            without_bars(result, self._history.runaways()),
             timings=self._seconds or result.timings,
             verdict=f"{result.verdict} {words}",
             levels=self.levels,

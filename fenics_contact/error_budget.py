@@ -28,6 +28,7 @@ from fenics_contact.quantities import contact_quantities, global_quantities, sup
 from fenics_contact.result import QUANTITIES
 from fenics_contact.solution import Solution
 from fenics_contact.step_errors import step_errors
+from fenics_contact.unbounded import Unbounded
 
 SOURCES = ("mesh", "penalty", "regularisation", "iteration", "step", "domain")
 # Histories of at most so many steps are solved again without being asked for.
@@ -47,12 +48,15 @@ class ErrorBudget:
         contacts: The same of every contact, in scene order.
         notes: Sentences that say what was not estimated, and why.
         local: Errors of the cells, where those by the mesh were estimated.
+        unbounded: What does not converge, by the keys of quantities, of a contact by its number
+            and the name, with the sentence that says why.
     """
 
     quantities: dict[str, Row] = field(default_factory=dict)
     contacts: list[dict[str, Row]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     local: LocalErrors | None = None
+    unbounded: dict[Hashable, str] = field(default_factory=dict)
 
     def of_contact(self, number: int) -> dict[str, Any]:
         """``errors`` of a contact for ``result.json``, where there are any."""
@@ -76,7 +80,10 @@ def error_budget(history: History, steps: Sequence[Mapping[str, Any]]) -> ErrorB
     answer = measure(history.last.solution)
     estimates = _Estimates(history, measure, steps)
     found, notes = estimates.all()
-    rows = {key: _row(key, found) for key in answer}
+    last = history.last.unknowns
+    unbounded = Unbounded(problem, last.displacement, last.time)
+    rows, why = unbounded.strip({key: _row(key, found) for key in answer}, answer)
+    notes += dict.fromkeys(why.values())
     every = {key: row for key, row in rows.items() if isinstance(key, str)}
     if len(steps) > 1:
         del every["external_work"]  # what is measured is that of the last forces alone
@@ -87,7 +94,7 @@ def error_budget(history: History, steps: Sequence[Mapping[str, Any]]) -> ErrorB
         {key[1]: row for key, row in rows.items() if isinstance(key, tuple) and key[0] == number}
         for number in range(len(problem.contacts))
     ]
-    return ErrorBudget(every, contacts, notes, estimates.local)
+    return ErrorBudget(every, contacts, notes, estimates.local, why)
 
 
 class _Measure:
