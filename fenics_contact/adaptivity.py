@@ -29,12 +29,20 @@ from fenics_contact.accuracy_words import (
 )
 from fenics_contact.contact_area import edges
 from fenics_contact.errors import FenicsContactError, StoppedError
+from fenics_contact.level_history import LevelHistory, said, without_bars
 from fenics_contact.local_errors import LocalErrors
 from fenics_contact.mesh import Body
 from fenics_contact.mesh_sizes import SINGULAR
 from fenics_contact.next_mesh import Wish, hindrance, next_mesh
 from fenics_contact.parallel import total
-from fenics_contact.relative_errors import Errors, is_met, others_than_mesh, relative_errors
+from fenics_contact.quantity_names import in_words
+from fenics_contact.relative_errors import (
+    Errors,
+    is_met,
+    measured_keys,
+    others_than_mesh,
+    relative_errors,
+)
 from fenics_contact.result import Result
 from fenics_contact.scene import Scene
 from fenics_contact.scene_accuracy import Accuracy
@@ -97,6 +105,7 @@ class AdaptiveRun:
         self._has_own_body = has_own_body
         self._seconds: dict[str, float] = {}
         self._between = 0.0
+        self._history = LevelHistory()
         self.asked = asked_of(first)
         self._hindrance = hindrance(first.scene, first.problem.body, has_own_body)
 
@@ -117,9 +126,10 @@ class AdaptiveRun:
             errors = relative_errors(result, self.asked, run.scene.names)
             self._note(run, result, errors)
             self.run, last = run, result
-            if is_met(errors, self.asked):
+            reason = self._unbounded(last)
+            if is_met(errors, self.asked) and not reason and not self._beyond(last):
                 return self._with_levels(last, "")
-            reason = self._reason_to_stop(errors) or ""
+            reason = reason or self._reason_to_stop(errors, last)
             if reason:
                 return self._with_levels(last, reason)
             try:
@@ -147,9 +157,22 @@ class AdaptiveRun:
                 "sources": errors,
             }
         )
+        self._history.add(result)
         logger.info(level_line(len(self.levels), self.levels[-1], self.asked))
 
-    def _reason_to_stop(self, errors: Errors) -> str:
+    def _unbounded(self, result: Result) -> str:
+        """Why some of what is asked for does not converge, or nothing."""
+        keys = measured_keys(result, self.asked, self.run.scene.names)
+        found = [why for key, why in self.run.budget.unbounded.items() if key in keys.values()]
+        away = [key for key in keys.values() if self._history.runs_away(key)]
+        return found[0] if found else said(away, result) if away else ""
+
+    def _beyond(self, result: Result) -> list[str]:
+        """What is asked for and moved, from the mesh before, by more than both bars."""
+        keys = measured_keys(result, self.asked, self.run.scene.names)
+        return [name for name, key in keys.items() if self._history.is_beyond(key)]
+
+    def _reason_to_stop(self, errors: Errors, result: Result) -> str:
         """Why no further level can help, or nothing."""
         unknown = self._not_estimated(errors)
         if unknown:
@@ -166,7 +189,10 @@ class AdaptiveRun:
         if self._hindrance:
             return self._hindrance
         if len(self.levels) >= self._accuracy.max_levels:
-            return f"the accuracy.max_levels = {self._accuracy.max_levels} meshes are used up"
+            used_up = f"the accuracy.max_levels = {self._accuracy.max_levels} meshes are used up"
+            beyond = " and ".join(in_words(name) for name in self._beyond(result))
+            moved = f", and the last two differ in {beyond} by more than their error bars"
+            return used_up + (moved if beyond else "")
         return ""
 
     def _not_estimated(self, errors: Errors) -> str:
@@ -318,7 +344,7 @@ class AdaptiveRun:
     def _with_levels(self, result: Result, reason: str) -> Result:
         words = not_reached(reason) if reason else reached(len(self.levels))
         return dataclasses.replace(
-            result,
+            without_bars(result, self._history.runaways()),
             timings=self._seconds or result.timings,
             verdict=f"{result.verdict} {words}",
             levels=self.levels,

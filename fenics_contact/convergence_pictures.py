@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from fenics_contact.figures import new_figure, save
 from fenics_contact.picture import Picture
 from fenics_contact.picture_style import COLOURS, DOUBLE, FORMULA, LINES, WIDE
+from fenics_contact.quantity_names import in_words
 
 Array = NDArray[np.float64]
 

@@ -25,9 +25,11 @@ from fenics_contact.parameter_errors import (
 )
 from fenics_contact.problem import Problem
 from fenics_contact.quantities import contact_quantities, global_quantities, support_reactions
+from fenics_contact.quantity_names import Reaction
 from fenics_contact.result import QUANTITIES, reactions_by_name
 from fenics_contact.solution import Solution
 from fenics_contact.step_errors import step_errors
+from fenics_contact.unbounded import Unbounded
 
 SOURCES = ("mesh", "penalty", "regularisation", "iteration", "step", "domain")
 # Histories of at most so many steps are solved again without being asked for.
@@ -49,6 +51,8 @@ class ErrorBudget:
         reactions: The same of all supports of a name together, by that.
         notes: Sentences that say what was not estimated, and why.
         local: Errors of the cells, where those by the mesh were estimated.
+        unbounded: What does not converge, by the keys of quantities, of a contact by its number
+            and the name, of supports a ``Reaction``, with the sentence that says why.
     """
 
     quantities: dict[str, Row] = field(default_factory=dict)
@@ -57,6 +61,7 @@ class ErrorBudget:
     reactions: dict[str, dict[str, Row]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     local: LocalErrors | None = None
+    unbounded: dict[Hashable, str] = field(default_factory=dict)
 
     def of_contact(self, number: int) -> dict[str, Any]:
         """``errors`` of a contact for ``result.json``, where there are any."""
@@ -86,16 +91,6 @@ class ErrorBudget:
         }
 
 
-@dataclass(frozen=True)
-class Reaction:
-    """Key of the reaction of a support by its number, or of all of a name together.
-
-    Those of a contact are tuples, those of the whole texts.
-    """
-
-    of: int | str
-
-
 def error_budget(history: History, steps: Sequence[Mapping[str, Any]]) -> ErrorBudget:
     """Estimate the errors of the last load step's quantities; collective.
 
@@ -113,7 +108,10 @@ def error_budget(history: History, steps: Sequence[Mapping[str, Any]]) -> ErrorB
     answer = measure(history.last.solution)
     estimates = _Estimates(history, measure, steps)
     found, notes = estimates.all()
-    rows = {key: _row(key, found) for key in answer}
+    last = history.last.unknowns
+    unbounded = Unbounded(problem, last.displacement, last.time)
+    rows, why = unbounded.strip({key: _row(key, found) for key in answer}, answer)
+    notes += dict.fromkeys(why.values())
     every = {key: row for key, row in rows.items() if isinstance(key, str)}
     if len(steps) > 1:  # what is measured is that of the last forces alone
         every["external_work"] = _of_work(every, steps[-1]["quantities"].get("energy_defect"))
@@ -129,11 +127,15 @@ def error_budget(history: History, steps: Sequence[Mapping[str, Any]]) -> ErrorB
         reactions={name: row for name, row in of.items() if isinstance(name, str)},
         notes=notes,
         local=estimates.local,
+        unbounded=why,
     )
 
 
 class _Measure:
-    """Quantities of a solution, called in its state; of a contact by its number and the name."""
+    """Quantities of a solution, called in its state.
+
+    Of a contact by its number and the name, of supports by a ``Reaction``.
+    """
 
     def __init__(self, history: History) -> None:
         assert history.last is not None
@@ -164,7 +166,7 @@ class _Measure:
 
 def _reactions(supports: list[dict[str, Any]]) -> dict[Hashable, Any]:
     """Of each support, and of those of each name together."""
-    found = {Reaction(number): row["reaction"] for number, row in enumerate(supports)}
+    found: dict[Hashable, Any] = {Reaction(number): row["reaction"] for number, row in enumerate(supports)}
     return found | {Reaction(name): sum_ for name, sum_ in reactions_by_name(supports).items()}
 
 

@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Hashable
 from dataclasses import dataclass
 
 from fenics_contact.result import OF_ONE_CONTACT, VECTORS
@@ -35,6 +36,17 @@ class QuantityName:
     owner: str
     quantity: str
     axis: int | None = None
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """Key of the reaction of a support by its number, or of all supports of a name together.
+
+    Keys of a contact's quantities are pairs of its number and the quantity, those of the whole
+    model's the quantity alone.
+    """
+
+    of: int | str
 
 
 @dataclass(frozen=True)
@@ -80,6 +92,14 @@ class QuantityNames:
                 f"'{text}' could be of the points {names}: give one of them another name"
             )
         return found[0]
+
+    def key(self, name: QuantityName) -> Hashable:
+        """That of the quantity among those that are measured."""
+        if not name.owner:
+            return name.quantity
+        if name.quantity in _OF_SUPPORTS:
+            return Reaction(name.owner)
+        return (self.contacts.index(name.owner), name.quantity)
 
     def _readings(self, owner: str) -> dict[str, list[QuantityName]]:
         """What each quantity of an owner may stand for: of points, names may end as components."""
@@ -142,4 +162,3 @@ def require_name(name: str) -> None:
     """
     if not name.isprintable() or name != name.strip():
         raise ValueError(f"name = {name!r} may have only printable characters, and no blank ends")
-

@@ -8,7 +8,8 @@ that of a support that carries next to nothing need not be known to a share of t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import dataclasses
+from collections.abc import Hashable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -48,6 +49,18 @@ def relative_errors(result: Result, asked: Mapping[str, float], names: QuantityN
         row = errors.get(quantity) or {"mesh": None, "total": None}
         size = _size(result, values, quantity)
         found[text] = {source: _over(error, size) for source, error in row.items()}
+    return found
+
+
+def measured_keys(
+    result: Result, asked: Iterable[str], names: QuantityNames
+) -> dict[str, Hashable]:
+    """The key among what is measured of each quantity asked for; as of ``relative_errors``."""
+    found = {}
+    for text in asked:
+        name = names.find(text)
+        quantity = _given(_of_owner(result, name)[0], name.quantity)
+        found[text] = names.key(dataclasses.replace(name, quantity=quantity))
     return found
 
 

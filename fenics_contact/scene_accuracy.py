@@ -58,7 +58,7 @@ class Accuracy:
             description="of further quantities by their names: `NAME.quantity` of the contact or "
             "the supports called NAME (`left.reaction`), `displacement_NAME` of a `[[point]]`, "
             "and components (`left.reaction_x`), over the length of the vector. In a file these "
-            "may stand beside the other keys, in quotes (`\"left.reaction\" = 1e-2`) or without"
+            'may stand beside the other keys, in quotes (`"left.reaction" = 1e-2`) or without'
         ),
     ] = Field(default_factory=dict)
     max_levels: Annotated[

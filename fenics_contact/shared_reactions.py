@@ -120,9 +120,7 @@ class SharedReactions:
             parts[first, np.arange(len(self._dofs))] -= needed[self._dofs]
         return self._summed(parts)
 
-    def unknown(
-        self, needed: Array, solution: Solution, supports: Collection[int]
-    ) -> float:
+    def unknown(self, needed: Array, solution: Solution, supports: Collection[int]) -> float:
         """What is not known of the part of some supports in what they share with others (force).
 
         Args:

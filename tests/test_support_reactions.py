@@ -179,3 +179,20 @@ def test_meshes_are_made_for_reactions_and_points():
         assert distance(found.reactions[name], fine.reactions[name]) <= at * exact
     moved, exact = (np.array(r.quantities["displacement_edge"]) for r in (found, fine))
     assert abs(moved[1] - exact[1]) <= 2e-3 * np.linalg.norm(exact)
+
+
+@pytest.mark.errors
+def test_reactions_that_do_not_converge_have_no_bar():
+    """A lid that is pushed down beside fixed walls: where they meet, displacements jump."""
+    lid = Support("y1", {"y": -0.01}, name="lid")
+    walls = tuple(Support(side, {"x": 0, "y": 0}, name="wall") for side in ("x0", "x1"))
+    floor = Support("y0", {"y": 0}, name="floor")
+    scene = dataclasses.replace(confined(), support=(*walls, lid, floor))
+    found = run(scene, COMM, box_body((4, 4), (1, 1)))
+    bars = {name: row["errors"]["reaction"]["total"] for name, row in found.reactions.items()}
+    assert bars["lid"] is None and bars["wall"] is None
+    assert bars["floor"] > 0
+    assert any("reaction of 'lid'" in note for note in found.error_notes)
+    asked = dataclasses.replace(scene, accuracy=Accuracy(of={"lid.reaction_y": 0.1}))
+    refused = run(asked, COMM, box_body((2, 2), (1, 1), CellType.triangle))
+    assert "reaction of 'lid'" in refused.accuracy["reason"] and refused.exit_code == 3
