@@ -166,7 +166,8 @@ def _all(result: Result) -> list[tuple[Hashable, Mapping[str, float | None], Any
             ((number, name), row, contact["quantities"][name])
             for name, row in contact.get("errors", {}).items()
         ]
-    parts = [*enumerate(result.supports), *result.reactions.items()]
+    parts: list[tuple[int | str, dict[str, Any]]] = [*enumerate(result.supports)]
+    parts += result.reactions.items()
     found += [
         (Reaction(of), part["errors"]["reaction"], part["reaction"])
         for of, part in parts
