@@ -36,9 +36,11 @@ class ContactKinematics(ABC):
             that depths are no differences of long distances (length).
         displacement: How far it has moved besides, (components,) (length).
         pairing: The deformable body opposite, None against an obstacle.
+        axis: The obstacle's own, ``direction``; None where it has none but the surface's.
     """
 
     pairing: Pairing | None = None
+    axis: Array | None = None
 
     def __init__(self, trace: Trace) -> None:
         self.trace = trace

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.quantity_names import Reaction
 from fenics_contact.result import Result
 
 Array = NDArray[np.float64]
@@ -30,7 +31,7 @@ _SMALL = 0.1
 
 
 class LevelHistory:
-    """Values and bars of all quantities of a run, mesh after mesh; of a contact by its number too.
+    """Values and bars of all quantities of a run, mesh after mesh, by the keys of its budget.
 
     >>> history = LevelHistory()
     >>> for force in (10.0, 13.5, 17.2):  # by as much with every mesh
@@ -107,17 +108,42 @@ def without_bars(result: Result, keys: Sequence[Hashable]) -> Result:
             for name, row in contact.get("errors", {}).items()
         }
         contacts.append({**contact, "errors": rows} if rows else contact)
+    supports = [
+        _without_bar(row, Reaction(number), keys) for number, row in enumerate(result.supports)
+    ]
+    reactions = {
+        name: _without_bar(row, Reaction(name), keys) for name, row in result.reactions.items()
+    }
     notes = [*result.error_notes, f"{said(keys, result)}, so there is no error bar."]
-    return dataclasses.replace(result, errors=errors, contacts=contacts, error_notes=notes)
+    return dataclasses.replace(
+        result,
+        errors=errors,
+        contacts=contacts,
+        supports=supports,
+        reactions=reactions,
+        error_notes=notes,
+    )
+
+
+def _without_bar(found: dict[str, Any], key: Reaction, keys: Sequence[Hashable]) -> dict[str, Any]:
+    """A support, or supports of one name, likewise."""
+    if key not in keys or "errors" not in found:
+        return found
+    return {**found, "errors": {"reaction": _stripped(found["errors"]["reaction"])}}
 
 
 def said(keys: Sequence[Hashable], result: Result) -> str:
     """That quantities run away, in words."""
     words = []
     for key in keys:
+        if isinstance(key, Reaction):
+            of = result.supports[key.of]["name"] if isinstance(key.of, int) else key.of
+            words.append(f"reaction of '{of}'")
+            continue
         name = str(key[1] if isinstance(key, tuple) else key).replace("_", " ")
         of = f" of '{result.contacts[key[0]]['name']}'" if isinstance(key, tuple) else ""
         words.append(name + of)
+    words = list(dict.fromkeys(words))
     listed = " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
     verb = "do" if len(words) > 1 else "does"
     return (
@@ -131,7 +157,7 @@ def _stripped(row: Mapping[str, float | None]) -> dict[str, float | None]:
 
 
 def _all(result: Result) -> list[tuple[Hashable, Mapping[str, float | None], Any]]:
-    """Key, row of errors and value of every quantity, of the whole and of contacts."""
+    """Key, row of errors and value of every quantity."""
     found: list[tuple[Hashable, Mapping[str, float | None], Any]] = [
         (name, row, result.quantities[name]) for name, row in result.errors.items()
     ]
@@ -140,6 +166,12 @@ def _all(result: Result) -> list[tuple[Hashable, Mapping[str, float | None], Any
             ((number, name), row, contact["quantities"][name])
             for name, row in contact.get("errors", {}).items()
         ]
+    parts: list[tuple[int | str, Any]] = [*enumerate(result.supports), *result.reactions.items()]
+    found += [
+        (Reaction(of), part["errors"]["reaction"], part["reaction"])
+        for of, part in parts
+        if "errors" in part
+    ]
     return [row for row in found if row[2] is not None]
 
 

@@ -16,7 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.bulk_forces import BulkForces
+from fenics_contact.contact import ContactSurface
 from fenics_contact.contact_area import cut_areas
+from fenics_contact.contact_radii import radii
+from fenics_contact.contact_state import ContactState
 from fenics_contact.geometry_errors import geometry_errors
 from fenics_contact.load_scatter import load_scatter
 from fenics_contact.load_steps import History
@@ -24,6 +27,7 @@ from fenics_contact.local_errors import LocalErrors
 from fenics_contact.parallel import largest
 from fenics_contact.pinned_friction import pinned_friction
 from fenics_contact.problem import Problem
+from fenics_contact.quantity_names import Reaction
 from fenics_contact.solution import Solution
 from fenics_contact.solving_again import (
     Measure,
@@ -92,9 +96,11 @@ def mesh_errors(
     changes |= {name: part * energy for name, part in _ENERGIES.items() if name in changes}
     for key in _frictional_works(problem) & changes.keys():
         changes[key] += energy
+    known = changes.keys() & scatter.keys() & curved.keys()
     found = {
         key: _LOCAL * changes[key] + _SCATTER * scatter[key] + _CURVED * curved[key]
         for key in changes
+        if key in known
     }
     for key, unknown in _beside_pinned(problem, solution).items():
         if key in found:
@@ -133,6 +139,7 @@ def _changes(
     return {
         key: max(value, float(np.sqrt(np.mean([change[key] ** 2 for change in drawn]))))
         for key, value in whole.items()
+        if all(key in change for change in drawn)
     }
 
 
@@ -159,15 +166,21 @@ def _beside_pinned(problem: Problem, solution: Solution) -> dict[Hashable, float
     """
     found: dict[Hashable, float] = {}
 
-    def add(name: str, number: int, unknown: float) -> None:
-        for key in ((number, name), name):
+    def add(keys: Sequence[Hashable], unknown: float) -> None:
+        for key in keys:
             found[key] = found.get(key, 0.0) + unknown
 
+    def of_contact(number: int, *names: str) -> list[Hashable]:
+        return [*names, *((number, name) for name in names)]
+
+    labels = [support.label for support in problem.applied_supports]
     for number, pinned in enumerate(pinned_friction(problem, solution)):
-        add("friction_force", number, pinned.whole)
-        found["reaction"] = found.get("reaction", 0.0) + pinned.at_supports
+        add(of_contact(number, "friction_force", "contact_force"), pinned.whole)
+        for support, unknown in pinned.at_supports.items():
+            add(["reaction", Reaction(support), Reaction(labels[support])], unknown)
         for other, unknown in pinned.at_contacts.items():
-            add("normal_force", other, unknown)
+            names = ("normal_force", "pressure_integral", "contact_force")
+            add(of_contact(other, *names), unknown)
     return found
 
 
@@ -186,11 +199,22 @@ def _at_contacts(problem: Problem, solution: Solution) -> dict[Hashable, float |
         for name, cut in cuts.items():
             added[number, name] = cut
             areas[name] += cut
+        for name, cut in _radii_cut(contact, state, cuts).items():
+            added[number, name] = added[name] = cut
         peaks.append(_peak_error(forces, number))
         added[number, "max_contact_pressure"] = peaks[-1]
     known = [peak for peak in peaks if peak is not None]
     of_all = max(known, default=0.0) if len(known) == len(peaks) else None
     return added | areas | {"max_contact_pressure": of_all}
+
+
+def _radii_cut(
+    contact: ContactSurface, state: ContactState, cuts: dict[str, float]
+) -> dict[str, float]:
+    """What areas at the edges are of the radii of discs, dA = 2πr dr; collective."""
+    areas = {"contact_radius": "contact_area", "stick_radius": "stick_area"}
+    found = radii(contact, state)
+    return {name: cuts[areas[name]] / (2 * np.pi * r) for name, r in found.items() if r}
 
 
 def _peak_error(forces: BulkForces, number: int) -> float | None:

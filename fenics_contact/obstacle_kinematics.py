@@ -38,6 +38,8 @@ class ObstacleKinematics(ContactKinematics):
         normals = gather_rows(comm, trace.normals[trace.owned])
         self._obstacle = RigidObstacle(obstacle, self._spaces.kinematics, normals, key)
         self.direction = self._obstacle.direction
+        if self._obstacle.has_axis:
+            self.axis = self.direction
         error: FenicsContactError | None = None
         try:
             self.gap = self._gap(trace.coordinates, trace.normals)

@@ -34,40 +34,53 @@ class PinnedFriction:
     """What is not known of a contact's friction force, and who takes it.
 
     Attributes:
-        at_supports: Beside nodes that supports hold (force).
+        at_supports: By number, in the order of ``Problem.applied_supports``, beside nodes that
+            these hold (force).
         at_contacts: By number, beside nodes that another contact holds (force).
     """
 
-    at_supports: float
+    at_supports: dict[int, float]
     at_contacts: dict[int, float]
 
     @property
     def whole(self) -> float:
         """Of the contact's friction force (force)."""
-        return self.at_supports + sum(self.at_contacts.values())
+        return sum(self.at_supports.values()) + sum(self.at_contacts.values())
 
 
 def pinned_friction(problem: Problem, solution: Solution) -> list[PinnedFriction]:
     """Of every contact, in scene order; collective."""
-    pressed = [
-        _pressed_along(contact, state)
-        for contact, state in zip(problem.contacts, solution.states, strict=True)
-    ]
+    pairs = list(zip(problem.contacts, solution.states, strict=True))
+    supports = [_held_axes(problem, support.dofs) for support in problem.applied_supports]
+    contacts = [[_pressed_along(contact, state)] for contact, state in pairs]
     found = []
-    for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
-        at_contacts: dict[int, float] = {}
-        at_supports = 0.0
-        if contact.friction is not None:
-            held = ~contact.supports.free_along
-            at_supports = sum(
-                _unknown(contact, state, np.eye(held.shape[1])[axis] * held[:, axis, None])
-                for axis in range(held.shape[1])
-            )
-            for other, normals in enumerate(pressed):
-                if other != number:
-                    unknown = _unknown(contact, state, normals[contact.nodes])
-                    at_contacts |= {other: unknown} if unknown > 0 else {}
-        found.append(PinnedFriction(at_supports, at_contacts))
+    for number, (contact, state) in enumerate(pairs):
+        others = [[] if other == number else holds for other, holds in enumerate(contacts)]
+        by_supports, by_contacts = (
+            {
+                n: unknown
+                for n, one in enumerate(holds)
+                if (unknown := _sum(contact, state, one)) > 0
+            }
+            for holds in (supports, others)
+        )
+        found.append(PinnedFriction(by_supports, by_contacts))
+    return found
+
+
+def _sum(contact: ContactSurface, state: ContactState, holds: list[Array]) -> float:
+    """Of several directions at the body's nodes; collective."""
+    if contact.friction is None:
+        return 0.0
+    return sum(_unknown(contact, state, held[contact.nodes]) for held in holds)
+
+
+def _held_axes(problem: Problem, dofs: NDArray[np.int64]) -> list[Array]:
+    """Directions at the body's nodes along which a support holds them, an array an axis."""
+    components = problem.spaces.components
+    found = [np.zeros_like(problem.load) for _ in range(components)]
+    for axis, along in enumerate(found):
+        along[dofs[dofs % components == axis] // components, axis] = 1.0
     return found
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from fenics_contact.displacement_jumps import Jump, displacement_jumps
 from fenics_contact.obstacle_kinematics import ObstacleKinematics
 from fenics_contact.problem import Problem
+from fenics_contact.quantity_names import Reaction
 
 Row = dict[str, float | None]
 
@@ -70,6 +71,8 @@ class Unbounded:
         """
         if self._gives_way(jump):
             return True
+        if isinstance(key, Reaction):
+            return self._is_of_supports(jump, key.of)
         number, name = key if isinstance(key, tuple) else (None, key)
         if number is None and name in _ENERGIES:
             return True
@@ -86,21 +89,22 @@ class Unbounded:
     def _gives_way(self, jump: Jump) -> bool:
         return any(self._problem.contacts[number].floats for number in jump.contacts)
 
-    def is_of_support(self, jump: Jump, number: int) -> bool:
-        """Whether a jump keeps the reaction of a support from converging.
+    def _is_of_supports(self, jump: Jump, of: int | str) -> bool:
+        """Whether a jump keeps the reaction of a support, or of all of a name, from converging.
 
-        A step of its own displacements does not: the forces on both sides of it cancel.
+        A step of their own displacements does not: the forces on both sides of it cancel.
         """
-        return number in jump.supports and bool(jump.contacts or len(jump.supports) > 1)
+        supports = self._problem.applied_supports
+        own = {n for n in jump.supports if of in (n, supports[n].label)}
+        return bool(own and (jump.contacts or set(jump.supports) - own))
 
     def _sentence(self, jump: Jump, keys: list[Hashable]) -> str:
-        whole = [str(key[1] if isinstance(key, tuple) else key) for key in keys]
-        names = [name.replace("_", " ") for name in dict.fromkeys(whole)]
+        names = list(dict.fromkeys(self._words(key) for key in keys))
         components = self._problem.spaces.components
         place = ", ".join(f"{x + 0.0:.4g}" for x in np.round(jump.place[:components], 12))
         own = [f"the contact '{self._problem.contacts[n].label}'" for n in jump.contacts]
         supports = self._problem.applied_supports
-        own += [f"the support on '{supports[n].on}'" for n in jump.supports]
+        own += [f"the support '{supports[n].label}'" for n in jump.supports]
         ask = "prescribe displacements that differ" if len(own) > 1 else "prescribes a step"
         if self._gives_way(jump):
             return (
@@ -114,6 +118,12 @@ class Unbounded:
             f"{jump.size:.3g}, so that stress has no bound there, and finer cells give ever larger "
             "numbers."
         )
+
+    def _words(self, key: Hashable) -> str:
+        if not isinstance(key, Reaction):
+            return str(key[1] if isinstance(key, tuple) else key).replace("_", " ")
+        supports = self._problem.applied_supports
+        return f"reaction of '{supports[key.of].label if isinstance(key.of, int) else key.of}'"
 
 
 def _is_given(key: Hashable, row: Row, value: Any) -> bool:

@@ -72,7 +72,7 @@ def test_force_on_the_wall_grows_like_the_logarithm_and_has_no_bar():
             assert rows[name]["mesh"] is None and rows[name]["total"] is None
         assert rows["contact_area"]["total"] > 0  # where the body leaves the wall, higher up
         (note,) = (note for note in result.error_notes if "not converge" in note)
-        assert "at (0, 0) the contact 'x0' and the support on 'y0'" in note
+        assert "at (0, 0) the contact 'x0' and the support 'y0'" in note
         assert "differ by 0.01" in note and "strain energy" in note
 
 
