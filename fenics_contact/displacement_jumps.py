@@ -133,8 +133,8 @@ def _at_nodes(
         *(_rows_of_support(problem, number, *one, chosen) for number, one in enumerate(held)),
         *(_rows_of_obstacle(problem, number, chosen) for number in obstacles),
     ]
-    rows = gather_rows(problem.comm, np.concatenate([np.zeros((0, _WIDTH)), *rows]))
-    return [jump for part in _by_node(rows) if (jump := _jump(part)).size > least]
+    whole = gather_rows(problem.comm, np.concatenate([np.zeros((0, _WIDTH)), *rows]))
+    return [jump for part in _by_node(whole) if (jump := _jump(part)).size > least]
 
 
 def _rows_of_support(
@@ -162,13 +162,12 @@ def _rows_of_obstacle(problem: Problem, number: int, chosen: NDArray[np.bool_]) 
     mine = chosen[nodes] & contact.owned_nodes & np.isfinite(gap)
     motion = kinematics.indentation * kinematics.direction + kinematics.displacement
     if not contact.is_one_sided:
-        rows = [
-            _rows(problem, nodes[mine], (_CONTACT, number, True))
-            for _ in range(problem.spaces.components)
-        ]
-        for axis, row in enumerate(rows):
-            row[:, _OF.start + axis], row[:, _RIGHT] = 1.0, motion[axis]
-        return np.concatenate(rows)
+        glued = []
+        for axis, moved in enumerate(motion):
+            row = _rows(problem, nodes[mine], (_CONTACT, number, True))
+            row[:, _OF.start + axis], row[:, _RIGHT] = 1.0, moved
+            glued.append(row)
+        return np.concatenate(glued)
     rows = _rows(problem, nodes[mine], (_CONTACT, number, False))
     normals = contact.trace.normals[: len(nodes)][mine]
     rows[:, _OF.start : _OF.start + normals.shape[1]] = normals

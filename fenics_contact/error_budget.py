@@ -167,7 +167,7 @@ class _Measure:
 def _reactions(supports: list[dict[str, Any]]) -> dict[Hashable, Any]:
     """Of each support, and of those of each name together."""
     found: dict[Hashable, Any] = {
-        Reaction(number): support["reaction"] for number, support in enumerate(supports)
+        Reaction(number): row["reaction"] for number, row in enumerate(supports)
     }
     return found | {Reaction(name): sum_ for name, sum_ in reactions_by_name(supports).items()}
 

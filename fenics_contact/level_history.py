@@ -166,8 +166,7 @@ def _all(result: Result) -> list[tuple[Hashable, Mapping[str, float | None], Any
             ((number, name), row, contact["quantities"][name])
             for name, row in contact.get("errors", {}).items()
         ]
-    parts: list[tuple[int | str, dict[str, Any]]] = [*enumerate(result.supports)]
-    parts += result.reactions.items()
+    parts: list[tuple[int | str, Any]] = [*enumerate(result.supports), *result.reactions.items()]
     found += [
         (Reaction(of), part["errors"]["reaction"], part["reaction"])
         for of, part in parts

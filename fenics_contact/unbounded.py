@@ -18,7 +18,8 @@ Row = dict[str, float | None]
 _RESULTANTS = ("normal_force", "pressure_integral", "contact_force", "friction_force")
 _PEAKS = ("max_contact_pressure", "max_penetration", "penalty_energy")
 _ENERGIES = ("strain_energy", "external_work")
-# Over itself, below which a resultant is what loads make it: no mesh changes it.
+# Over itself, below which a resultant is what loads make it, an area that of the whole surface: no
+# mesh changes it.
 _GIVEN = 1e-6
 
 
@@ -63,7 +64,13 @@ class Unbounded:
         return found, why
 
     def _is_of(self, jump: Jump, key: Hashable) -> bool:
-        """Whether a jump keeps a quantity from converging."""
+        """Whether a jump keeps a quantity from converging.
+
+        An obstacle that a force drives gives way, like one over the logarithm of one over the
+        cells' size, and all that its place decides about goes with it.
+        """
+        if self._gives_way(jump):
+            return True
         if isinstance(key, Reaction):
             return self._is_of_supports(jump, key.of)
         number, name = key if isinstance(key, tuple) else (None, key)
@@ -73,13 +80,14 @@ class Unbounded:
         touched = [self._problem.contacts[found] for found in contacts]
         if name == "friction_force":
             return any(contact.can_shear for contact in touched)
-        if name == "indentation":
-            return any(contact.floats for contact in touched)
         if name == "reaction" and number is None:
             # Between supports, also of two bodies that touch, forces cancel in the sum.
             driven = [c for c in touched if isinstance(c.kinematics, ObstacleKinematics)]
             return bool(jump.supports and driven)
         return bool(touched) and name in (*_RESULTANTS, *_PEAKS)
+
+    def _gives_way(self, jump: Jump) -> bool:
+        return any(self._problem.contacts[number].floats for number in jump.contacts)
 
     def _is_of_supports(self, jump: Jump, of: int | str) -> bool:
         """Whether a jump keeps the reaction of a support, or of all of a name, from converging.
@@ -98,6 +106,12 @@ class Unbounded:
         supports = self._problem.applied_supports
         own += [f"the support '{supports[n].label}'" for n in jump.supports]
         ask = "prescribe displacements that differ" if len(own) > 1 else "prescribes a step"
+        if self._gives_way(jump):
+            return (
+                f"Only what loads alone decide has an error bar: at ({place}) {_listed(own)} {ask} "
+                f"by {jump.size:.3g}, so that stress has no bound there, the obstacle gives way "
+                "more with every refinement, and all else changes with it."
+            )
         verb = "do" if len(names) > 1 else "does"
         return (
             f"{_listed(names)} {verb} not converge: at ({place}) {_listed(own)} {ask} by "
@@ -113,10 +127,9 @@ class Unbounded:
 
 
 def _is_given(key: Hashable, row: Row, value: Any) -> bool:
-    """Whether loads alone make a resultant what it is, so that the mesh has no part in it."""
+    """Whether loads alone make a quantity what it is, so that the mesh has no part in it."""
     name = key[1] if isinstance(key, tuple) else key
-    is_force = isinstance(key, Reaction) or name in (*_RESULTANTS, "reaction")
-    if not is_force or row["mesh"] is None or value is None:
+    if name in (*_PEAKS, *_ENERGIES) or row["mesh"] is None or value is None:
         return False
     return row["mesh"] <= _GIVEN * float(np.linalg.norm(value))
 
