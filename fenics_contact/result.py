@@ -174,7 +174,8 @@ class Result:
             and ``quantities`` of this contact alone.
         quantities: By name: resultants (force; vectors as lists, in the mesh's axes), areas,
             largest pressure (stress), lengths and energies. In plane models forces and areas are
-            per thickness, in axisymmetric ones of a full turn.
+            per thickness, in axisymmetric ones of a full turn. None where there is none, as of
+            the forces of several contacts together.
         steps: Of each load step: its time, iterations, history of the force imbalance (force), and
             quantities.
         checks: Name → check of the physics.
