@@ -279,8 +279,9 @@ def branch_rows(branches: list[dict[str, Any]]) -> list[list[Any]]:
 def _of_branch(branch: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Name and value of each number, resultants of several contacts contact by contact."""
     for key in _OF_BRANCHES:
-        if key in OF_ONE_CONTACT and len(branch["contacts"]) > 1:
-            for contact in branch["contacts"]:
+        contacts = branch.get("contacts", [])
+        if key in OF_ONE_CONTACT and len(contacts) > 1:
+            for contact in contacts:
                 yield f"{key} of '{contact['name']}'", contact["quantities"][key]
         else:
             yield key, branch["quantities"][key]
