@@ -240,10 +240,10 @@ def _table(findings: Iterable[Finding], said_of: str) -> str:
                 f"{found.reference:g} within {found.tolerance:g}"
             )
         error = f"{found.error:.2g}" if found.absolute else f"{100 * found.error:.2g} %"
-        bar = error_bar({"total": found.bar}) if found.bar is not None else ""
+        bar = error_bar({"total": found.bar})
         rows.append(
             f"| {found.quantity} | {found.reference:.6g} | {found.value:.6g} | {error} | "
-            f"{'± ' + bar if bar else ''} |"
+            f"{bar if found.bar is None else '± ' + bar} |"
         )
     return "\n".join(rows)
 

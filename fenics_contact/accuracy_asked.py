@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from fenics_contact.errors import InputError
+from fenics_contact.quantity_names import OF_CONTACTS
 from fenics_contact.relative_errors import Errors
-from fenics_contact.result import Result
+from fenics_contact.result import OF_ONE_CONTACT, Result
 from fenics_contact.scene import Scene
+from fenics_contact.scene_accuracy import Accuracy
 from fenics_contact.simulation import Run
 
 # Share of the accuracy that penalty, regularisation and iteration may take, and what they are
@@ -32,6 +34,7 @@ def asked_of(run: Run) -> dict[str, float]:
         raise InputError(
             "accuracy: errors of nearly incompressible bodies are not estimated; leave it out"
         )
+    _require_present(accuracy, run)
     present = set()
     if any(contact.contact.kind != "prescribed" for contact in contacts):
         present |= {"normal_force", "max_contact_pressure"}
@@ -45,7 +48,42 @@ def asked_of(run: Run) -> dict[str, float]:
             f"accuracy.main = {accuracy.main:g}: the scene has none of its quantities; ask for "
             "another one, such as strain_energy"
         )
-    return asked
+    return _of_each_contact(asked, [contact.label for contact in contacts])
+
+
+def _require_present(accuracy: Accuracy, run: Run) -> None:
+    """Refuse quantities of contacts, obstacles and an axis in a scene that has none.
+
+    Raises:
+        InputError: There is such a one.
+    """
+    contacts = run.problem.contacts
+    has_depth = run.problem.has_datum and any(c.contact.obstacle is not None for c in contacts)
+    missing = {
+        "indentation": "" if has_depth else "a rigid obstacle",
+        **dict.fromkeys(
+            ("contact_radius", "stick_radius"),
+            "" if run.problem.spaces.kinematics == "axisymmetric" else "an axis of revolution",
+        ),
+    }
+    for text in accuracy.asked([]):
+        quantity = run.scene.names.find(text).quantity
+        lacks = "" if contacts or quantity not in OF_CONTACTS else "a contact"
+        lacks = lacks or missing.get(quantity, "")
+        if lacks:
+            raise InputError(f"accuracy: '{text}' needs {lacks}, which the scene has not")
+
+
+def _of_each_contact(asked: Mapping[str, float], labels: Sequence[str]) -> dict[str, float]:
+    """With several contacts a force asked for is that of each; one by its name stays as it is."""
+    if len(labels) < 2:
+        return dict(asked)
+    found: dict[str, float] = {}
+    for text, limit in asked.items():
+        of_each = "." not in text and text.startswith(OF_ONE_CONTACT)
+        names = [f"{label}.{text}" for label in labels] if of_each else [text]
+        found |= {name: asked.get(name, limit) for name in names}
+    return found
 
 
 def balanced(scene: Scene, result: Result, errors: Errors, asked: Mapping[str, float]) -> Scene:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from fenics_contact.quantity_names import in_words
+from fenics_contact.result import UNKNOWN
 from fenics_contact.scene_accuracy import Accuracy
 
 _ADVICE = {
@@ -23,7 +25,7 @@ def source_advice(source: str) -> str:
 
 def plan(asked: Mapping[str, float], accuracy: Accuracy) -> str:
     """What is to be done, for ``fenics-contact check``."""
-    limits = ", ".join(f"{percent(v)} of {name.replace('_', ' ')}" for name, v in asked.items())
+    limits = ", ".join(f"{percent(v)} of {in_words(name)}" for name, v in asked.items())
     return (
         f"Adaptive: finer meshes until the estimated errors are below {limits}; at most "
         f"{accuracy.max_levels} meshes, and {accuracy.max_dofs} dofs."
@@ -43,15 +45,15 @@ def not_reached(reason: str) -> str:
 def level_line(number: int, level: Mapping[str, Any], asked: Mapping[str, float]) -> str:
     """A level on one line, with the estimated errors and those allowed."""
     errors = ", ".join(
-        f"{name.replace('_', ' ')} {percent(level['errors'][name])} of {percent(limit)}"
+        f"{in_words(name)} {percent(level['errors'][name])} of {percent(limit)}"
         for name, limit in asked.items()
     )
     return f"mesh {number}: {level['dofs']} dofs, {level['seconds']:.1f} s; errors: {errors}"
 
 
 def percent(value: float | None) -> str:
-    """A relative error."""
-    return "not estimated" if value is None else f"{100 * value:.2g} %"
+    """A relative error, ``?`` where it was not estimated."""
+    return UNKNOWN if value is None else f"{100 * value:.2g} %"
 
 
 def level_rows(levels: list[dict[str, Any]], accuracy: Mapping[str, Any]) -> list[list[str]]:
@@ -64,7 +66,7 @@ def level_rows(levels: list[dict[str, Any]], accuracy: Mapping[str, Any]) -> lis
     if not levels:
         return []
     names = list(accuracy["asked"])
-    rows = [["mesh", "dofs", "cells", "seconds", *(name.replace("_", " ") for name in names)]]
+    rows = [["mesh", "dofs", "cells", "seconds", *(in_words(name) for name in names)]]
     for number, level in enumerate(levels):
         errors = [percent(level["errors"][name]) for name in names]
         seconds = f"{level['seconds']:.1f}"

@@ -29,12 +29,20 @@ from fenics_contact.accuracy_words import (
 )
 from fenics_contact.contact_area import edges
 from fenics_contact.errors import FenicsContactError, StoppedError
+from fenics_contact.level_history import LevelHistory, said, without_bars
 from fenics_contact.local_errors import LocalErrors
 from fenics_contact.mesh import Body
 from fenics_contact.mesh_sizes import SINGULAR
 from fenics_contact.next_mesh import Wish, hindrance, next_mesh
 from fenics_contact.parallel import total
-from fenics_contact.relative_errors import Errors, is_met, others_than_mesh, relative_errors
+from fenics_contact.quantity_names import in_words
+from fenics_contact.relative_errors import (
+    Errors,
+    is_met,
+    measured_keys,
+    others_than_mesh,
+    relative_errors,
+)
 from fenics_contact.result import Result
 from fenics_contact.scene import Scene
 from fenics_contact.scene_accuracy import Accuracy
@@ -59,7 +67,10 @@ _AIM_AT = 0.85
 # chance. And by how much these become smaller at the most, at once.
 _EDGE_AIM, _EDGE_LEAST = 0.5, 0.1
 # Quantities that are as wrong as the edge of contact, or of stick, is far from its place.
-_AREAS = (("contact_area", "slip_area"), ("stick_area", "slip_area"))
+_AREAS = (
+    ("contact_area", "slip_area", "contact_radius"),
+    ("stick_area", "slip_area", "stick_radius"),
+)
 # Meshes in a row on which an error may be unknown; and what it is then, over what is allowed.
 _PATIENCE, _UNKNOWN = 3, 2.0
 # Share that is left to the mesh whatever others take: they are to become smaller, too.
@@ -94,6 +105,7 @@ class AdaptiveRun:
         self._has_own_body = has_own_body
         self._seconds: dict[str, float] = {}
         self._between = 0.0
+        self._history = LevelHistory()
         self.asked = asked_of(first)
         self._hindrance = hindrance(first.scene, first.problem.body, has_own_body)
 
@@ -111,12 +123,13 @@ class AdaptiveRun:
             result = solve_level(run, guess)
             if not result.converged:
                 return self._failed(result, last)
-            errors = relative_errors(result, self.asked)
+            errors = relative_errors(result, self.asked, run.scene.names)
             self._note(run, result, errors)
             self.run, last = run, result
-            if is_met(errors, self.asked):
+            reason = self._unbounded(last)
+            if is_met(errors, self.asked) and not reason and not self._beyond(last):
                 return self._with_levels(last, "")
-            reason = self._reason_to_stop(errors) or ""
+            reason = reason or self._reason_to_stop(errors, last)
             if reason:
                 return self._with_levels(last, reason)
             try:
@@ -144,9 +157,22 @@ class AdaptiveRun:
                 "sources": errors,
             }
         )
+        self._history.add(result)
         logger.info(level_line(len(self.levels), self.levels[-1], self.asked))
 
-    def _reason_to_stop(self, errors: Errors) -> str:
+    def _unbounded(self, result: Result) -> str:
+        """Why some of what is asked for does not converge, or nothing."""
+        keys = measured_keys(result, self.asked, self.run.scene.names)
+        found = [why for key, why in self.run.budget.unbounded.items() if key in keys.values()]
+        away = [key for key in keys.values() if self._history.runs_away(key)]
+        return found[0] if found else said(away, result) if away else ""
+
+    def _beyond(self, result: Result) -> list[str]:
+        """What is asked for and moved, from the mesh before, by more than both bars."""
+        keys = measured_keys(result, self.asked, self.run.scene.names)
+        return [name for name, key in keys.items() if self._history.is_beyond(key)]
+
+    def _reason_to_stop(self, errors: Errors, result: Result) -> str:
         """Why no further level can help, or nothing."""
         unknown = self._not_estimated(errors)
         if unknown:
@@ -163,7 +189,10 @@ class AdaptiveRun:
         if self._hindrance:
             return self._hindrance
         if len(self.levels) >= self._accuracy.max_levels:
-            return f"the accuracy.max_levels = {self._accuracy.max_levels} meshes are used up"
+            used_up = f"the accuracy.max_levels = {self._accuracy.max_levels} meshes are used up"
+            beyond = " and ".join(in_words(name) for name in self._beyond(result))
+            moved = f", and the last two differ in {beyond} by more than their error bars"
+            return used_up + (moved if beyond else "")
         return ""
 
     def _not_estimated(self, errors: Errors) -> str:
@@ -202,17 +231,23 @@ class AdaptiveRun:
         """
         run = self.run
         assert run.solution is not None
-        finer = [
-            max((self._mesh_ratio(errors, (name,)) for name in names if name in errors), default=0)
-            for names in _AREAS
-        ]
         rows = [np.zeros((0, 4))]
         for contact, state in zip(run.problem.contacts, run.solution.states, strict=True):
-            for ratio, found in zip(finer, edges(contact, state), strict=True):
+            for areas, found in zip(_AREAS, edges(contact, state), strict=True):
+                ratio = self._mesh_ratio(errors, self._asked_of(areas, contact.label))
                 if ratio > 0:
                     share = float(np.clip(_EDGE_AIM / ratio, _EDGE_LEAST, 1.0))
                     rows.append(found * [1, 1, 1, share])
         return np.concatenate(rows)
+
+    def _asked_of(self, quantities: Sequence[str], contact: str = "") -> list[str]:
+        """The names asked for that are of some quantities, of a contact or of all."""
+        found = {text: self.run.scene.names.find(text) for text in self.asked}
+        return [
+            text
+            for text, name in found.items()
+            if name.quantity in quantities and (not contact or name.owner in ("", contact))
+        ]
 
     def _mesh_ratio(self, errors: Errors, names: Sequence[str]) -> float:
         """The mesh's error over what is left to it, the largest of some quantities."""
@@ -265,7 +300,7 @@ class AdaptiveRun:
     def _growth(self, errors: Errors, has_edges: bool) -> float:
         """How many times as many cells the errors ask for, but for those of areas, at edges."""
         order = self.run.problem.spaces.degree / self.run.problem.body.dimension
-        areas = {*_AREAS[0], *_AREAS[1]} if has_edges else set()
+        areas = self._asked_of([*_AREAS[0], *_AREAS[1]]) if has_edges else []
         growths = [
             (self._mesh_ratio(errors, (name,)) / _AIM_AT)
             ** (1 / np.clip(self._observed_order(name, order), order, 2 * order))
@@ -309,7 +344,7 @@ class AdaptiveRun:
     def _with_levels(self, result: Result, reason: str) -> Result:
         words = not_reached(reason) if reason else reached(len(self.levels))
         return dataclasses.replace(
-            result,
+            without_bars(result, self._history.runaways()),
             timings=self._seconds or result.timings,
             verdict=f"{result.verdict} {words}",
             levels=self.levels,

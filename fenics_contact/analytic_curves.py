@@ -204,7 +204,7 @@ def _with_force(
 ) -> AnalyticContact | None:
     """The formulas for the force that was found, of the whole contact."""
     force = result["contacts"][0]["quantities"]["normal_force"]
-    if force <= 0:
+    if force is None or force <= 0:
         return None
     whole = 2 ** len(_planes(result)) * force
     hertz = _hertz(whole, line, punch, modulus, radius)
@@ -252,7 +252,10 @@ def _sheared(
         return smooth
     if not _is_held_as_one(scene):
         return smooth
-    assert normal is not None and tangential is not None
+    if normal is None or tangential is None:
+        return smooth
+    if result["contacts"][0].get("slave", contact.on) != contact.on:
+        tangential = -tangential  # the curve is of the slave's points, the force of `on`
     mirrored = dict(_mirrors(scene, result))
     axes = [i for i in range(tangential.shape[1]) if i != across and i not in mirrored]
     if not axes:

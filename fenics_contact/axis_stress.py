@@ -150,7 +150,9 @@ def draw_axis_stress(
 def _unit(quantities: dict[str, Any]) -> tuple[float, str]:
     """The peak of the pressure, or its mean where the peak is singular, and what it is called."""
     peak = quantities["max_contact_pressure"]
-    mean = abs(quantities["normal_force"]) / quantities["contact_area"]
+    carried = quantities.get("pressure_integral")  # not known of a run from before there was one
+    carried = quantities["normal_force"] if carried is None else carried
+    mean = abs(carried) / quantities["contact_area"]
     if peak > _SINGULAR * mean:
         return mean, "the mean pressure, $p_m$"
     return peak, "the peak of the pressure, $p_0$"

@@ -102,6 +102,13 @@ class BodyKinematics(ContactKinematics):
         """How far the facets of both surfaces are from smooth ones, about (length)."""
         return self.pairing.sagitta
 
+    def missed(self) -> Array:
+        """By how much gaps are too wide for what facets of both surfaces miss; collective.
+
+        At the points, < 0 where they are too narrow (length).
+        """
+        return super().missed() + self.pairing.missed_opposite(self._places, self.trace.normals)
+
     def relative(self, displacement: Array) -> Array:
         """U − P u' at all nodes of the surface, (nodes, components, ...); collective."""
         return displacement[self.trace.all_nodes] - self.pairing.opposite(displacement)

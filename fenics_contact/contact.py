@@ -53,6 +53,8 @@ class ContactSurface:
         owned_nodes: Which of these this rank owns.
         supports: What supports hold of it.
         kinematics: Jump, gap and slip against the obstacle.
+        axis: Unit vector into the body of `on`, along which normal forces are measured,
+            (components,); None on surfaces that wrap around.
         moduli: Stiffnesses of the body, or of the two that touch.
         facet_size: Shortest edge of the cells at the contact (length).
         penalty_parameter: ε₁ as used (length/stress), 0 without a penalty.
@@ -83,6 +85,7 @@ class ContactSurface:
         self.nodes = self.trace.nodes
         self.owned_nodes = self.trace.owned[: len(self.nodes)]
         self.kinematics = self._kinematics(key, constrained)
+        self.axis = self.sides.axis(self.kinematics.axis)
         self.supports = SurfaceSupports(self.trace, constrained)
         self._scales = ContactScales(self.sides, elastic)
         self.moduli, self.facet_size = self._scales.moduli, self._scales.facet_size

@@ -27,7 +27,7 @@ _SOFT = 10.0
 
 
 @dataclass(frozen=True, eq=False)
-class _Zone:
+class Zone:
     """Points inside a zone, and what tells how far its edge is from them.
 
     Attributes:
@@ -46,11 +46,16 @@ class _Zone:
 
 def contact_area(contact: ContactSurface, state: ContactState) -> float:
     """Area in contact (full revolution, per thickness, … like all areas); collective."""
-    closed = state.status != OPEN
+    return _area(contact, state.status != OPEN, contact_zone(contact, state))
+
+
+def contact_zone(contact: ContactSurface, state: ContactState) -> Zone | None:
+    """Where a contact touches; None where its edge is not found inside the elements."""
     if not _may_open(contact):
-        return float(contact.trace.integral(closed * 1.0))
+        return None
+    closed = state.status != OPEN
     depth = np.where(closed, -state.gap, 0.0)
-    return _area(contact, _Zone(closed, state.contact_pressure, state.gap, depth))
+    return Zone(closed, state.contact_pressure, state.gap, depth)
 
 
 def _may_open(contact: ContactSurface) -> bool:
@@ -90,19 +95,26 @@ def _cut_pieces(contact: ContactSurface, state: ContactState) -> list[NDArray[np
 
 def stick_area(contact: ContactSurface, state: ContactState) -> float:
     """Area that sticks; collective."""
-    sticks = state.status == STICK
+    return _area(contact, state.status == STICK, stick_zone(contact, state))
+
+
+def stick_zone(contact: ContactSurface, state: ContactState) -> Zone | None:
+    """Where it sticks, as ``contact_zone``."""
     if contact.friction is None or contact.contact.kind == "prescribed":
-        return float(contact.trace.integral(sticks * 1.0))
+        return None
     carried = np.linalg.norm(state.friction_traction, axis=1)
     slip = np.linalg.norm(contact.friction.counted(state.slip), axis=1)
     beyond = np.maximum(slip - contact.regularisation_parameter, 0.0)
     beyond = np.where(state.status == OPEN, np.inf, beyond)
     spare = np.maximum(contact.friction_bound - carried, 0.0)
-    return _area(contact, _Zone(sticks, spare, beyond, np.zeros_like(slip)))
+    return Zone(state.status == STICK, spare, beyond, np.zeros_like(slip))
 
 
-def _area(contact: ContactSurface, zone: _Zone) -> float:
+def _area(contact: ContactSurface, inside: NDArray[np.bool_], zone: Zone | None) -> float:
+    """That of a zone; without one, what the points inside stand for."""
     trace = contact.trace
+    if zone is None:
+        return float(trace.integral(np.where(inside, 1.0, 0.0)))
     pieces = trace.pieces
     inside = zone.inside[pieces.points]
     areas = pieces.areas * pieces.weights.mean(axis=1)
@@ -114,7 +126,7 @@ def _area(contact: ContactSurface, zone: _Zone) -> float:
     return trace.area * float(found / every)
 
 
-def _parts_inside(contact: ContactSurface, zone: _Zone, chosen: NDArray[np.int64]) -> Array:
+def _parts_inside(contact: ContactSurface, zone: Zone, chosen: NDArray[np.int64]) -> Array:
     """Weighted areas of the parts of segments or triangles that lie in the zone."""
     pieces = contact.trace.pieces
     points, corners, weights = (a[chosen] for a in (pieces.points, pieces.corners, pieces.weights))
@@ -126,7 +138,7 @@ def _parts_inside(contact: ContactSurface, zone: _Zone, chosen: NDArray[np.int64
         other = (corner + step) % count
         inner, outer = np.where(alone, corner, other), np.where(alone, other, corner)
         ends = corners[rows, inner], corners[rows, outer]
-        reach = _edges(contact, zone, points[rows, inner], points[rows, outer], ends)
+        reach = edge_places(contact, zone, points[rows, inner], points[rows, outer], ends)
         reach = np.where(alone, reach, 1.0 - reach)
         share *= reach
         density += (weights[rows, other] - weights[rows, corner]) * reach / count
@@ -134,14 +146,22 @@ def _parts_inside(contact: ContactSurface, zone: _Zone, chosen: NDArray[np.int64
     return np.asarray(np.where(alone, cut, pieces.areas[chosen] * weights.mean(axis=1) - cut))
 
 
-def _edges(
+def edge_places(
     contact: ContactSurface,
-    zone: _Zone,
+    zone: Zone,
     inner: NDArray[np.int64],
     outer: NDArray[np.int64],
     ends: tuple[Array, Array],
 ) -> Array:
-    """Where the edge lies between points inside and points outside, 0 … 1 of the way out."""
+    """Where the edge lies between points inside and points outside, 0 … 1 of the way out.
+
+    Args:
+        contact: The contact.
+        zone: Inside of which.
+        inner: Numbers of the points inside.
+        outer: Those of the points outside.
+        ends: Coordinates of either, (pairs, 3) (length).
+    """
     assert contact.normal is not None
     distance, depth = zone.distance[outer], zone.depth[inner]
     length = np.linalg.norm(ends[1] - ends[0], axis=1)

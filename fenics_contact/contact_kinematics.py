@@ -13,8 +13,10 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from fenics_contact.errors import InputError
-from fenics_contact.pairing import Pairing
-from fenics_contact.parallel import total
+from fenics_contact.facet_mesh import reference_nodes
+from fenics_contact.pairing import Pairing, gathered
+from fenics_contact.parallel import on_root, total
+from fenics_contact.smooth_surface import SmoothSurface
 from fenics_contact.trace import Trace
 
 Array = NDArray[np.float64]
@@ -34,9 +36,11 @@ class ContactKinematics(ABC):
             that depths are no differences of long distances (length).
         displacement: How far it has moved besides, (components,) (length).
         pairing: The deformable body opposite, None against an obstacle.
+        axis: The obstacle's own, ``direction``; None where it has none but the surface's.
     """
 
     pairing: Pairing | None = None
+    axis: Array | None = None
 
     def __init__(self, trace: Trace) -> None:
         self.trace = trace
@@ -74,6 +78,25 @@ class ContactKinematics(ABC):
     @abstractmethod
     def _gap(self, points: Array, normals: Array) -> Array:
         """Gap from points (points, 3) along normals (points, components)."""
+
+    def missed(self) -> Array:
+        """By how much gaps are too wide for what facets miss of curved surfaces; collective.
+
+        At the points, < 0 where they are too narrow (length).
+        """
+        trace, whole = self.trace, gathered(self.trace)
+        smooth = SmoothSurface(whole)
+
+        def find() -> tuple[Array, Array]:
+            facets = np.arange(0 if trace.nodal else len(whole.nodes))
+            middle = reference_nodes(whole.shape, 1).mean(axis=0)
+            return smooth.at_nodes(), smooth.offsets(facets, np.tile(middle, (len(facets), 1)))
+
+        at_nodes, at_centres = on_root(self._spaces.comm, find)
+        counts = self._spaces.comm.allgather(len(trace.centres))
+        first = sum(counts[: self._spaces.comm.rank])
+        mine = at_centres[first : first + len(trace.centres)]
+        return np.concatenate([at_nodes[trace.surface.numbers][trace.numbers], mine])
 
     def require_one_sided(self, key: str) -> None:
         """Refuse a surface with a sharp edge.

@@ -23,6 +23,8 @@ _UNCOVERED = 1e-6
 # Of two surfaces that are both covered, or both not, one that is finer by this is no slave.
 _MUCH_FINER = 0.5
 _MORE_COVERED = 0.05
+# Where mean normals are shorter, no direction stands for the whole surface.
+_SHORTEST_AXIS = 0.5
 
 
 class ContactSides:
@@ -37,6 +39,8 @@ class ContactSides:
         group: The slave's facets.
         trace: Its contact points.
         opposite: The master's, None against an obstacle.
+        on_sign: 1 where the slave is the surface `on`, else −1: what acts on the body of `on` is
+            what acts on the slave, or the opposite of it.
 
     Args:
         contact: What the scene says.
@@ -61,15 +65,43 @@ class ContactSides:
         self.slave, self.master, self.why = contact.on, "", ""
         self.group, self.trace = self._surface("on", contact.on)
         self.opposite: Trace | None = None
-        if contact.against is None:
-            return
-        self.master = contact.against
-        group, self.opposite = self._surface("against", contact.against)
+        self.on_sign = 1.0
+        if contact.against is not None:
+            self._pair(contact, contact.against, masters)
+
+    def _pair(self, contact: Contact, against: str, masters: Sequence[str]) -> None:
+        """Find the surface opposite, and which of the two is the slave; collective."""
+        self.master = against
+        group, self.opposite = self._surface("against", against)
         keeps, self.why = self._keeps(contact, masters)
         if not keeps:
             self.slave, self.master = self.master, self.slave
             self.group = group
             self.trace, self.opposite = self.opposite, self.trace
+            self.on_sign = -1.0
+
+    def axis(self, given: Array | None = None) -> Array | None:
+        """Unit vector into the body of `on` along which normal forces are measured; collective.
+
+        Components across planes of symmetry that a surface ends in, and the radius of a
+        revolution, are left out: there, forces of the mirror images cancel.
+
+        Args:
+            given: That of an obstacle, (components,); else it is the mean normal of the whole
+                surface, of two bodies that of `against` less that of `on`.
+
+        Returns:
+            None where that vector is short, as on surfaces that wrap around.
+        """
+        left_out = self.trace.cut_axes()
+        inward = -self.on_sign * self.trace.mean_normal
+        if self.opposite is not None:
+            left_out += self.opposite.cut_axes()
+            inward = inward + self.on_sign * self.opposite.mean_normal
+        inward = np.array(inward if given is None else given)
+        inward[left_out] = 0.0
+        length = float(np.linalg.norm(inward))
+        return inward / length if length >= _SHORTEST_AXIS else None
 
     def _surface(self, side: str, name: str) -> tuple[Group, Trace]:
         group = self._spaces.body.boundary(name, f"{self._key}.{side}")

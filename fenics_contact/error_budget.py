@@ -25,9 +25,11 @@ from fenics_contact.parameter_errors import (
 )
 from fenics_contact.problem import Problem
 from fenics_contact.quantities import contact_quantities, global_quantities, support_reactions
-from fenics_contact.result import QUANTITIES
+from fenics_contact.quantity_names import Reaction
+from fenics_contact.result import QUANTITIES, reactions_by_name
 from fenics_contact.solution import Solution
 from fenics_contact.step_errors import step_errors
+from fenics_contact.unbounded import Unbounded
 
 SOURCES = ("mesh", "penalty", "regularisation", "iteration", "step", "domain")
 # Histories of at most so many steps are solved again without being asked for.
@@ -45,18 +47,48 @@ class ErrorBudget:
     Attributes:
         quantities: Quantity → source → error, and ``total``; None where it was not estimated.
         contacts: The same of every contact, in scene order.
+        supports: The same of every support.
+        reactions: The same of all supports of a name together, by that.
         notes: Sentences that say what was not estimated, and why.
         local: Errors of the cells, where those by the mesh were estimated.
+        unbounded: What does not converge, by the keys of quantities, of a contact by its number
+            and the name, of supports a ``Reaction``, with the sentence that says why.
     """
 
     quantities: dict[str, Row] = field(default_factory=dict)
     contacts: list[dict[str, Row]] = field(default_factory=list)
+    supports: list[dict[str, Row]] = field(default_factory=list)
+    reactions: dict[str, dict[str, Row]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     local: LocalErrors | None = None
+    unbounded: dict[Hashable, str] = field(default_factory=dict)
 
     def of_contact(self, number: int) -> dict[str, Any]:
         """``errors`` of a contact for ``result.json``, where there are any."""
         return {"errors": self.contacts[number]} if self.contacts else {}
+
+    def of_supports(self, supports: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        """``supports`` of ``result.json``, with ``errors`` where there are any.
+
+        Args:
+            supports: Without.
+        """
+        if not self.supports:
+            return supports
+        rows = zip(supports, self.supports, strict=True)
+        return [support | {"errors": errors} for support, errors in rows]
+
+    def of_reactions(self, supports: list[dict[str, Any]]) -> dict[str, dict[str, Any]]:
+        """``reactions`` of ``result.json``, with ``errors`` where there are any.
+
+        Args:
+            supports: As of ``of_supports``.
+        """
+        return {
+            name: {"reaction": reaction}
+            | ({"errors": self.reactions[name]} if name in self.reactions else {})
+            for name, reaction in reactions_by_name(supports).items()
+        }
 
 
 def error_budget(history: History, steps: Sequence[Mapping[str, Any]]) -> ErrorBudget:
@@ -76,22 +108,34 @@ def error_budget(history: History, steps: Sequence[Mapping[str, Any]]) -> ErrorB
     answer = measure(history.last.solution)
     estimates = _Estimates(history, measure, steps)
     found, notes = estimates.all()
-    rows = {key: _row(key, found) for key in answer}
+    last = history.last.unknowns
+    unbounded = Unbounded(problem, last.displacement, last.time)
+    rows, why = unbounded.strip({key: _row(key, found) for key in answer}, answer)
+    notes += dict.fromkeys(why.values())
     every = {key: row for key, row in rows.items() if isinstance(key, str)}
-    if len(steps) > 1:
-        del every["external_work"]  # what is measured is that of the last forces alone
-        defect = steps[-1]["quantities"].get("energy_defect")
-        if defect is not None:
-            every["external_work"] = _of_work(every, defect)
+    if len(steps) > 1:  # what is measured is that of the last forces alone
+        every["external_work"] = _of_work(every, steps[-1]["quantities"].get("energy_defect"))
     contacts = [
         {key[1]: row for key, row in rows.items() if isinstance(key, tuple) and key[0] == number}
         for number in range(len(problem.contacts))
     ]
-    return ErrorBudget(every, contacts, notes, estimates.local)
+    of = {key.of: {"reaction": row} for key, row in rows.items() if isinstance(key, Reaction)}
+    return ErrorBudget(
+        quantities=every,
+        contacts=contacts,
+        supports=[of[number] for number in range(len(problem.applied_supports))],
+        reactions={name: row for name, row in of.items() if isinstance(name, str)},
+        notes=notes,
+        local=estimates.local,
+        unbounded=why,
+    )
 
 
 class _Measure:
-    """Quantities of a solution, called in its state; of a contact by its number and the name."""
+    """Quantities of a solution, called in its state.
+
+    Of a contact by its number and the name, of supports by a ``Reaction``.
+    """
 
     def __init__(self, history: History) -> None:
         assert history.last is not None
@@ -110,15 +154,27 @@ class _Measure:
     def _measured(self, solution: Solution) -> dict[Hashable, Any]:
         problem = self._problem
         forces = BulkForces(problem, solution)
-        reactions, _ = support_reactions(forces)
+        reactions, supports = support_reactions(forces)
         contacts = [contact_quantities(problem, solution, i) for i in range(len(problem.contacts))]
         every = global_quantities(forces, reactions, contacts)
-        found: dict[Hashable, Any] = {name: every[name] for name in QUANTITIES if name in every}
+        found: dict[Hashable, Any] = _known(every)
         found.update(problem.points.quantities(solution.displacement))
         for number, of_contact in enumerate(contacts):
-            names = [name for name in QUANTITIES if name in of_contact]
-            found |= {(number, name): of_contact[name] for name in names}
-        return found
+            found |= {(number, name): value for name, value in _known(of_contact).items()}
+        return found | _reactions(supports)
+
+
+def _reactions(supports: list[dict[str, Any]]) -> dict[Hashable, Any]:
+    """Of each support, and of those of each name together."""
+    found: dict[Hashable, Any] = {
+        Reaction(number): row["reaction"] for number, row in enumerate(supports)
+    }
+    return found | {Reaction(name): sum_ for name, sum_ in reactions_by_name(supports).items()}
+
+
+def _known(quantities: Mapping[str, Any]) -> dict[Hashable, Any]:
+    """Those that have a true value, and one here: the force along no axis is none."""
+    return {name: quantities[name] for name in QUANTITIES if quantities.get(name) is not None}
 
 
 class _Estimates:
@@ -203,6 +259,9 @@ class _Estimates:
         again = self._times if self._takes_history("penalty") else []
         again = again if len(again) <= _SHORT or self._wants_all else []
         found, self.local = mesh_errors(self._history, self._measure, recorded, again)
+        if found is not None:
+            for key, error in self._shared().items():
+                found[key] += error
         if self._is_mixed("mesh"):
             self._notes.append(
                 "The error by the mesh is not estimated of nearly incompressible bodies."
@@ -213,6 +272,20 @@ class _Estimates:
                 "grows with every refinement, as under a corner of an obstacle."
             )
         return found
+
+    def _shared(self) -> dict[Hashable, float]:
+        """What is not known of reactions where supports meet; collective."""
+        problem, last = self._problem, self._history.last
+        assert last is not None
+        needed = BulkForces(problem, last.solution).unbalanced.reshape(-1)
+        labels = [support.label for support in problem.applied_supports]
+        groups: dict[int | str, list[int]] = {number: [number] for number in range(len(labels))}
+        for number, label in enumerate(labels):
+            groups.setdefault(label, []).append(number)
+        unknown = problem.shared_reactions.unknown
+        return {
+            Reaction(of): unknown(needed, last.solution, numbers) for of, numbers in groups.items()
+        }
 
     def _takes_history(self, source: str) -> bool:
         """Whether an estimate takes all load steps again, not the last one alone."""
@@ -232,10 +305,12 @@ _WORDS = {
 
 def _recorded(step: Mapping[str, Any], answer: Mapping[Hashable, Any]) -> dict[Hashable, Any]:
     """Quantities of a load step by the keys of ``_Measure``, those that it has."""
-    found: dict[Hashable, Any] = {}
-    for key, value in answer.items():
-        of, name = (step["contacts"][key[0]], key[1]) if isinstance(key, tuple) else (step, key)
-        found[key] = of["quantities"].get(name, value)
+    found: dict[Hashable, Any] = dict(answer) | _reactions(step["supports"])
+    for key in answer:
+        if isinstance(key, str | tuple):
+            of, name = (step["contacts"][key[0]], key[1]) if isinstance(key, tuple) else (step, key)
+            recorded = of["quantities"].get(name)
+            found[key] = answer[key] if recorded is None else recorded
     return found
 
 
@@ -261,14 +336,18 @@ def _sum(values: Sequence[float | None]) -> float | None:
     return sum(known) if len(known) == len(values) else None
 
 
-def _of_work(rows: Mapping[str, Row], defect: float) -> Row:
+def _of_work(rows: Mapping[str, Row], defect: float | None) -> Row:
     """Of the work along a path: it went into energies and friction, so it is as wrong as these.
 
     Args:
         rows: Of other quantities.
-        defect: What the steps leave open of that balance.
+        defect: What the steps leave open of that balance; None without one, as with the static law,
+            where only sources that are not there make no error.
     """
     parts = [rows[name] for name in ("strain_energy", "penalty_energy", "friction_work")]
     row = {source: _sum([part[source] for part in parts]) for source in SOURCES}
-    row["step"] = _sum([row["step"], abs(defect)])
+    if defect is None:
+        row = {source: 0.0 if error == 0 else None for source, error in row.items()}
+    else:
+        row["step"] = _sum([row["step"], abs(defect)])
     return row | {"total": _sum(list(row.values()))}

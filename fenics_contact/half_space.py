@@ -72,7 +72,7 @@ class FarField:
     ) -> None:
         described = scene.half_space
         assert described is not None
-        self.on = ", ".join(described.on)
+        self.on = described.label
         self._spaces = spaces
         self._supports = supports
         self._modulus, self._ratio = _homogeneous(scene)

@@ -59,9 +59,9 @@ class History:
         return np.array([step["quantities"][name] for step in self.steps])
 
     def of_contact(self, number: int, name: str) -> Array | None:
-        """A quantity of a contact, likewise; None where it has none."""
+        """A quantity of a contact, likewise; None where it is not known of every step."""
         found = [step["contacts"][number]["quantities"].get(name) for step in self.steps]
-        return None if found[0] is None else np.array(found)
+        return None if any(value is None for value in found) else np.array(found)
 
     def drives(self, contacts: list[dict[str, Any]], far: tuple[str, ...] = ()) -> list[Drive]:
         """Obstacles and supports that are moved.
@@ -94,7 +94,7 @@ class History:
                 [np.where(held, row["displacement"], 0.0) for row in rows], dtype=float
             )
             reaction = np.array([row["reaction"] for row in rows]) * held
-            where = f"the support on '{support['on']}'"
+            where = f"the support '{support.get('name', support['on'])}'"
             yield from _along(where, moved, reaction, "reaction", "R")
 
 

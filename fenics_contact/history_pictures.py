@@ -39,7 +39,7 @@ def draw_history(folder: Path, result: dict[str, Any], far: tuple[str, ...] = ()
     drives = history.drives(contacts, far)[:_MOST_DRIVES]
     drawn = [_loops(history, drives, folder / "history_loops.png")] if drives else []
     if contacts:
-        drawn.append(_forces(history, contacts, folder / "history_forces.png"))
+        drawn.append(draw_forces(history, contacts, folder / "history_forces.png"))
         drawn.append(_areas(history, contacts, folder / "history_areas.png"))
     return [*drawn, _energies(history, folder / "history_energy.png")]
 
@@ -71,16 +71,28 @@ def _legend(panel: Any) -> None:
         panel.legend()
 
 
-def _forces(history: History, contacts: list[dict[str, Any]], path: Path) -> Picture:
-    """Normal forces, and below them what friction gives, one curve an axis that counts."""
+def draw_forces(history: History, contacts: list[dict[str, Any]], path: Path) -> Picture:
+    """Draw normal forces, and below them what friction gives, one curve an axis that counts.
+
+    Args:
+        history: Of the run.
+        contacts: Of ``result.json``.
+        path: PNG file to write.
+    """
     friction = list(_friction_curves(history, contacts))
     heights = [_HEIGHT] * (2 if friction else 1)
     figure, panels = _over_time("Forces on the body", heights, history)
+    wraps = False
     for number, contact in enumerate(contacts):
-        normal = history.of_contact(number, "normal_force")
-        assert normal is not None
-        _line(panels[0], history.time, normal, f"'{contact['name']}'", number)
+        normal, around = history.of_contact(number, "normal_force"), r""
+        if normal is None:  # the surface wraps around
+            normal, around = history.of_contact(number, "pressure_integral"), r", $\int p\,dA$"
+        if normal is not None:
+            wraps |= bool(around)
+            _line(panels[0], history.time, normal, f"'{contact['name']}'{around}", number)
     panels[0].set_ylabel("normal force, $P$")
+    if wraps and len(contacts) == 1:
+        panels[0].set_ylabel(r"pressure integral, $\int p\,dA$")
     for number, (label, values) in enumerate(friction):
         _line(panels[1], history.time, values, label, number)
     if friction:
@@ -92,7 +104,10 @@ def _forces(history: History, contacts: list[dict[str, Any]], path: Path) -> Pic
     figure.align_ylabels(panels)
     save(figure, path)
     said = "Normal force P" + (" and friction force Q" if friction else "")
-    return Picture(path, "Forces on the body", f"{said} on the body over the pseudo-time t.")
+    said = f"{said} on the body over the pseudo-time t."
+    if wraps:
+        said += " Where a surface wraps around, ∫ p dA stands for the normal force."
+    return Picture(path, "Forces on the body", said)
 
 
 def _friction_curves(
@@ -100,7 +115,7 @@ def _friction_curves(
 ) -> Iterator[tuple[str, Array]]:
     """Label and values of the components of friction forces that are not next to nothing."""
     found = [history.of_contact(number, "friction_force") for number in range(len(contacts))]
-    largest = max(float(np.abs(f).max()) for f in found if f is not None)
+    largest = max((float(np.abs(f).max()) for f in found if f is not None), default=0.0)
     for contact, forces in zip(contacts, found, strict=True):
         if contact["law"] == "none" or forces is None or largest == 0:
             continue

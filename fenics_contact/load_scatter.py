@@ -41,8 +41,8 @@ def load_scatter(
         recorded: Pseudo-time and quantities of every load step.
 
     Returns:
-        By key, of vectors the length over their components; 0 where no edge can move. None where
-        too few of the solves converge.
+        By key, of vectors the length over their components, without what some loads do not have;
+        0 where no edge can move. None where too few of the solves converge.
     """
     problem = history.problem
     last, answer = recorded[-1]
@@ -83,6 +83,8 @@ def _about_polynomials(
     smooth = powers @ np.linalg.pinv(powers)
     scatter = {}
     for key in rows[0][1]:
+        if not all(key in found for _, found in rows):
+            continue
         values = np.array([np.atleast_1d(found[key]) for _, found in rows])
         left = values - smooth @ values
         scatter[key] = float(np.sqrt((left**2).sum() / (len(rows) - _DEGREE - 1)))

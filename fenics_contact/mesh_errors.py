@@ -1,10 +1,11 @@
 """Errors of a run's quantities by its mesh.
 
-Three things make them. The elements cannot follow the exact displacement: local problems tell by
+Four things make them. The elements cannot follow the exact displacement: local problems tell by
 how much (``local_errors``), and forces that move the solution likewise tell what that does to each
 quantity. The edges of contact and stick lie somewhere inside elements: as the load changes they
-move through them, and quantities scatter about smooth functions of the load. And a peak of the
-contact pressure lies between what the penalty makes of gaps and what the bulk needs.
+move through them, and quantities scatter about smooth functions of the load. A peak of the
+contact pressure lies between what the penalty makes of gaps and what the bulk needs. And facets
+miss curved surfaces, which changes gaps (``geometry_errors``).
 """
 
 from __future__ import annotations
@@ -15,12 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.bulk_forces import BulkForces
+from fenics_contact.contact import ContactSurface
 from fenics_contact.contact_area import cut_areas
+from fenics_contact.contact_radii import radii
+from fenics_contact.contact_state import ContactState
+from fenics_contact.geometry_errors import geometry_errors
 from fenics_contact.load_scatter import load_scatter
 from fenics_contact.load_steps import History
 from fenics_contact.local_errors import LocalErrors
 from fenics_contact.parallel import largest
+from fenics_contact.pinned_friction import pinned_friction
 from fenics_contact.problem import Problem
+from fenics_contact.quantity_names import Reaction
 from fenics_contact.solution import Solution
 from fenics_contact.solving_again import (
     Measure,
@@ -39,6 +46,7 @@ _LOCAL = 2.0  # of what local problems give, which see nothing beyond one degree
 _DRAWS = 2  # of signs, lest cells' errors seem to cancel
 _SCATTER = 2.5  # of the scatter over loads, to be beyond most of it
 _PEAK = 2.5  # of the distance between the two pressures at their peaks
+_CURVED = 1.25  # of what facets miss of curved surfaces: what is left is of higher order
 _EDGE = 0.15  # of the pieces that an edge passes through, to which its place is found
 # Distance of the two peaks, of the peak itself, from which it may have no bound at all: under
 # corners of obstacles it grows with every refinement.
@@ -79,7 +87,8 @@ def mesh_errors(
     local.solve(BulkForces(problem, solution), history.time)
     changes = _changes(history, local, measure, times)
     scatter = load_scatter(history, measure, recorded)
-    if changes is None or scatter is None:
+    curved = geometry_errors(history, measure)
+    if changes is None or scatter is None or curved is None:
         return None, local
     for name, error in local.at_points().items():
         changes[name] += error
@@ -87,7 +96,15 @@ def mesh_errors(
     changes |= {name: part * energy for name, part in _ENERGIES.items() if name in changes}
     for key in _frictional_works(problem) & changes.keys():
         changes[key] += energy
-    found = {key: _LOCAL * changes[key] + _SCATTER * scatter[key] for key in changes}
+    known = changes.keys() & scatter.keys() & curved.keys()
+    found = {
+        key: _LOCAL * changes[key] + _SCATTER * scatter[key] + _CURVED * curved[key]
+        for key in changes
+        if key in known
+    }
+    for key, unknown in _beside_pinned(problem, solution).items():
+        if key in found:
+            found[key] += unknown
     for key, addition in _at_contacts(problem, solution).items():
         if addition is None:
             found.pop(key, None)
@@ -122,6 +139,7 @@ def _changes(
     return {
         key: max(value, float(np.sqrt(np.mean([change[key] ** 2 for change in drawn]))))
         for key, value in whole.items()
+        if all(key in change for change in drawn)
     }
 
 
@@ -141,6 +159,31 @@ def _moved_by(
     return last_step_again(history, measure, disturb)
 
 
+def _beside_pinned(problem: Problem, solution: Solution) -> dict[Hashable, float]:
+    """What is not known of forces as nodes cannot slip (``pinned_friction``); collective.
+
+    What one contact's friction may be more, supports or another contact's pressure take.
+    """
+    found: dict[Hashable, float] = {}
+
+    def add(keys: Sequence[Hashable], unknown: float) -> None:
+        for key in keys:
+            found[key] = found.get(key, 0.0) + unknown
+
+    def of_contact(number: int, *names: str) -> list[Hashable]:
+        return [*names, *((number, name) for name in names)]
+
+    labels = [support.label for support in problem.applied_supports]
+    for number, pinned in enumerate(pinned_friction(problem, solution)):
+        add(of_contact(number, "friction_force", "contact_force"), pinned.whole)
+        for support, unknown in pinned.at_supports.items():
+            add(["reaction", Reaction(support), Reaction(labels[support])], unknown)
+        for other, unknown in pinned.at_contacts.items():
+            names = ("normal_force", "pressure_integral", "contact_force")
+            add(of_contact(other, *names), unknown)
+    return found
+
+
 def _at_contacts(problem: Problem, solution: Solution) -> dict[Hashable, float | None]:
     """What is added for areas and peaks of pressure, at each contact and in all; collective.
 
@@ -156,11 +199,22 @@ def _at_contacts(problem: Problem, solution: Solution) -> dict[Hashable, float |
         for name, cut in cuts.items():
             added[number, name] = cut
             areas[name] += cut
+        for name, cut in _radii_cut(contact, state, cuts).items():
+            added[number, name] = added[name] = cut
         peaks.append(_peak_error(forces, number))
         added[number, "max_contact_pressure"] = peaks[-1]
     known = [peak for peak in peaks if peak is not None]
     of_all = max(known, default=0.0) if len(known) == len(peaks) else None
     return added | areas | {"max_contact_pressure": of_all}
+
+
+def _radii_cut(
+    contact: ContactSurface, state: ContactState, cuts: dict[str, float]
+) -> dict[str, float]:
+    """What areas at the edges are of the radii of discs, dA = 2πr dr; collective."""
+    areas = {"contact_radius": "contact_area", "stick_radius": "stick_area"}
+    found = radii(contact, state)
+    return {name: cuts[areas[name]] / (2 * np.pi * r) for name, r in found.items() if r}
 
 
 def _peak_error(forces: BulkForces, number: int) -> float | None:

@@ -22,7 +22,7 @@ def strategy_of(problem: Problem, solution: Solution | None) -> str:
 
 
 def sides_of(contact: ContactSurface) -> dict[str, str]:
-    """Of two bodies, the surface that results are of, the one opposite, and why it is so."""
+    """Of two bodies, the surface whose points carry it, the one opposite, and why it is so."""
     sides = contact.sides
     if sides.opposite is None:
         return {}

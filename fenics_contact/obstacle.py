@@ -34,6 +34,8 @@ class RigidObstacle:
 
     Attributes:
         direction: Unit vector along which it is driven, towards the body, (components,).
+        has_axis: Whether the scene says which way it faces; else it faces the surface, as a wall
+            all around a body does.
 
     Args:
         obstacle: The scene's description.
@@ -53,6 +55,8 @@ class RigidObstacle:
         self._kinematics = kinematics
         self._key = key
         self._require_shape()
+        says = (obstacle.shape, obstacle.normal, obstacle.direction)
+        self.has_axis = any(key is not None for key in says)
         given = self._unit(obstacle.normal)
         self._normal: Array = self._facing(surface_normals) if given is None else given
         self._along = self._unit(obstacle.along)

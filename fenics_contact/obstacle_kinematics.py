@@ -38,6 +38,8 @@ class ObstacleKinematics(ContactKinematics):
         normals = gather_rows(comm, trace.normals[trace.owned])
         self._obstacle = RigidObstacle(obstacle, self._spaces.kinematics, normals, key)
         self.direction = self._obstacle.direction
+        if self._obstacle.has_axis:
+            self.axis = self.direction
         error: FenicsContactError | None = None
         try:
             self.gap = self._gap(trace.coordinates, trace.normals)
@@ -68,6 +70,11 @@ class ObstacleKinematics(ContactKinematics):
         self._left_out = points
         self.gap = np.where(points, np.inf, self.gap)
 
+    def whole_gap(self) -> Array:
+        """The gap as the obstacle stands, also at points left out of its reach (length)."""
+        gap = self._gap(self.trace.coordinates, self.trace.normals)
+        return gap - self.brought_up * self.facing
+
     def _gap(self, points: Array, normals: Array) -> Array:
         aside = self.displacement - (normals @ self.displacement)[:, None] * normals
         moved = points.copy()
@@ -84,8 +91,7 @@ class ObstacleKinematics(ContactKinematics):
             displacement: From where it stood at first, (components,) (length).
         """
         self.displacement = displacement
-        gap = self._gap(self.trace.coordinates, self.trace.normals)
-        self.gap = np.where(self._left_out, np.inf, gap - self.brought_up * self.facing)
+        self.gap = np.where(self._left_out, np.inf, self.whole_gap())
 
     def bring_up(self) -> None:
         """Take the obstacle to where it first touches the undeformed surface; collective."""

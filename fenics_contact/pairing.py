@@ -20,6 +20,7 @@ from fenics_contact.facet_mesh import FacetMesh, normalised
 from fenics_contact.facing import Hits, face, hits
 from fenics_contact.mortar import integrate, projection
 from fenics_contact.parallel import on_root
+from fenics_contact.smooth_surface import SmoothSurface
 from fenics_contact.trace import Trace
 
 Array = NDArray[np.float64]
@@ -168,6 +169,22 @@ class Pairing:
     def distances_from(self, points: Array, normals: Array) -> Array:
         """Along normals (points, components) from points (points, 3) to the master (length)."""
         return hits(self._moved_master, points[:, : normals.shape[1]], normals).distance
+
+    def missed_opposite(self, points: Array, normals: Array) -> Array:
+        """How far the curve lies outside of the master's facets, where points face them (length).
+
+        Collective.
+
+        Args:
+            points: Of the slave as it stands, (points, 3) (length).
+            normals: At these, (points, components).
+        """
+        found = hits(self._moved_master, points[:, : normals.shape[1]], normals)
+        faces = found.facet >= 0
+        missed = np.zeros(len(points))
+        facets, reference = found.facet[faces], found.reference[faces]
+        missed[faces] = SmoothSurface(self._surfaces[1]).offsets(facets, reference)
+        return missed
 
 
 def gathered(trace: Trace) -> FacetMesh:

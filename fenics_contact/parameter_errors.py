@@ -31,11 +31,14 @@ logger = logging.getLogger(__name__)
 # The part of ε₁ and ε that is left: enough less for what is left of the error to be small, also
 # beyond the leading order, and not so little that round-off of forces, gap over ε₁, shows.
 _LEFT = 1 / 32
-# Share from which an error is large; of these quantities, over the second of each pair.
+# Share from which an error is large; of these quantities, over the second of each pair, those of
+# each contact and those of all.
 _LARGE = 1e-2
-_TELLING = (
-    ("normal_force", "normal_force"),
-    ("friction_force", "normal_force"),
+_OF_A_CONTACT = (
+    ("pressure_integral", "pressure_integral"),
+    ("friction_force", "pressure_integral"),
+)
+_OF_ALL = (
     ("max_contact_pressure", "max_contact_pressure"),
     ("contact_area", "contact_area"),
     ("stick_area", "contact_area"),
@@ -113,9 +116,16 @@ def _parameter_errors(
             return found
         # At leading order all is 1 / (1 − left) of what is gone; beyond it, as little more.
         found = differences(answer, other, 1 / (1 - left) ** 2)
-        if found is None or all(found[a] <= _LARGE * abs(answer[b]) for a, b in _TELLING):
+        if found is None or _all_small(found, answer, len(history.problem.contacts)):
             break
     return found
+
+
+def _all_small(found: Errors, answer: Quantities, contacts: int) -> bool:
+    telling: list[tuple[Hashable, Hashable]] = list(_OF_ALL)
+    for number in range(contacts):
+        telling += [((number, a), (number, b)) for a, b in _OF_A_CONTACT]
+    return all(found[a] <= _LARGE * abs(answer[b]) for a, b in telling)
 
 
 def _stiffen(left: float, problem: Problem) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -26,6 +27,7 @@ from fenics_contact.load_paths import KeyedPath
 from fenics_contact.mesh import Body, Group
 from fenics_contact.scene import Load, Scene
 from fenics_contact.scene_values import Value
+from fenics_contact.shared_reactions import SharedReactions
 from fenics_contact.spaces import Spaces
 from fenics_contact.supports import AppliedSupport, Supports
 from fenics_contact.surface_supports import SurfaceSupports
@@ -139,6 +141,11 @@ class Problem:
         with timings.phase("assemble"):
             self._loads, self._pressures = self._assemble_loads(), self._assemble_pressures()
             self.set_time(scene.steps.all_times[-1])
+
+    @cached_property
+    def shared_reactions(self) -> SharedReactions:
+        """The dofs that several supports hold; once all supports are there; collective."""
+        return SharedReactions(self.applied_supports, self.spaces, self.elastic)
 
     @property
     def frictional(self) -> list[ContactSurface]:

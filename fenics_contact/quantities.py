@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.contact import ContactSurface
 from fenics_contact.contact_area import contact_area, stick_area
+from fenics_contact.contact_radii import radii
+from fenics_contact.contact_resultants import resultant, resultants
 from fenics_contact.contact_state import OPEN, SLIP, STICK, ContactState
 from fenics_contact.parallel import gather_rows, largest, total
 from fenics_contact.problem import Problem
-from fenics_contact.result import ContactPoints
+from fenics_contact.result import OF_ONE_CONTACT, ContactPoints
 from fenics_contact.solution import Solution
-from fenics_contact.spaces import Spaces
 
 Array = NDArray[np.float64]
 
@@ -23,49 +24,27 @@ Array = NDArray[np.float64]
 def contact_quantities(problem: Problem, solution: Solution, number: int) -> dict[str, Any]:
     """The interface's quantities of one contact, by its number in scene order; collective."""
     contact = problem.contacts[number]
-    comm, integral = contact.spaces.comm, contact.trace.integral
+    comm = contact.spaces.comm
     state = solution.states[number]
-    force = solution.friction_force[number]
-    owned = contact.owned_nodes
     closed = contact_area(contact, state)
     sticking = min(stick_area(contact, state), closed)
-    friction = integral(state.friction_traction)
-    if contact.spaces.kinematics == "axisymmetric":
-        friction[0] = 0.0
-    if contact.friction is not None:
-        friction = _resultant(contact.spaces, force[owned])
     depth = np.where(np.isfinite(state.gap), -state.gap, 0.0)
+    slip = np.linalg.norm(state.slip[state.status != OPEN], axis=1)
     return {
-        "normal_force": _normal_force(contact, state),
-        "friction_force": friction.tolist(),
+        **resultants(contact, state, solution.friction_force[number]),
         "max_contact_pressure": largest(comm, state.contact_pressure),
         "contact_area": closed,
         "stick_area": sticking,
         "slip_area": closed - sticking,
+        **radii(contact, state),
         "max_penetration": max(largest(comm, depth), 0.0) if contact.is_one_sided else 0.0,
-        "max_slip": largest(comm, np.linalg.norm(state.slip, axis=1)),
+        "max_slip": largest(comm, slip),
         "friction_work": contact.friction_work(state),
-        "penalty_energy": float(integral(state.penalty_energy)),
+        "penalty_energy": float(contact.trace.integral(state.penalty_energy)),
         **_undecided(contact, state),
         **_of_two_bodies(contact, state),
         **_motion(problem, contact),
     }
-
-
-def _normal_force(contact: ContactSurface, state: ContactState) -> float:
-    """Resultant of the pressure along the obstacle's axis; of two bodies, its size; collective.
-
-    The size is that within planes of symmetry, < 0 in tension. Without an axis, such as under a
-    given pressure, the sum of what acts along the normals.
-    """
-    integral, pressure = contact.trace.integral, state.contact_pressure
-    if contact.sides.opposite is not None:
-        resultant = integral(pressure[:, None] * contact.trace.normals)
-        resultant[contact.trace.mirrored_axes] = 0.0
-        return float(np.copysign(np.linalg.norm(resultant), integral(pressure)))
-    if contact.kinematics.direction.any():
-        pressure = pressure * contact.kinematics.facing
-    return float(integral(pressure))
 
 
 def _of_two_bodies(contact: ContactSurface, state: ContactState) -> dict[str, float]:
@@ -112,8 +91,8 @@ def _motion(problem: Problem, contact: ContactSurface) -> dict[str, Any]:
 def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
     """Nodal reactions, and the resultant of each support.
 
-    A reaction is what the bulk needs beyond loads and contact forces; a dof that two
-    supports hold counts to the first.
+    A reaction is what the bulk needs beyond loads and contact forces; where two supports meet,
+    each has its part of what is needed at the dofs of both (``shared_reactions``).
 
     Returns:
         Reactions of shape (nodes, components), zero at free dofs; and a row a support, with
@@ -124,8 +103,9 @@ def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
     owned = spaces.owned_nodes * spaces.components
     reactions = np.zeros_like(needed)
     counted = np.zeros(len(needed), dtype=bool)
-    rows = []
-    for support in problem.applied_supports:
+    rows: list[dict[str, Any]] = []
+    moved = problem.shared_reactions.moved(needed, forces.solution)
+    for support, more in zip(problem.applied_supports, moved, strict=True):
         dofs = support.dofs[~counted[support.dofs]]
         reactions[dofs] = needed[dofs]
         counted[dofs] = True
@@ -134,8 +114,9 @@ def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
         by_node[np.arange(len(mine)), mine % spaces.components] = needed[mine]
         rows.append(
             {
+                "name": support.label,
                 "on": support.on,
-                "reaction": _resultant(spaces, by_node).tolist(),
+                "reaction": (resultant(spaces, by_node) + more).tolist(),
                 "displacement": _mean_displacement(forces, mine),
             }
         )
@@ -151,18 +132,14 @@ def _mean_displacement(forces: BulkForces, dofs: NDArray[np.int64]) -> list[floa
     return [float(s / n) if n > 0 else None for s, n in zip(summed, counts, strict=True)]
 
 
-def _resultant(spaces: Spaces, forces: Array) -> Array:
-    """Global sum of forces at owned points; over a revolution, radial ones cancel."""
-    summed = total(spaces.comm, forces.sum(axis=0))
-    if spaces.kinematics == "axisymmetric":
-        summed[0] = 0.0
-    return np.asarray(summed)
-
-
 def global_quantities(
     forces: BulkForces, reactions: Array, contacts: list[dict[str, Any]]
 ) -> dict[str, Any]:
-    """The interface's quantities of the whole model."""
+    """The interface's quantities of the whole model.
+
+    Resultants of contacts are those of the only one, None where there are several: a sum over
+    surfaces that point in different directions means nothing.
+    """
     problem, solution = forces.problem, forces.solution
     owned = slice(0, problem.spaces.owned_nodes)
     u = solution.displacement[owned]
@@ -174,21 +151,25 @@ def global_quantities(
         work += pushed @ surface.kinematics.displacement
     summed = ("contact_area", "stick_area", "slip_area", "friction_work", "penalty_energy")
     greatest = ("max_contact_pressure", "max_penetration", "max_slip")
-    friction = np.zeros(problem.spaces.components)
-    for contact in contacts:
-        friction += contact["friction_force"]
-    found = [{"indentation": c["indentation"]} for c in contacts if "indentation" in c]
     return {
-        "normal_force": float(sum(c["normal_force"] for c in contacts)),
-        "friction_force": friction.tolist(),
-        "reaction": _resultant(problem.spaces, reactions[owned]).tolist(),
+        **{key: contacts[0][key] if len(contacts) == 1 else None for key in OF_ONE_CONTACT},
+        "reaction": resultant(problem.spaces, reactions[owned]).tolist(),
         **{key: max((c[key] for c in contacts), default=0.0) for key in greatest},
         **{key: float(sum(c[key] for c in contacts)) for key in summed},
         "strain_energy": forces.strain_energy,
         "external_work": float(work),
-        **(found[0] if len(found) == 1 else {}),
+        **_of_the_only(contacts),
         **problem.points.quantities(solution.displacement),
     }
+
+
+def _of_the_only(contacts: list[dict[str, Any]]) -> dict[str, Any]:
+    """Quantities of the whole model that not every contact has, where one contact has them."""
+    found: dict[str, Any] = {}
+    for name in ("contact_radius", "stick_radius", "indentation"):
+        have = [contact[name] for contact in contacts if name in contact]
+        found |= {name: have[0]} if len(have) == 1 else {}
+    return found
 
 
 def contact_points(problem: Problem, solution: Solution) -> ContactPoints:

@@ -9,13 +9,17 @@ from typing import Any
 from fenics_contact.check_words import WORDS, compares, failure
 from fenics_contact.html_writing import Html, bar, element, joined, table
 from fenics_contact.result import (
+    OF_ONE_CONTACT,
+    UNKNOWN,
     Check,
     error_bar,
     error_rows,
+    has_true_value,
     idle_quantities,
     motion_words,
-    reactions_by_group,
+    reactions_by_name,
     share_words,
+    without_value,
 )
 
 _OF_A_CONTACT = ("slave", "master", "slave_reason", "uniqueness_limit")
@@ -77,24 +81,29 @@ def quantities_table(found: dict[str, Any], contacts: list[dict[str, Any]], capt
         caption: Of the table.
     """
     idle, errors = idle_quantities(contacts), found.get("errors") or {}
-    shown = {name: value for name, value in found["quantities"].items() if name not in idle}
-    bars = [error_bar(errors.get(name)) for name in shown]
-    head = ["quantity", "value", "± estimated error", "relative"]
-    rows: list[list[str]] = [head if any(bars) else head[:2]]
-    for (name, value), width in zip(shown.items(), bars, strict=True):
-        said = _with_share(width, value) if any(bars) else []
-        rows.append([words(name), written(value), *said])
+    quantities = found["quantities"]
+    if len(contacts) > 1:  # each has its own table
+        idle |= set(OF_ONE_CONTACT)
+    rows: list[list[str]] = [["quantity", "value", *(_BARS if errors else ())]]
+    for name in [name for name in quantities if name not in idle]:
+        value = quantities[name]
+        is_known = value is not None and has_true_value(name)
+        bars = _with_share(error_bar(errors.get(name)), value) if is_known else ["", ""]
+        said = without_value(name, quantities) if value is None else written(value)
+        rows.append([words(name), said, *(bars if errors else [])])
     return table(rows, caption)
+
+
+_BARS = ("± estimated error", "relative")
 
 
 def _with_share(width: str, value: Any) -> list[str]:
     """An error bar, and what share it is of the value, of vectors of their length."""
-    if not width:
-        return ["not estimated", ""]
-    number, _, more = width.partition(" ")
+    if width == UNKNOWN:
+        return [UNKNOWN, UNKNOWN]
     size = math.hypot(*value) if isinstance(value, list) else abs(value)
-    share = _percent(float(number) / size) if size else ""
-    return [f"± {float(number):.2g} {more}".rstrip(), share]
+    share = _percent(float(width) / size) if size else ""
+    return [f"± {float(width):.2g}", share]
 
 
 def _percent(share: float) -> str:
@@ -104,17 +113,33 @@ def _percent(share: float) -> str:
 
 
 def errors_table(result: dict[str, Any]) -> Html:
-    """Where the errors come from; nothing where none were estimated."""
+    """Where the errors come from; nothing where none were estimated.
+
+    With those of each contact and each support where there are several.
+    """
     idle = idle_quantities(result["contacts"])
-    errors = result.get("errors", {})
-    rows = error_rows({name: row for name, row in errors.items() if name not in idle})
+    errors = {words(key): row for key, row in result.get("errors", {}).items() if key not in idle}
+    for contact in result["contacts"] if len(result["contacts"]) > 1 else ():
+        of_contact = contact.get("errors", {})
+        forces = [key for key in OF_ONE_CONTACT if key in of_contact and key not in idle]
+        errors |= {f"{words(key)} of {contact['name']}": of_contact[key] for key in forces}
+    reactions = result.get("reactions", {})
+    for name, found in reactions.items() if len(reactions) > 1 else ():
+        errors |= {f"reaction of {name}": row for row in found.get("errors", {}).values()}
+    rows = error_rows(errors)
     return table(rows, "Estimated errors by source") if rows else Html()
 
 
 def reactions_table(result: dict[str, Any]) -> Html:
-    """Resultants of the supports; nothing without any."""
-    found = reactions_by_group(result["supports"])
-    rows = [["support", "reaction"], *([name, written(force)] for name, force in found.items())]
+    """Resultants of the supports of each name, with error bars; nothing without any."""
+    found = reactions_by_name(result["supports"])
+    said = result.get("reactions", {})  # there is none in older files
+    errors = {name: said.get(name, {}).get("errors", {}).get("reaction") for name in found}
+    has_bars = any(row is not None for row in errors.values())
+    rows: list[list[str]] = [["support", "reaction", *(_BARS if has_bars else ())]]
+    for name, force in found.items():
+        bars = _with_share(error_bar(errors[name]), force) if has_bars else []
+        rows.append([name, written(force), *bars])
     return table(rows, "Reactions of supports") if found else Html()
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,7 +14,9 @@ from fenics_contact.errors import StoppedError
 # Those that have a true value to be apart from; others count points, or say how a run went.
 QUANTITIES = (
     "normal_force",
+    "pressure_integral",
     "friction_force",
+    "contact_force",
     "reaction",
     "indentation",
     "max_contact_pressure",
@@ -22,6 +24,8 @@ QUANTITIES = (
     "contact_area",
     "stick_area",
     "slip_area",
+    "contact_radius",
+    "stick_radius",
     "max_slip",
     "strain_energy",
     "external_work",
@@ -29,8 +33,22 @@ QUANTITIES = (
     "penalty_energy",
 )
 
+# Resultants of a contact, which several do not have together.
+OF_ONE_CONTACT = ("normal_force", "pressure_integral", "friction_force", "contact_force")
+
+# Those that have a component along each axis.
+VECTORS = ("friction_force", "contact_force", "reaction")
+
+
+def has_true_value(name: str) -> bool:
+    """Whether a quantity has a true value to be apart from: then an error bar, or a ``?``."""
+    return name in QUANTITIES or name.startswith("displacement_")
+
+
 # Those that say something only with friction, or where contact is found.
-_OF_FRICTION = {"friction_force", "stick_area", "slip_area", "max_slip", "friction_work"}
+_OF_FRICTION = {
+    *("friction_force", "stick_area", "slip_area", "stick_radius", "max_slip", "friction_work")
+}
 _OF_CONTACT_FOUND = {"indentation", "max_penetration"}
 
 
@@ -131,17 +149,18 @@ class ContactPoints:
         return np.asarray(self.contact == contact)
 
 
-def reactions_by_group(supports: list[dict[str, Any]]) -> dict[str, list[float]]:
-    """Resultant of the supports of each group, by its name.
+def reactions_by_name(supports: list[dict[str, Any]]) -> dict[str, list[float]]:
+    """Resultant of the supports of each name.
 
     Args:
-        supports: As in ``result.json``, where a group may have several.
+        supports: As in ``result.json``, where several may have the same; in older ones they have
+            that of their group.
     """
     found: dict[str, list[float]] = {}
     for support in supports:
-        reaction = support["reaction"]
-        before = found.get(support["on"], [0.0] * len(reaction))
-        found[support["on"]] = [a + b for a, b in zip(before, reaction, strict=True)]
+        name, reaction = support.get("name", support["on"]), support["reaction"]
+        before = found.get(name, [0.0] * len(reaction))
+        found[name] = [a + b for a, b in zip(before, reaction, strict=True)]
     return found
 
 
@@ -162,11 +181,15 @@ class Result:
             and ``quantities`` of this contact alone.
         quantities: By name: resultants (force; vectors as lists, in the mesh's axes), areas,
             largest pressure (stress), lengths and energies. In plane models forces and areas are
-            per thickness, in axisymmetric ones of a full turn.
+            per thickness, in axisymmetric ones of a full turn. None where there is none, as of
+            the forces of several contacts together.
         steps: Of each load step: its time, iterations, history of the force imbalance (force), and
             quantities.
         checks: Name → check of the physics.
-        supports: Of each support: its group and its reaction (force).
+        supports: Of each support: its name, its group, its reaction (force), the mean displacement
+            of what it holds (length), and ``errors``.
+        reactions: Name → ``reaction`` of all supports of that name together (force), and its
+            ``errors``.
         timings: Phase → seconds.
         versions: Program or library → version.
         branches: All answers that were found, where the scene asks for others.
@@ -188,6 +211,7 @@ class Result:
     steps: list[dict[str, Any]]
     checks: Mapping[str, Check]
     supports: list[dict[str, Any]] = field(default_factory=list)
+    reactions: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     branches: list[dict[str, Any]] = field(default_factory=list)
     errors: Mapping[str, Any] = field(default_factory=dict)
     levels: list[dict[str, Any]] = field(default_factory=list)
@@ -231,6 +255,7 @@ class Result:
             "model": dict(self.model),
             "contacts": self.contacts,
             "supports": self.supports,
+            "reactions": dict(self.reactions),
             "quantities": dict(self.quantities),
             "steps": self.steps,
             "checks": {name: check.as_dict() for name, check in self.checks.items()},
@@ -255,13 +280,39 @@ def branch_rows(branches: list[dict[str, Any]]) -> list[list[Any]]:
     """
     if len(branches) < 2:
         return []
-    rows: list[list[Any]] = [
-        ["answer from the start", *(key.replace("_", " ") for key in _OF_BRANCHES), "checks"]
-    ]
+    names = [name.replace("_", " ") for name, _ in _of_branch(branches[0])]
+    rows: list[list[Any]] = [["answer from the start", *names, "checks"]]
     for branch in branches:
-        numbers = [branch["quantities"][key] for key in _OF_BRANCHES]
+        numbers = [value for _, value in _of_branch(branch)]
         rows.append([branch["start"], *numbers, "ok" if branch["passed"] else "FAILED"])
     return rows
+
+
+def _of_branch(branch: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Name and value of each number, resultants of several contacts contact by contact."""
+    for key in _OF_BRANCHES:
+        contacts = branch.get("contacts", [])
+        if key in OF_ONE_CONTACT and len(contacts) > 1:
+            for contact in contacts:
+                yield f"{key} of '{contact['name']}'", contact["quantities"][key]
+        else:
+            yield key, branch["quantities"][key]
+
+
+def without_value(name: str, quantities: Mapping[str, Any]) -> str:
+    """Why a quantity of a contact has no value, in words.
+
+    Args:
+        name: Of the quantity.
+        quantities: All of the contact, or of the whole model with this contact alone.
+    """
+    if quantities.get("pressure_integral") is None:
+        return "not known"  # an earlier version of the program has not written it
+    return {
+        "normal_force": "none, the surface wraps around",
+        "contact_radius": "none, no contact at the axis",
+        "stick_radius": "none, no stick at the axis",
+    }.get(name, "none")
 
 
 def motion_words(motion: dict[str, Any]) -> str:
@@ -275,28 +326,31 @@ def share_words(share: float) -> str:
     return "just below 1, the limit" if words == "1" else words
 
 
+# In place of an error that was not estimated.
+UNKNOWN = "?"
+
+
 def error_bar(row: Mapping[str, float | None] | None) -> str:
-    """The total of a row of ``errors``; without one, what it is at the least.
+    """The total of a row of ``errors``; ``?`` where it was not estimated, or not in full.
 
     Args:
         row: Source → error, and ``total``; None for a quantity that has none.
     """
-    if row is None:
-        return ""
-    total = row["total"]
-    if total is not None:
-        return f"{total:.1e}"
-    known = sum(value for source, value in row.items() if value is not None)
-    return f"{known:.1e} or more"
+    total = None if row is None else row["total"]
+    return UNKNOWN if total is None else f"{total:.1e}"
 
 
 def error_rows(errors: Mapping[str, Mapping[str, float | None]]) -> list[list[str]]:
-    """A table of estimated errors by source, its head first; empty where there are none."""
+    """A table of estimated errors by source, its head first; empty where there are none.
+
+    Args:
+        errors: By quantity, in words.
+    """
     if not errors:
         return []
     sources = list(next(iter(errors.values())))
     rows = [["quantity", *sources]]
     for name, row in errors.items():
-        cells = ["?" if value is None else f"{value:.1e}" for value in row.values()]
-        rows.append([name.replace("_", " "), *cells])
+        cells = [UNKNOWN if value is None else f"{value:.1e}" for value in row.values()]
+        rows.append([name, *cells])
     return rows

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from pydantic import TypeAdapter, ValidationError
 
+from fenics_contact.earlier_results import result_in_todays_terms
 from fenics_contact.errors import InputError
 
 _Numbers = dict[str, Any]  # a vector's value is a list
@@ -78,7 +79,7 @@ _EXPECTED = TypeAdapter(_Content)
 
 
 def read_result(folder: Path) -> dict[str, Any]:
-    """The content of a run's ``result.json``.
+    """The content of a run's ``result.json``, in today's terms if an earlier version wrote it.
 
     Raises:
         InputError: There is none, or it is not one of this program; says what is wrong.
@@ -94,7 +95,7 @@ def read_result(folder: Path) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not a result of this program: {error}") from None
     assert isinstance(result, dict)
-    return result
+    return result_in_todays_terms(result)
 
 
 def _said(error: ValidationError) -> str:

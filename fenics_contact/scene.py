@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from fenics_contact.quantity_names import QuantityNames, require_name
 from fenics_contact.scene_accuracy import Accuracy, as_accuracy
 from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene_material import Material
@@ -113,6 +114,22 @@ class Support:
         Field(min_length=1, description="component → value (length), such as `{ x = 0 }`"),
     ]
     path: Annotated[LoadPath, Field(description="of the displacement over the load steps")] = RAMP
+    name: Annotated[
+        Text | None,
+        Field(
+            description="name in the results, by default that of the group; reactions of supports "
+            "of the same name add up"
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        if self.name is not None:
+            require_name(self.name)
+
+    @property
+    def label(self) -> str:
+        """Name in results and messages."""
+        return self.name or self.on
 
 
 @scene_class
@@ -296,11 +313,34 @@ class Scene:
                 )
         _require_distinct("points", [point.name for point in self.point])
         _require_distinct("contacts", [contact.label for contact in self.contact])
+        _require_known(self)
 
     @property
     def dimension(self) -> int:
         """Number of displacement components, 3 in 3D, else 2."""
         return 3 if self.kinematics == "3D" else 2
+
+    @property
+    def names(self) -> QuantityNames:
+        """The names by which quantities can be asked for."""
+        supports = [*(support.label for support in self.support), *self.symmetry]
+        if self.half_space is not None:
+            supports.append(self.half_space.label)
+        return QuantityNames(
+            contacts=tuple(contact.label for contact in self.contact),
+            supports=tuple(supports),
+            points=tuple(point.name for point in self.point),
+            dimension=self.dimension,
+        )
+
+
+def _require_known(scene: Scene) -> None:
+    """Every quantity that an accuracy is asked of is one of the scene."""
+    for name in () if scene.accuracy is None else scene.accuracy.of:
+        try:
+            scene.names.find(name)
+        except ValueError as error:
+            raise ValueError(f"accuracy: {error}") from None
 
 
 def _require_names(meshes: tuple[MeshSource, ...]) -> None:

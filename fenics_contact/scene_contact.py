@@ -179,8 +179,8 @@ class Contact:
     slave: Annotated[
         Literal["auto", "on", "against"],
         Field(
-            description="of two surfaces, the one whose points contact acts at, and whose results "
-            "are given; `auto` takes the one that the other covers, not a much finer one"
+            description="of two surfaces, the one whose points contact acts at, and `contact.csv` "
+            "has; `auto` takes the one that the other covers, not a much finer one"
         ),
     ] = "auto"
     penalty_parameter: Annotated[
@@ -268,3 +268,8 @@ class HalfSpace:
         tuple[Text, ...],
         Field(min_length=1, description="physical groups of the outer boundary, inside the body"),
     ]
+
+    @property
+    def label(self) -> str:
+        """Name in results, as that of a support."""
+        return ", ".join(self.on)

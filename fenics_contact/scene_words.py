@@ -14,10 +14,12 @@ _IN_A_FILE = {
     "int_type": "a whole number",
     "bool_type": "true or false",
     "string_type": "a text, in quotes",
+    "string_too_short": "a text that is not empty",
     "finite_number": "a finite number",
     "dataclass_type": "a table",
     "tuple_type": "a list",
     "mapping_type": "a table",
+    "dict_type": "a table",
     "none_required": "left out",
 }
 _IN_PYTHON = _IN_A_FILE | {
@@ -26,6 +28,7 @@ _IN_PYTHON = _IN_A_FILE | {
     "dataclass_type": "a {class_name}",
     "dataclass_exact_type": "a {class_name}",
     "mapping_type": "a dictionary",
+    "dict_type": "a dictionary",
     "none_required": "None",
     "callable_type": "a function",
 }

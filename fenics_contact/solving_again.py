@@ -114,11 +114,12 @@ def newton_again(history: History, tolerance: float | None = None) -> Solution:
 def differences(
     answer: Quantities, other: Quantities | None, factor: float = 1.0
 ) -> dict[Hashable, float] | None:
-    """How far quantities are apart, of vectors the length of the difference.
+    """How far quantities are apart that both have, of vectors the length of the difference.
 
     Args:
         answer: By name.
-        other: Likewise; None if there are none.
+        other: Likewise; None if there are none. What it lacks is left out: a zone may be a disc
+            in one answer alone.
         factor: To multiply with.
     """
     if other is None:
@@ -126,6 +127,7 @@ def differences(
     return {
         name: factor * float(np.linalg.norm(np.subtract(other[name], value)))
         for name, value in answer.items()
+        if name in other
     }
 
 

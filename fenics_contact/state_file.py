@@ -18,6 +18,7 @@ from fenics_contact import compat, fingerprint
 from fenics_contact.accepted_step import AcceptedStep, Unknowns
 from fenics_contact.contact import ContactSurface
 from fenics_contact.contact_memory import ContactMemory
+from fenics_contact.earlier_results import steps_in_todays_terms
 from fenics_contact.errors import InputError
 from fenics_contact.load_steps import History
 from fenics_contact.nodal_keys import NodalKeys, found_among, gather_keyed
@@ -144,7 +145,9 @@ class StateFile:
             return None
         header, arrays = on_root(self._comm, lambda: read(self.path))
         self._require_same(header["made_for"])
-        said, steps = header["solution"], header["steps"]
+        said, signs = header["solution"], [c.sides.on_sign for c in self._problem.contacts]
+        axisymmetric = self._problem.spaces.kinematics == "axisymmetric"
+        steps = steps_in_todays_terms(header["steps"], signs, axisymmetric)
         before = header["time_before"]
         last = AcceptedStep(
             unknowns=self._unknowns("last", header["time"], arrays),

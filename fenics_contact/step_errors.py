@@ -48,7 +48,8 @@ def step_errors(
         if errors is None:
             return None
         found.append(errors)
-    return {name: max(errors[name] for errors in found) for name in answer}
+    known = [name for name in answer if all(name in errors for errors in found)]
+    return {name: max(errors[name] for errors in found) for name in known}
 
 
 def _other_steps(parts: list[list[float]]) -> list[list[float]]:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from fenics_contact.result import VECTORS
 from fenics_contact.scene_values import AXES
 from fenics_contact.writing import append, replace_file
 
@@ -30,14 +31,15 @@ class StepTable:
         Args:
             steps: All so far, as in ``result.json``.
         """
-        for step in steps[self._rows :]:
-            self._append({"step": self._rows + 1, **row_of(step)})
+        rows = [row_of(step) for step in steps[self._rows :]]
+        for row in rows:
+            self._append({"step": self._rows + 1, **row}, rows)
             self._rows += 1
 
-    def _append(self, row: Mapping[str, Any]) -> None:
+    def _append(self, row: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> None:
         text = io.StringIO()
-        if not self._columns:
-            self._columns = list(row)
+        if not self._columns:  # those of a run that goes on may be more than it had
+            self._columns = ["step", *dict.fromkeys(name for one in rows for name in one)]
             csv.writer(text).writerow(self._columns)
         csv.DictWriter(text, self._columns).writerow(row)
         write = append if self._rows else replace_file
@@ -48,24 +50,27 @@ def row_of(step: Mapping[str, Any]) -> dict[str, Any]:
     """A load step by column.
 
     Quantities are those of the whole model and, where there are several contacts, then those
-    of each, as ``contact.quantity``; vectors by component, as ``quantity_x``.
+    of each, as ``contact.quantity``; vectors by component, as ``quantity_x``. What has no value
+    is empty.
     """
+    components = len(step["quantities"]["reaction"])
     row = {
         "time": step["load_factor"],
         "newton_iterations": step["newton_iterations"],
         "outer_iterations": step["outer_iterations"],
-        **_by_component(step["quantities"]),
+        **_by_component(step["quantities"], components),
     }
     contacts = step["contacts"]
     for contact in contacts if len(contacts) > 1 else []:
-        found = _by_component(contact["quantities"])
+        found = _by_component(contact["quantities"], components)
         row |= {f"{contact['name']}.{name}": value for name, value in found.items()}
     return row
 
 
-def _by_component(quantities: Mapping[str, Any]) -> dict[str, Any]:
+def _by_component(quantities: Mapping[str, Any], components: int) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    for name, value in quantities.items():
+    for name, given in quantities.items():
+        value = [None] * components if given is None and name in VECTORS else given
         if isinstance(value, list):
             named = zip(AXES, value, strict=False)
             found |= {f"{name}_{axis}": component for axis, component in named}

@@ -14,6 +14,7 @@ from fenics_contact.accuracy_words import level_rows
 from fenics_contact.check_words import compares
 from fenics_contact.plain_text import one_line
 from fenics_contact.result import (
+    OF_ONE_CONTACT,
     QUANTITIES,
     Check,
     Result,
@@ -21,8 +22,8 @@ from fenics_contact.result import (
     error_bar,
     idle_quantities,
     motion_words,
-    reactions_by_group,
     share_words,
+    without_value,
 )
 from fenics_contact.scene import Scene
 from fenics_contact.terminal import Terminal
@@ -36,8 +37,9 @@ _IN_WORDS = {
 }
 # Those that say something only where there are motions that supports leave to friction.
 _OF_FREE_MOTIONS = ("free_rigid_motions", "used_share_of_limit_load")
-# Quantities in the order shown.
-_SHOWN = [name for name in QUANTITIES if name not in ("external_work", "penalty_energy")]
+# Quantities in the order shown; the others are in the files.
+_HIDDEN = ("pressure_integral", "contact_force", "external_work", "penalty_energy")
+_SHOWN = [name for name in QUANTITIES if name not in _HIDDEN]
 # Parameters of a contact, in the order of its line; those that do not apply are zero or missing.
 _PARAMETERS = (
     "pressure",
@@ -92,7 +94,8 @@ def _conditions(scene: Scene) -> list[str]:
     lines = []
     for support in scene.support:
         held = [f"{axis} = {_given(value)}" for axis, value in support.displacement.items()]
-        lines.append(f"Support '{support.on}': {', '.join(held)}")
+        on = f" on '{support.on}'" if support.label != support.on else ""
+        lines.append(f"Support '{support.label}'{on}: {', '.join(held)}")
     for load in scene.load:
         kinds = ("traction", "pressure", "body_force")
         kind = next(kind for kind in kinds if getattr(load, kind) is not None)
@@ -124,8 +127,7 @@ def print_result(result: Result, folder: Path) -> None:
         bars = ("±",) if result.errors else ()
         quantities = _table("quantity", "value", *bars)
         for key in _shown(result):
-            row = [key.replace("_", " "), _written(result.quantities[key])]
-            quantities.add_row(*row, *(error_bar(result.errors.get(key)) for _ in bars))
+            _add_quantity(quantities, result, key)
             if key == "reaction":
                 _add_reactions(quantities, result)
         console.print(quantities)
@@ -177,17 +179,33 @@ def _print_levels(console: Terminal, result: Result) -> None:
     """Meshes and estimated errors on the way to an accuracy."""
     rows = level_rows(result.levels, result.accuracy)
     if rows:
-        table = _table(*rows[0])
+        table = _table(*map(escape, rows[0]))
         for row in rows[1:]:
             table.add_row(*row)
         console.print(table)
 
 
+def _add_quantity(quantities: Table, result: Result, key: str) -> None:
+    """A row with its error bar; of a resultant, a row of each contact where there are several."""
+    words = key.replace("_", " ")
+    rows: list[tuple[str, Any, Any]] = [(words, result.quantities, result.errors)]
+    if key in OF_ONE_CONTACT and len(result.contacts) > 1:
+        rows = [
+            (f"{words} of {one['name']}", one["quantities"], one.get("errors", {}))
+            for one in result.contacts
+        ]
+    for name, found, errors in rows:
+        value, bar = without_value(key, found), ""
+        if found[key] is not None:
+            value, bar = _written(found[key]), error_bar(errors.get(key))
+        quantities.add_row(escape(one_line(name)), value, *([bar] if result.errors else []))
+
+
 def _add_reactions(quantities: Table, result: Result) -> None:
-    """Those of each group, where supports on several add up."""
-    reactions = reactions_by_group(result.supports)
-    for name, reaction in reactions.items() if len(reactions) > 1 else ():
-        quantities.add_row(f"  of {escape(one_line(name))}", _written(reaction))
+    """Those of each name, where there are several."""
+    for name, found in result.reactions.items() if len(result.reactions) > 1 else ():
+        bars = [error_bar(found.get("errors", {}).get("reaction"))] if result.errors else []
+        quantities.add_row(f"  of {escape(one_line(name))}", _written(found["reaction"]), *bars)
 
 
 def _shown(result: Result) -> list[str]:
@@ -195,6 +213,8 @@ def _shown(result: Result) -> list[str]:
     hidden = idle_quantities(result.contacts)
     points = [key for key in result.quantities if key.startswith("displacement_")]
     shown = [key for key in _SHOWN if key in result.quantities and key not in hidden]
+    if any(contact["quantities"]["normal_force"] is None for contact in result.contacts):
+        shown.insert(1, "pressure_integral")
     return shown + points
 
 
@@ -231,4 +251,4 @@ def _written(value: Any) -> str:
         return f"{value:.6g}"
     if isinstance(value, list | tuple):
         return ", ".join(_written(entry) for entry in value)
-    return str(value)
+    return "none" if value is None else str(value)

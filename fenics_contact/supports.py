@@ -30,12 +30,19 @@ class AppliedSupport:
         dofs: Local indices (owned and ghost) into the flat displacement array.
         values: Prescribed displacement of each (length).
         path: How they grow over the load steps.
+        name: In results; by default that of the group.
     """
 
     on: str
     dofs: NDArray[np.int64]
     values: Array
     path: Callable[[float], float] = RAMP
+    name: str = ""
+
+    @property
+    def label(self) -> str:
+        """Name in results."""
+        return self.name or self.on
 
 
 @dataclass(frozen=True)
@@ -108,7 +115,8 @@ class Supports:
             dofs.append(nodes.astype(np.int64) * spaces.components + AXES.index(axis))
             values.append(spaces.evaluate(value, nodes, f"{key}.displacement.{axis}"))
         path = KeyedPath(scene.support[number].path, f"{key}.path")
-        return AppliedSupport(on, np.concatenate(dofs), np.concatenate(values), path)
+        held, label = np.concatenate(dofs), scene.support[number].label
+        return AppliedSupport(on, held, np.concatenate(values), path, label)
 
     def _plane(self, on: str, key: str) -> SymmetryPlane:
         spaces = self._spaces

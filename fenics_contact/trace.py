@@ -44,6 +44,8 @@ class Trace:
         weights: Area that each stands for, > 0, shape (points,).
         normals: Outward unit normals, single-valued at shared nodes, (points, components).
         normals_at_nodes: Those of the surface itself, at all of its nodes.
+        mean_normal: Mean of the outward unit normal over the surface, of a full revolution where
+            axisymmetric, (components,); shorter the more the surface wraps around.
         area: Of the surface.
         owned: Which points this rank counts.
     """
@@ -178,11 +180,24 @@ class Trace:
         boundary = spaces.boundary(self.group, self._nodal_rule())
         averaged = spaces.assemble(form_cache.form(outward * boundary))[self.surface.body_nodes]
         lengths = np.linalg.norm(averaged, axis=1)
+        self.mean_normal = self._mean(averaged, bare)
         # 1 on a flat surface; the cosine of half the angle at an edge between two facets.
         self._flatness = lengths / np.where(bare > 0, bare, 1.0)
         if self._centres is not None:
             area = area * self._centres.node_factor
         return area, averaged / np.where(lengths > 0, lengths, 1.0)[:, None]
+
+    def _mean(self, normals: Array, areas: Array) -> Array:
+        """∫ n over ∫ 1, from their integrals with the nodes' shape functions; collective."""
+        owned = slice(0, self.surface.owned_nodes)
+        rows = np.column_stack([normals, areas])[owned]
+        axisymmetric = self.spaces.kinematics == "axisymmetric"
+        if axisymmetric:  # the radius is linear on a straight facet, and so is what it weighs
+            rows = rows * self.surface.coordinates[owned, :1]
+        summed: Array = total(self.spaces.comm, rows.sum(axis=0))
+        if axisymmetric:  # over a revolution radial ones cancel
+            summed[0] = 0.0
+        return np.asarray(summed[:-1] / summed[-1])
 
     @property
     def mirrored_axes(self) -> list[int]:
@@ -196,6 +211,18 @@ class Trace:
         for axis, at in self._flat_sides:
             found[:, axis] |= np.abs(self.surface.coordinates[:, axis] - at) <= 1e-9 * size
         return found
+
+    def cut_axes(self) -> list[int]:
+        """Axes across planes of symmetry that the surface ends in, and the radius; collective.
+
+        The rest of a surface lies behind such a plane. One that does not reach it has a mirror
+        image of its own there.
+        """
+        owned = slice(0, self.surface.owned_nodes)
+        found = total(self.spaces.comm, self.in_planes()[owned].sum(axis=0)) > 0
+        if self.spaces.kinematics == "axisymmetric":
+            found[0] = True
+        return [int(axis) for axis in np.flatnonzero(found)]
 
     def mirror(self, normals: Array) -> None:
         """In a plane of symmetry, or on the axis, normals have no part across it; collective.

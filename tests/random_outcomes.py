@@ -41,7 +41,7 @@ class Outcome:
         points = self.result.points
         if points is not None:
             found += [points.contact_pressure, points.friction_traction, points.slip]
-        return all(np.isfinite(value).all() for value in found)
+        return all(np.isfinite(value).all() for value in found if value is not None)
 
 
 def outcome_of(random: RandomScene, comm: MPI.Comm = MPI.COMM_WORLD) -> Outcome:

@@ -20,6 +20,8 @@ from fenics_contact import (
 )
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.checks import run_checks
+from fenics_contact.contact_state import OPEN
+from fenics_contact.friction_checks import compared_friction, dissipation
 from fenics_contact.load_steps import solve
 from fenics_contact.quantities import support_reactions
 from tests.scenes import box_body, slab
@@ -102,6 +104,18 @@ def test_dissipation_fails_when_friction_pushes_along_the_slip(solved):
     state = dataclasses.replace(solution.states[0], slip=-solution.states[0].slip)
     found = failed(problem, dataclasses.replace(solution, states=[state]))
     assert "dissipation" in found
+
+
+def test_dissipation_fails_however_far_open_points_move(solved):
+    """Beside the motion of one that does not touch, wrong slips must not look like round-off."""
+    problem, solution = solved
+    (compared,) = compared_friction(BulkForces(problem, solution))
+    slip, status, bulk = -compared.slip, compared.status.copy(), compared.bulk.copy()
+    slip[:1], status[:1], bulk[:1] = 1e9, OPEN, 0.0
+    wrong = dataclasses.replace(compared, slip=slip, status=status, bulk=bulk)
+    assert not dissipation([wrong]).passed
+    right = dataclasses.replace(compared, slip=-slip, status=status, bulk=bulk)
+    assert dissipation([right]).passed
 
 
 def test_boundary_stress_fails_for_another_stress_than_the_resultants(solved):

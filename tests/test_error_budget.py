@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from fenics_contact import Load, Run, Steps, run
 from fenics_contact.cli import main
 from fenics_contact.error_budget import SOURCES
 from fenics_contact.result import error_bar
+from fenics_contact.summary import print_result
 from tests.histories import block, dragged, shoved, two_blocks
 from tests.pages import page_of
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, with_solver
@@ -29,14 +31,17 @@ def solved(scene, body, errors):
 def without_errors(result):
     """What a run found, but for its errors and times."""
     found = result.as_dict()
-    for contact in found["contacts"]:
-        contact.pop("errors", None)
+    parts = [*found["contacts"], *found["supports"], *found["reactions"].values()]
+    for part in parts:
+        part.pop("errors", None)
     return {k: v for k, v in found.items() if k not in ("errors", "error_notes", "timings")}
 
 
 def test_every_quantity_has_a_row_and_a_sum():
     result = run(dragged(Steps(number=1)), COMM, block())
     rows = [*result.errors.values(), *result.contacts[0]["errors"].values()]
+    rows += [support["errors"]["reaction"] for support in result.supports]
+    rows += [found["errors"]["reaction"] for found in result.reactions.values()]
     assert len(rows) > 20
     for row in rows:
         assert set(row) == COLUMNS
@@ -67,17 +72,26 @@ def test_what_takes_the_history_again_waits_to_be_asked_for():
         assert row[source] is None
     assert row["mesh"] > 0 and row["iteration"] >= 0
     assert len(result.error_notes) == 1 and "friction remembers" in result.error_notes[0]
-    assert error_bar(row).endswith(" or more")
+    assert error_bar(row) == "?"  # what is known of it is no bar
     short = solved(dragged(Steps(number=2)), block(), "auto")
     assert short.errors["friction_force"]["total"] > 0 and not short.error_notes
 
 
-def test_other_solvers_wait_to_be_asked_for():
+def test_other_solvers_wait_to_be_asked_for(capsys):
     scene = with_solver(dragged(Steps(number=1)), solver="full")
     result = solved(scene, block(), "auto")
     row = result.errors["normal_force"]
     assert row["mesh"] is None and row["total"] is None and row["domain"] == 0
     assert "with the full solver" in result.error_notes[0]
+    assert result.supports[0]["errors"]["reaction"]["total"] is None
+    if COMM.rank == 0:
+        print_result(result, Path("folder"))
+        shown = [line.split() for line in capsys.readouterr().out.splitlines()]
+        of_quantities = [line for line in shown if line[:2] == ["normal", "force"]]
+        assert [line[-1] for line in of_quantities] == ["?"]
+        page = page_of(json.loads(json.dumps(result.as_dict())))
+        assert page.count("<td>?</td><td>?</td>") > 5
+        assert "or more" not in page and "± 0" not in page and ">0 %<" not in page
     assert solved(scene, block(), "all").errors["normal_force"]["total"] > 0
 
 
@@ -134,7 +148,9 @@ def test_work_along_a_path_is_as_wrong_as_where_it_went():
     assert work["mesh"] == pytest.approx(sum(part["mesh"] for part in parts))
     assert work["step"] >= abs(result.quantities["energy_defect"])
     static = solved(dragged(Steps(number=3), law="static"), block(), "auto")
-    assert "external_work" not in static.errors
+    assert static.errors["external_work"]["mesh"] is None
+    assert static.errors["external_work"]["total"] is None
+    assert static.errors["external_work"]["step"] == 0  # there is no memory of steps
 
 
 def test_a_linear_body_has_errors_by_its_mesh_alone():
@@ -169,5 +185,7 @@ def test_files_page_and_terminal_have_them(tmp_path_factory, capsys):
     assert "±" in shown and error_bar(row) in shown
     assert result["errors"]["friction_work"]["total"] == 0  # there is no friction
     assert result["contacts"][0]["errors"]["friction_work"]["total"] == 0
+    named = result["reactions"]["axis"]["errors"]["reaction"]
+    assert named == result["supports"][0]["errors"]["reaction"]
     page = page_of(result)
     assert "Estimated errors" in page and f"± {row['total']:.2g}</td>" in page

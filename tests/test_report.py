@@ -193,11 +193,28 @@ def test_errors_are_beside_the_quantities():
     row = {"mesh": 0.01, "penalty": None, "total": None}
     whole = {"mesh": 0.01, "penalty": 0.01, "total": 0.02}
     quantities = {"normal_force": 2.0, "reaction": [3.0, 4.0], "external_work": 0.0}
+    quantities["undecided_points"] = 3
     errors = {"normal_force": row, "reaction": whole}
     text = page_of(found(quantities=quantities, errors=errors, error_notes=["A note."]))
-    assert "± 0.01 or more</td><td>0.5 %" in text
+    assert "normal force</th><td>2</td><td>?</td><td>?</td>" in text
     assert "± 0.02</td><td>0.4 %" in text
-    assert "not estimated" in text and "A note." in text
+    assert "external work</th><td>0</td><td>?</td><td>?</td>" in text
+    assert "undecided points</th><td>3</td><td></td><td></td>" in text  # it has no true value
+    assert "or more" not in text and "A note." in text
+
+
+def test_reactions_have_bars_by_name():
+    row = {"mesh": 0.01, "total": 0.05}
+    supports = [
+        {"name": "wall", "on": "left", "reaction": [3.0, 4.0]},
+        {"name": "wall", "on": "right", "reaction": [-3.0, 1.0]},
+        {"on": "floor", "reaction": [0.0, 1.0]},  # of an older file
+    ]
+    reactions = {"wall": {"reaction": [0.0, 5.0], "errors": {"reaction": row}}}
+    text = page_of(found(supports=supports, reactions=reactions))
+    assert "wall</th><td>0, 5</td><td>± 0.05</td><td>1 %</td>" in text
+    assert "floor</th><td>0, 1</td><td>?</td><td>?</td>" in text
+    assert "± 0.05" not in page_of(found(supports=supports))
 
 
 def test_what_says_nothing_without_friction_is_not_shown():

@@ -17,6 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from fenics_contact.mesh import Body
+from fenics_contact.result import VECTORS
 from fenics_contact.scene import Discretisation, Scene
 
 Quantities = Mapping[str, Any]
@@ -32,6 +33,8 @@ _DIAGNOSTICS = ("undecided_points", "energy_defect", "slip_since_pairing", "clos
 # What the method adds, and is nothing in the limit ε₁ → 0: all of it is error, as its bar says.
 # Left out where that is so, as bars that hold by themselves would make up for others.
 _OF_PENALTIES = ("max_penetration", "penalty_energy")
+# Nearly the same number as the normal force: counted where there is none, else it counted thrice.
+_THE_SAME = ("pressure_integral", "contact_force")
 
 
 @dataclass(frozen=True)
@@ -194,16 +197,19 @@ def rows_of(
     reference: Reference,
 ) -> list[Row]:
     """A row for every quantity that has both a bar and a reference."""
-    force = size_of(reference.quantities.get("normal_force", 0.0))
+    known = reference.quantities
+    force = size_of(known.get("normal_force") or known.get("pressure_integral") or 0.0)
     found = []
     for name, sources in errors.items():
         if name in case.left_out or name in _DIAGNOSTICS or name not in reference.quantities:
+            continue
+        if name in _THE_SAME and "normal_force" in known:
             continue
         expected = reference.quantities[name]
         if name in _OF_PENALTIES and not expected:
             continue
         # Components of forces that vanish by symmetry are measured in the largest.
-        size = max(size_of(expected), force if name in ("reaction", "friction_force") else 0.0)
+        size = max(size_of(expected), force if name in VECTORS else 0.0)
         error = size_of(np.subtract(quantities[name], expected))
         doubt = reference.doubt.get(name, 0.0)
         found.append(Row(case, setting, name, error, doubt, size, sources))
@@ -211,8 +217,8 @@ def rows_of(
 
 
 def without_penalties(scene: Scene, quantities: Quantities) -> dict[str, Any]:
-    """Quantities of a fine model with what penalties add set to none, as in the limit."""
-    found = dict(quantities)
+    """Those that a fine model has, with what penalties add set to none, as in the limit."""
+    found = {name: value for name, value in quantities.items() if value is not None}
     if all(contact.kind == "unilateral" for contact in scene.contact):
         found |= dict.fromkeys(_OF_PENALTIES, 0.0)
     return found

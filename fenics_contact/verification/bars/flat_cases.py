@@ -177,7 +177,7 @@ def lame(load: float) -> Mapping[str, Any]:
     pressure = -2 * (lame_lambda + shear_modulus) * a + 2 * shear_modulus * b / _INNER**2
     area = 2 * pi * _INNER * _HEIGHT
     return {
-        "normal_force": pressure * area,
+        "pressure_integral": pressure * area,
         "max_contact_pressure": pressure,
         "contact_area": area,
         "strain_energy": pressure * area * _PUSHED / 2,
