@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from mpi4py import MPI
-from scipy.optimize import OptimizeResult, linprog
+from scipy.optimize import linprog
 
 from fenics_contact import (
     Contact,
@@ -377,19 +377,3 @@ def test_what_forces_within_the_cones_balance_is_never_refused():
         force = cones.closing.T @ pressures - np.einsum("qc,qci->i", rubs, cones.slips)
         force -= np.einsum("q,qc,qci->i", cones.bounds, unit[6:], cones.bounded_slips)
         assert LimitAnalysis(cones, force, np.abs(force).max()).motion_that_runs(1.0) is None
-
-
-def test_what_the_simplex_method_gives_up_is_solved_all_the_same(monkeypatch):
-    """As older versions of HiGHS do: status 4, and no answer."""
-    cones, random = random_cones(28, 3, True)
-    force = random.normal(size=cones.closing.shape[1])
-    expected, _ = LimitAnalysis(cones, force, np.abs(force).max()).used_share()
-
-    def giving_up(cost, method="highs", **given):
-        if method != "highs-ipm":
-            return OptimizeResult(status=4, x=None, fun=None)
-        return linprog(cost, method=method, **given)
-
-    monkeypatch.setattr("scipy.optimize.linprog", giving_up)
-    found, _ = LimitAnalysis(cones, force, np.abs(force).max()).used_share()
-    assert found == pytest.approx(expected, rel=1e-4)
