@@ -216,11 +216,12 @@ def _next_share(
         share = root - max(beside, ahead * min(0.1, ahead))
     elif root < high <= share + beside:
         share = high - 2 * beside
-    if last.shown > last.share:
-        share = max(share, low)
-    middle = _middle(low, high)
-    share = min(share, middle) if high == np.inf else share
-    return share if last.share < share < high else middle
+    if high == np.inf:
+        share = min(share, _middle(low, high))
+    if low < share < high:
+        return share
+    # The ratio f(a)/j(a) of the last motion is a bound, and often the share (W. Dinkelbach, 1967).
+    return low if last.share < low else _middle(low, high)
 
 
 def _middle(low: float, high: float) -> float:

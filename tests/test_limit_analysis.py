@@ -377,3 +377,50 @@ def test_what_forces_within_the_cones_balance_is_never_refused():
         force = cones.closing.T @ pressures - np.einsum("qc,qci->i", rubs, cones.slips)
         force -= np.einsum("q,qc,qci->i", cones.bounds, unit[6:], cones.bounded_slips)
         assert LimitAnalysis(cones, force, np.abs(force).max()).motion_that_runs(1.0) is None
+
+
+def rougher(cones, share):
+    """The same with all friction so many times as strong."""
+    return dataclasses.replace(
+        cones, coefficients=share * cones.coefficients, bounds=share * cones.bounds
+    )
+
+
+@pytest.mark.parametrize("bounded", [False, True], ids=["Coulomb", "known, too"])
+@pytest.mark.parametrize("components", [2, 3])
+def test_the_share_is_where_the_primal_programme_becomes_solvable(components, bounded):
+    """Forces within polygons of 256 sides, 7.5e-5 around or in the circles, bound it."""
+    between = 0
+    for seed in range(100, 112):
+        cones, random = random_cones(seed, components, bounded)
+        force = random.normal(size=cones.closing.shape[1])
+        force -= random.uniform(0, 0.6, len(cones.closing)) @ -cones.closing
+        share, motion = LimitAnalysis(cones, force, np.abs(force).max()).used_share()
+        if share == 0:
+            assert primal(rougher(cones, 1e-6), force, 256, outside=False)
+        elif share == np.inf:
+            assert not primal(rougher(cones, 1e5), force, 256, outside=True)
+        else:
+            between += 1
+            assert primal(rougher(cones, share * (1 + 2e-4)), force, 256, outside=False)
+            assert not primal(rougher(cones, share * (1 - 2e-4)), force, 256, outside=True)
+            assert np.abs(motion).max() > 0
+    assert between >= 4
+
+
+def test_a_decision_is_right_to_1e_8_of_the_limit():
+    """Friction of a known bound alone: the limit of a load is its f(a)/j(a), whatever its size."""
+    for seed in range(3):
+        random = np.random.default_rng(seed)
+        nothing, turns = np.zeros(0), random.normal(size=(40, 2, 6))
+        cones = ContactCones(
+            np.zeros((0, 6)), nothing, np.zeros((0, 2, 6)), np.full(40, 0.1), turns
+        )
+        force = random.normal(size=6)
+        limit = 1 / LimitAnalysis(cones, force, 1.0).used_share()[0]
+        for scale in (1e-6, 1e6):
+            scaled = dataclasses.replace(cones, bounds=scale * cones.bounds)
+            for factor, runs in ((1 - 1e-8, False), (1 + 1e-8, True)):
+                load = factor * limit * scale * force
+                motion = LimitAnalysis(scaled, load, np.abs(load).max()).motion_that_runs(1.0)
+                assert (motion is not None) is runs
