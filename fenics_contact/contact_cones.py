@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,15 @@ class ContactCones:
     slips: Array
     bounds: Array
     bounded_slips: Array
+
+    def of_motions(self, motions: Array) -> ContactCones:
+        """The same of combinations of the motions, as columns."""
+        return replace(
+            self,
+            closing=self.closing @ motions,
+            slips=self.slips @ motions,
+            bounded_slips=self.bounded_slips @ motions,
+        )
 
 
 def contact_cones(problem: Problem, rigid: RigidMotions) -> ContactCones:

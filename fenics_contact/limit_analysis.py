@@ -6,54 +6,65 @@ f on every rigid motion. By duality (Farkas) that fails just if there is a motio
 
   r_n + s μ |r_T| ≤ 0 at all these points,  f(a) > s Σ g |r_T|,
 
-for s = 1: one that slides and rises at no less than the friction angle. The smallest s at which
-there is none is the share of the friction that the loads take: 1 at the limit, infinite where no
-friction, however rough, would do. No bound on forces is assumed beyond that, so the condition is
-necessary: no scene that has an equilibrium fails it.
+for s = 1: without friction of unknown pressure the paper's f(r) < j(r), (2.4)-(2.5). The smallest
+s at which there is none is the share of the friction that the loads take: 1 at the limit, infinite
+where no friction, however rough, would do. No bound on forces is assumed beyond that, so the
+condition is necessary: no scene that has an equilibrium fails it.
 
-The circles |r_T| ≤ … are replaced by half planes around them, points and half planes being added
-where the last motion found violates them (J. E. Kelley, J. SIAM 8 (1960) 703-712). What satisfies
-all of them, to round-off, is a true motion of this kind.
+What contacts can balance is a cone in the space of motions, with one coordinate more for bounds
+that are known: its rays are c + s μ Sᵀd of each point, d any direction along the surface, and
+(s Σ g Tᵀd, 1). Its distance from (f, 1) is F(s); the vector that separates them is the motion. F
+falls to 0 at the share, by what the friction dissipates: Newton's method, within bounds.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.cone_projection import NO_DISTANCE, Ray, Separation, separation
 from fenics_contact.contact_cones import ContactCones
-from fenics_contact.linear_programme import minimised
 
 Array = NDArray[np.float64]
 
-# Of the work of the loads: what is less is round-off of the linear programmes.
-_WORK = 2e-9
-# By which motions may enter an obstacle, of their size.
-_ENTERS = 3e-10
-# Of a motion's size: the round-off of jumps, which would make programmes ill-posed.
-_ROUND_OFF = 1e-12
-_LP_OPTIONS = {
-    "primal_feasibility_tolerance": 1e-10,
-    "dual_feasibility_tolerance": 1e-10,
-    "time_limit": 10.0,
-}
-_MAX_ROUNDS = 400
-_POINTS_A_ROUND = 5
 # A share of the friction beyond which none would hold.
 _ROUGHEST = 1e6
-_SHARE_TOLERANCE = 1e-5
+_SHARE_TOLERANCE = 1e-6
+# Of a trial's share over the last one.
+_LARGEST_STEP = 8.0
+# One trial of so many halves the interval, whatever is expected.
+_HALVES = 6
 # Loads come so near to the limit that the motion is undetermined.
-AT_LIMIT = 1e-7
+AT_LIMIT = 1e-9
 # Share of a motion from which it is named.
 _TAKES_PART = 1e-3
-# Weight of a motion's size, as small as the work that counts for none.
-_SMALL = 1e-10
+
+# Where rays come from, other than the number of a point.
+_KNOWN_FRICTION, _UNUSED_FRICTION = -1, -2
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """A share of the friction that does not hold the loads.
+
+    Attributes:
+        share: Of the friction.
+        found: How the loads lie beyond it.
+        falls: How fast the distance falls with the share: by what the friction dissipates.
+        shown: The largest share that the same motion runs at.
+    """
+
+    share: float
+    found: Separation
+    falls: float
+    shown: float
 
 
 class LimitAnalysis:
-    """The dual linear programmes, with the half planes found so far; on one rank.
+    """Judges loads against what contacts can exert; on one rank.
 
     Args:
         cones: What contacts can exert.
@@ -63,132 +74,178 @@ class LimitAnalysis:
 
     def __init__(self, cones: ContactCones, force: Array, size: float) -> None:
         self._cones = cones
-        self._unit = size or 1.0
-        self._force = force / self._unit
-        self._points: list[int] = []
-        self._half_planes: list[Array] = []  # of each of these points, the slip along a direction
-        self._slopes: list[Array] = []
+        unit = float(np.linalg.norm(force)) or 1.0
+        self._round_off = NO_DISTANCE * max(1.0, size / unit)
+        self._bounds = cones.bounds / unit
+        self._has_known = bool((cones.bounds > 0).any())
+        self._load = np.append(force / unit, 1.0) if self._has_known else force / unit
+        self._sizes = np.linalg.norm(cones.closing, axis=1)
+        self._rubs = cones.coefficients * np.linalg.norm(cones.slips, axis=(1, 2))
+        self._count = len(force)
 
     def used_share(self) -> tuple[float, Array]:
-        """Share of the friction that the loads take, and the motion that it holds.
+        """Share of the friction that the loads take, and a motion that shows it.
 
         Returns:
-            The share, to ``_SHARE_TOLERANCE``, infinite beyond ``_ROUGHEST``; and the motion.
+            The share, from below, to ``_SHARE_TOLERANCE``; at least 1 - ``AT_LIMIT`` just where
+            there is a motion that the loads drive; infinite beyond ``_ROUGHEST``. And the motion
+            at which it is reached, 0 where the share is.
         """
-        first = self._run(0.0)
-        if first is None:
-            return 0.0, np.zeros(len(self._force))
-        running = [(0.0, *first)]  # shares at which the loads still drive a motion
-        high = 1.0
-        while (found := self._run(high)) is not None:
-            running.append((high, *found))
-            if high >= _ROUGHEST:
-                return np.inf, found[1]
-            high *= 8
-        for step in count(1):
-            low, _, best = running[-1]
-            tolerance = _SHARE_TOLERANCE * max(high, 1.0)
+        low, high = 0.0, 1 - AT_LIMIT
+        found = self._separation(high)
+        if found is not None:
+            low, high = high, np.inf
+        else:
+            found = self._separation(low)
+        if found is None:
+            return 0.0, np.zeros(self._count)
+        running = [self._trial(low, found)]
+        missed = False
+        for number in count(1):
+            last = running[-1]
+            low = min(last.shown, high)
+            if low >= _ROUGHEST:
+                return np.inf, self._sliding(last.found)
+            tolerance = _SHARE_TOLERANCE * max(low, 1.0)
             if high - low <= tolerance:
-                return high, self._sliding(best)
-            # Their work falls nearly in a straight line: just beside where it is nothing, in turns.
-            middle = 0.5 * (low + high)
-            end = _end_of_line(running, middle) if step % 3 else middle
-            aside = 0.4 * tolerance * (1 if step % 3 == 1 else -1)
-            share = float(np.clip(end + aside, low + 0.1 * tolerance, high - 0.1 * tolerance))
-            found = self._run(share)
+                return low, self._sliding(last.found)
+            if number % _HALVES:
+                share = _next_share(running, low, high, tolerance, missed)
+            else:
+                share = _middle(low, high)
+            found = self._separation(share)
+            missed = found is None
             if found is None:
                 high = share
             else:
-                running.append((share, *found))
+                running.append(self._trial(share, found))
         raise AssertionError("the interval shrinks")
 
     def motion_that_runs(self, share: float) -> Array | None:
         """A motion that the loads drive though all friction is so many times as strong; or None."""
-        found = self._run(share)
-        return None if found is None else found[1]
+        found = self._separation(share)
+        return None if found is None else found.motion[: self._count]
 
-    def _run(self, share: float) -> tuple[float, Array] | None:
-        return self._largest_work(share, -np.ones(len(self._force)), np.ones(len(self._force)))
+    def _separation(self, share: float) -> Separation | None:
+        """How the loads lie beyond so many times the friction; None where they are held."""
+        found = separation(self._load, lambda direction: self._farthest_ray(share, direction))
+        if found is None:
+            return None
+        motion = found.motion[: self._count]
+        work = self._load[: self._count] @ motion - share * self._known(motion)[0]
+        return found if work > self._round_off * np.linalg.norm(motion) else None
 
-    def _sliding(self, motion: Array) -> Array:
+    def _farthest_ray(self, share: float, direction: Array) -> Ray | None:
+        """Of what contacts can exert, that which works most in a motion, for its size."""
+        cones, motion = self._cones, direction[: self._count]
+        rays = []
+        if len(cones.closing):
+            vectors, lengths = _slips(cones.slips, motion)
+            works = cones.closing @ motion + share * cones.coefficients * lengths
+            point = int(np.argmax(works / (self._sizes + share * self._rubs + 1e-300)))
+            along = vectors[point] / (lengths[point] or 1.0) @ cones.slips[point]
+            ray = cones.closing[point] + share * cones.coefficients[point] * along
+            rays.append(Ray(np.append(ray, 0.0) if self._has_known else ray, point))
+        if self._has_known:
+            slope = self._known(motion)[1]
+            rays.append(Ray(np.append(share * slope, 1.0), _KNOWN_FRICTION))
+            rays.append(Ray(np.append(np.zeros(self._count), 1.0), _UNUSED_FRICTION))
+        rays = [ray for ray in rays if ray.along.any()]
+        return max(
+            rays, key=lambda ray: ray.along @ direction / np.linalg.norm(ray.along), default=None
+        )
+
+    def _known(self, motion: Array) -> tuple[float, Array]:
+        """j(a) = Σ g |r_T| where the bound is known, over the loads, and its slope."""
+        vectors, lengths = _slips(self._cones.bounded_slips, motion)
+        weights = (self._bounds / np.where(lengths > 0, lengths, 1.0))[:, None] * vectors
+        slope = weights.reshape(-1) @ self._cones.bounded_slips.reshape(-1, self._count)
+        return float(self._bounds @ lengths), slope
+
+    def _trial(self, share: float, found: Separation) -> _Trial:
+        """What a motion found at a share says of the share to be found."""
+        motion, cones = found.motion[: self._count], self._cones
+        falls = 0.0
+        for ray, amount in zip(found.rays, found.amounts, strict=True):
+            if ray.origin == _KNOWN_FRICTION:
+                falls += amount * self._known(motion)[0]
+            elif ray.origin != _UNUSED_FRICTION:
+                slipped = np.linalg.norm(cones.slips[ray.origin] @ motion)
+                falls += amount * cones.coefficients[ray.origin] * slipped
+        return _Trial(share, found, falls, self._shown_share(share, found))
+
+    def _shown_share(self, share: float, found: Separation) -> float:
+        """The largest share at which a motion, found at a share, is still one that runs."""
+        motion, cones = found.motion[: self._count], self._cones
+        dissipated = self._known(motion)[0]
+        _, lengths = _slips(cones.slips, motion)
+        rubs = cones.coefficients * lengths
+        rises = rubs > 1e-9 * np.linalg.norm(motion)
+        shares = -(cones.closing @ motion)[rises] / rubs[rises]
+        work = self._load[: self._count] @ motion
+        shown = work / dissipated if dissipated > 0 else np.inf
+        return float(max(share, min(shown, shares.min(initial=np.inf))))
+
+    def _sliding(self, found: Separation) -> Array:
         """A motion without what makes it rise, for words.
 
         What friction of unknown pressure just fails to hold rises as it slides, by duality; what
-        is seen is that which slides: of its parts, those that go with the loads, or are carried.
+        is seen is that which slides: points that are pressed together stay in contact.
         """
-        motion = np.where(np.abs(motion) > _TAKES_PART * np.abs(motion).max(), motion, 0.0)
-        rubs = np.abs(self._cones.slips).max(axis=(0, 1), initial=0.0) > 1e-9
-        carried = (np.abs(self._force) <= _WORK) & rubs
-        free = np.where(carried, motion, 0.0), motion
-        found = self._largest_work(0.0, np.minimum(*free), np.maximum(*free))
-        return motion if found is None else found[1]
-
-    def _largest_work(
-        self, share: float, lowest: Array, highest: Array
-    ) -> tuple[float, Array] | None:
-        """Maximise f(a) − s Σ g |r_T| over lowest ≤ a ≤ highest; None where it is 0.
-
-        Of motions that do as much, a small one: η |a|₁ is taken off.
-        """
-        modes = len(self._force)
-        cost = np.concatenate([_SMALL - self._force, _SMALL + self._force, [share]])
-        low = np.concatenate([np.maximum(lowest, 0.0), np.maximum(-highest, 0.0), [0.0]])
-        high = np.concatenate([np.maximum(highest, 0.0), np.maximum(-lowest, 0.0), [np.inf]])
-        for _ in range(_MAX_ROUNDS):
-            rows = self._rows(share)
-            solved = minimised(
-                cost,
-                A_ub=np.hstack([rows[:, :-1], -rows[:, :-1], rows[:, -1:]]) if len(rows) else None,
-                b_ub=np.zeros(len(rows)) if len(rows) else None,
-                bounds=np.column_stack([low, high]),
-                options=_LP_OPTIONS,
-            )
-            if solved.x is None or -solved.fun <= _WORK:
-                return None
-            motion = solved.x[:modes] - solved.x[modes:-1]
-            if not self._add_violated(share, motion, float(solved.x[-1])):
-                return -float(solved.fun), motion
-        return None  # in doubt, a scene is not refused
-
-    def _rows(self, share: float) -> Array:
-        """Half planes found so far: rows of (a, t), ≤ 0."""
-        cones, points = self._cones, self._points
-        half_planes = np.array(self._half_planes).reshape(len(points), len(self._force))
-        rough = share * cones.coefficients[points, None]
-        across = (cones.closing[points] + rough * half_planes) / (1 + rough)
-        across[np.abs(across) <= _ROUND_OFF] = 0.0
-        rows = [np.column_stack([across, np.zeros(len(across))])]
-        rows += [np.append(slope, -1.0)[None] for slope in self._slopes]
-        return np.concatenate(rows)
-
-    def _add_violated(self, share: float, motion: Array, dissipated: float) -> bool:
-        """Add half planes that a motion violates; whether there are any."""
-        cones = self._cones
-        vectors = cones.slips @ motion
-        lengths = np.linalg.norm(vectors, axis=1)
-        excess = cones.closing @ motion + share * cones.coefficients * lengths
-        excess /= 1 + share * cones.coefficients
-        worst = np.argsort(-excess, kind="stable")[:_POINTS_A_ROUND]
-        worst = worst[excess[worst] > _ENTERS]
-        for point in worst:
-            along = vectors[point] / (lengths[point] or 1.0)
-            self._points.append(int(point))
-            self._half_planes.append(along @ cones.slips[point])
-        if share == 0:
-            return len(worst) > 0
-        slips = cones.bounded_slips @ motion
-        sizes = np.linalg.norm(slips, axis=1)
-        weights = cones.bounds / self._unit / np.where(sizes > 0, sizes, 1.0)
-        slope = np.einsum("q,qc,qci->i", weights, slips, cones.bounded_slips)
-        if slope @ motion - dissipated > _ENTERS:
-            self._slopes.append(slope)
-            return True
-        return len(worst) > 0
+        pressed = [ray.origin for ray in found.rays if ray.origin >= 0]
+        rows = self._cones.closing[sorted(set(pressed))]
+        motion = found.motion[: self._count]
+        motion = motion - np.linalg.pinv(rows, rcond=1e-9) @ (rows @ motion)
+        return np.where(np.abs(motion) > _TAKES_PART * np.abs(motion).max(), motion, 0.0)
 
 
-def _end_of_line(running: list[tuple[float, float, Array]], otherwise: float) -> float:
-    """Where the line through the work at the last two shares comes to nothing."""
-    if len(running) < 2:
-        return otherwise
-    (before, more, _), (last, less, _) = running[-2:]
-    return last + less * (last - before) / (more - less) if more > less else otherwise
+def _slips(rows: Array, motion: Array) -> tuple[Array, Array]:
+    """Slips at points in a motion, (points, components), and their lengths."""
+    vectors = (rows.reshape(-1, len(motion)) @ motion).reshape(rows.shape[:2])
+    return vectors, np.linalg.norm(vectors, axis=1)
+
+
+def _next_share(
+    running: list[_Trial], low: float, high: float, tolerance: float, missed: bool
+) -> float:
+    """Just beside the share at which the distance is expected to vanish, else in the middle."""
+    last, root, beside = running[-1], _root(running), 0.4 * tolerance
+    share = root + beside
+    if missed:
+        ahead = root - low
+        share = root - max(beside, ahead * min(0.1, ahead))
+    elif root < high <= share + beside:
+        share = high - 2 * beside
+    if high == np.inf:
+        share = min(share, _middle(low, high))
+    if low < share < high:
+        return share
+    # The ratio f(a)/j(a) of the last motion is a bound, and often the share (W. Dinkelbach, 1967).
+    return low if last.share < low else _middle(low, high)
+
+
+def _middle(low: float, high: float) -> float:
+    """Between two bounds; a large step where there is no upper one."""
+    return _LARGEST_STEP * max(low, 1.0) if high == np.inf else 0.5 * (low + high)
+
+
+def _root(running: list[_Trial]) -> float:
+    """Where the distance vanishes, by its values and slopes at the last shares, one or two.
+
+    The share is a polynomial of the distance: by one as in Newton's method, by two a cubic.
+    """
+    last = running[-1]
+    if last.falls <= 0:
+        return np.inf
+    distance, slope = last.found.distance, -1 / last.falls
+    newton = last.share - distance * slope
+    if len(running) == 1 or running[-2].falls <= 0:
+        return newton
+    before = running[-2]
+    width = before.found.distance - distance
+    if width <= 0:
+        return newton
+    mean = (before.share - last.share) / width
+    bend = (3 * mean - 2 * slope + 1 / before.falls) / width
+    twist = (slope - 1 / before.falls - 2 * mean) / width**2
+    return newton + bend * distance**2 - twist * distance**3

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from mpi4py import MPI
-from scipy.optimize import OptimizeResult, linprog
+from scipy.optimize import linprog
 
 from fenics_contact import (
     Contact,
@@ -379,17 +379,48 @@ def test_what_forces_within_the_cones_balance_is_never_refused():
         assert LimitAnalysis(cones, force, np.abs(force).max()).motion_that_runs(1.0) is None
 
 
-def test_what_the_simplex_method_gives_up_is_solved_all_the_same(monkeypatch):
-    """As older versions of HiGHS do: status 4, and no answer."""
-    cones, random = random_cones(28, 3, True)
-    force = random.normal(size=cones.closing.shape[1])
-    expected, _ = LimitAnalysis(cones, force, np.abs(force).max()).used_share()
+def rougher(cones, share):
+    """The same with all friction so many times as strong."""
+    return dataclasses.replace(
+        cones, coefficients=share * cones.coefficients, bounds=share * cones.bounds
+    )
 
-    def giving_up(cost, method="highs", **given):
-        if method != "highs-ipm":
-            return OptimizeResult(status=4, x=None, fun=None)
-        return linprog(cost, method=method, **given)
 
-    monkeypatch.setattr("scipy.optimize.linprog", giving_up)
-    found, _ = LimitAnalysis(cones, force, np.abs(force).max()).used_share()
-    assert found == pytest.approx(expected, rel=1e-4)
+@pytest.mark.parametrize("bounded", [False, True], ids=["Coulomb", "known, too"])
+@pytest.mark.parametrize("components", [2, 3])
+def test_the_share_is_where_the_primal_programme_becomes_solvable(components, bounded):
+    """Forces within polygons of 256 sides, 7.5e-5 around or in the circles, bound it."""
+    between = 0
+    for seed in range(100, 112):
+        cones, random = random_cones(seed, components, bounded)
+        force = random.normal(size=cones.closing.shape[1])
+        force -= random.uniform(0, 0.6, len(cones.closing)) @ -cones.closing
+        share, motion = LimitAnalysis(cones, force, np.abs(force).max()).used_share()
+        if share == 0:
+            assert primal(rougher(cones, 1e-6), force, 256, outside=False)
+        elif share == np.inf:
+            assert not primal(rougher(cones, 1e5), force, 256, outside=True)
+        else:
+            between += 1
+            assert primal(rougher(cones, share * (1 + 2e-4)), force, 256, outside=False)
+            assert not primal(rougher(cones, share * (1 - 2e-4)), force, 256, outside=True)
+            assert np.abs(motion).max() > 0
+    assert between >= 4
+
+
+def test_a_decision_is_right_to_1e_8_of_the_limit():
+    """Friction of a known bound alone: the limit of a load is its f(a)/j(a), whatever its size."""
+    for seed in range(3):
+        random = np.random.default_rng(seed)
+        nothing, turns = np.zeros(0), random.normal(size=(40, 2, 6))
+        cones = ContactCones(
+            np.zeros((0, 6)), nothing, np.zeros((0, 2, 6)), np.full(40, 0.1), turns
+        )
+        force = random.normal(size=6)
+        limit = 1 / LimitAnalysis(cones, force, 1.0).used_share()[0]
+        for scale in (1e-6, 1e6):
+            scaled = dataclasses.replace(cones, bounds=scale * cones.bounds)
+            for factor, runs in ((1 - 1e-8, False), (1 + 1e-8, True)):
+                load = factor * limit * scale * force
+                motion = LimitAnalysis(scaled, load, np.abs(load).max()).motion_that_runs(1.0)
+                assert (motion is not None) is runs
