@@ -89,7 +89,8 @@ class CellPoints:
         strain, least = _principal(gradient - skew)
         turned = ~(least > -1)
         may_turn = ~(np.linalg.norm(gradient, axis=(1, 2)) < _MAY_TURN)
-        turned[may_turn] |= ~(np.linalg.det(np.eye(3) + gradient[may_turn]) > 0)
+        with np.errstate(invalid="ignore"):  # what is not a number counts as turned
+            turned[may_turn] |= ~(np.linalg.det(np.eye(3) + gradient[may_turn]) > 0)
         rotation = np.linalg.norm(skew, axis=(1, 2)) / np.sqrt(2)
         return Deformation(strain, rotation, turned, moved)
 
