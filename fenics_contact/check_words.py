@@ -121,6 +121,19 @@ WORDS: Mapping[str, CheckWords] = {
         "difference over the mean pressure.",
         "the two pressures differ by {share} of their mean; pressures are not resolved",
     ),
+    "linear_range": CheckWords(
+        "No part of the body is turned inside out, and none passes through what holds it, in any "
+        "load step; over the volume of a part, of a material, or of what lies near a surface that "
+        "is touched, loaded or held, of which a thousandth is left out.",
+        kinds={
+            "turned": "{share} of the volume is turned inside out; the loads or displacements are "
+            "too large for linear theory",
+            "beyond": "{share} of the volume passes through a plane of symmetry or the axis; the "
+            "loads or displacements are too large for linear theory",
+            "overlap": "the body passes into an obstacle that it slides along, by {share} of the "
+            "radius or thickness; linear theory measures the gap where points first were",
+        },
+    ),
     "energy_balance": CheckWords(
         "Work done along the load steps less strain energy, penalties' energy and dissipation; "
         "over the work done.",

@@ -137,10 +137,16 @@ def interior_element(mesh: Any, degree: int) -> Any:
     )
 
 
-def quadrature_points(mesh: Any, degree: int) -> NDArray[np.float64]:
-    """Points of the rule that integrals over cells use, on the reference cell."""
+def quadrature_rule(mesh: Any, degree: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Points and weights of the rule that integrals over cells use, on the reference cell."""
     cell = getattr(basix.CellType, mesh.topology.cell_name())
-    return np.asarray(basix.make_quadrature(cell, degree)[0])
+    points, weights = basix.make_quadrature(cell, degree)
+    return np.asarray(points), np.asarray(weights)
+
+
+def quadrature_points(mesh: Any, degree: int) -> NDArray[np.float64]:
+    """Points of that rule."""
+    return quadrature_rule(mesh, degree)[0]
 
 
 def geometry_nodes(mesh: Any) -> NDArray[np.int32]:

@@ -6,6 +6,7 @@ serves all; UFL drops the zeros.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -22,6 +23,9 @@ class Law(Protocol):
 
     def thickness_strain(self, xx: Any, yy: Any, xy: Any) -> Any:
         """The e_zz that makes σ_zz vanish (plane stress), from the strains in the plane."""
+
+    def with_values(self, value_of: Callable[[Any], Any]) -> Law:
+        """The same law with other things, such as numbers, in place of its coefficients."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +65,10 @@ class Isotropic:
         """−ν/(1−ν) (e_xx + e_yy)."""
         return -self.poissons_ratio / (1 - self.poissons_ratio) * (xx + yy)
 
+    def with_values(self, value_of: Callable[[Any], Any]) -> Isotropic:
+        """The same law of what a function makes of its coefficients."""
+        return Isotropic(value_of(self.youngs_modulus), value_of(self.poissons_ratio))
+
 
 @dataclass(frozen=True)
 class Anisotropic:
@@ -87,6 +95,10 @@ class Anisotropic:
         entry = self.entries.get
         in_plane = entry((2, 0), 0) * xx + entry((2, 1), 0) * yy + 2 * entry((2, 5), 0) * xy
         return -in_plane / self.entries[2, 2]
+
+    def with_values(self, value_of: Callable[[Any], Any]) -> Anisotropic:
+        """The same law of what a function makes of its coefficients."""
+        return Anisotropic({place: value_of(entry) for place, entry in self.entries.items()})
 
 
 def measure_weight(kinematics: Kinematics, position: Any, thickness: Any = None) -> Any:

@@ -30,6 +30,7 @@ class ObstacleKinematics(ContactKinematics):
     def __init__(self, trace: Trace, obstacle: Obstacle | None, key: str) -> None:
         super().__init__(trace)
         self._left_out = np.zeros(len(trace.weights), dtype=bool)
+        self._has_shape = obstacle is not None and obstacle.shape is not None
         if obstacle is not None:
             self._place(obstacle, key)
 
@@ -80,6 +81,22 @@ class ObstacleKinematics(ContactKinematics):
         moved = points.copy()
         moved[:, : normals.shape[1]] -= aside
         return self._obstacle.gap(moved, normals, self._spaces.position)
+
+    def depths_of_slid(self, distance: float) -> Array:
+        """How deep points that slid farther than a distance are in an obstacle with a shape.
+
+        Where they are now, along the normals of the undeformed surface; −∞ where it is not before
+        them (length).
+        """
+        if not self._has_shape:
+            return np.zeros(0)
+        jump = self.jump_at_points() - self.brought_up * self.direction
+        aside = self.tangential(jump)
+        slid = (np.linalg.norm(aside, axis=1) > distance) & ~self._left_out
+        moved, normals = self.trace.coordinates[slid], self.trace.normals[slid]
+        moved[:, : normals.shape[1]] += aside[slid]
+        gap = self._obstacle.gap(moved, normals, self._spaces.position)
+        return np.asarray(self.normal(jump)[slid] - gap)
 
     def displace(self, displacement: Array) -> None:
         """Move the obstacle, and its gap with it.

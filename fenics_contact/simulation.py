@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import logging
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 from mpi4py import MPI
@@ -19,6 +20,7 @@ from fenics_contact.error_budget import ErrorBudget, error_budget
 from fenics_contact.errors import InputError, NotConvergedError, StoppedError
 from fenics_contact.faults import failing_together
 from fenics_contact.gmsh_files import load_body
+from fenics_contact.linear_range import LinearRange, linear_range
 from fenics_contact.load_steps import History, solve
 from fenics_contact.mesh import Body
 from fenics_contact.model_words import parameters_of, sides_of, strategy_of
@@ -259,7 +261,14 @@ class Run:
                 "supports": self._supports,
             }
         )
+        with self.timings.phase("output"):
+            self.steps[-1]["linear_range"] = self._linear_range.of(solution)
         self._announce(len(self.steps), self.steps[-1])
+
+    @cached_property
+    def _linear_range(self) -> LinearRange:
+        """Strains and rotations of its load steps; collective, where it is first asked for."""
+        return LinearRange(self.problem)
 
     def contacts(self, quantities: list[dict[str, Any]] | None = None) -> list[dict[str, Any]]:
         """``contacts`` of ``result.json``.
@@ -290,6 +299,8 @@ class Run:
             checks = run_checks(self.forces, self._reactions, len(self.steps))
             balance = self.book.check(self.steps[-1]["quantities"])
             checks |= {} if balance is None else {"energy_balance": balance}
+            small = linear_range(self.steps)
+            checks |= {} if small is None else {"linear_range": small}
         return checks
 
     def _evaluate(self) -> Result:
@@ -308,6 +319,7 @@ class Run:
                 + verdict.untouched(problem, solution)
                 + verdict.facets_too_straight(problem, solution)
                 + verdict.slid_far(self.steps)
+                + verdict.beyond_linear_theory(self.steps)
                 + verdict.coarse_path(self.book.open_share)
                 + verdict.loop_expands(solution)
                 + self.others.words()

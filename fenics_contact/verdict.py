@@ -8,6 +8,7 @@ import numpy as np
 
 from fenics_contact.body_kinematics import BodyKinematics
 from fenics_contact.check_words import failure
+from fenics_contact.linear_range import worst_step
 from fenics_contact.parallel import largest
 from fenics_contact.problem import Problem
 from fenics_contact.result import Check
@@ -18,6 +19,14 @@ from fenics_contact.solution import Solution
 _FAR = 0.01
 # What pressure closes, over the height of facets' arcs, below which these decide about it.
 _SAGITTAS = 10.0
+# Strains, rotations and indentations over size from which linear theory is visibly off, and what
+# each is called.
+_LARGE = 0.1
+_OF_LINEAR_RANGE = {
+    "strain": "strains of {share}",
+    "rotation": "rotations of {share} of a radian",
+    "indentation": "an indentation of {share} of the radius or thickness",
+}
 # Share of the work left open by load steps, from which it is said.
 _OPEN = 0.1
 
@@ -80,6 +89,24 @@ def slid_far(steps: list[dict[str, Any]]) -> str:
     return (
         f" Bodies slid far within a load step, over the contact's size at {' and '.join(far)}: "
         "pressures may be off by as much; take more load steps."
+    )
+
+
+def beyond_linear_theory(steps: list[dict[str, Any]]) -> str:
+    """A sentence on what is not small, as linear theory takes it to be, or nothing."""
+    found = []
+    for what, words in _OF_LINEAR_RANGE.items():
+        row = worst_step(steps, what)
+        if row is not None and row["value"] > _LARGE:
+            where = f"near '{row['on']}'" if "on" in row else f"in '{row['part']}'"
+            at = f" at time {row['time']:g}" if row["time"] != steps[-1]["load_factor"] else ""
+            share = f"{100 * row['value']:.0f} %"
+            found.append(f"{words.format(share=share)} {where}{at}")
+    if not found:
+        return ""
+    return (
+        f" Outside the range of linear theory, in which they stay below 10 %: {', '.join(found)}; "
+        "results may be off by about as much."
     )
 
 
