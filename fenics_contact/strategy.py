@@ -267,6 +267,9 @@ class _CoulombLoop:
                 return
             for contact in late:
                 follow_pressure(contact, limit)
+            if RigidMotions(self.problem).slides_on_coulomb:
+                # Nothing but friction takes the creep back, by one ε a step of Newton's method.
+                self._first_pressures(_SCALE_TOLERANCE)
             self._solve_coupled()
 
     def _lagged_pass(self, pressures: list[Array]) -> list[Array]:
@@ -329,7 +332,7 @@ class _CoulombLoop:
                 if not self._is_out_of_scale():
                     raise
                 logger.info("%s; next: with the regularisation that this step needs", error)
-                self._start_anew()
+                self.newton.restore(self.start)
         self._first_pressures(_SCALE_TOLERANCE)
         self.newton.restore(self.start)
         self._solve_coupled()
