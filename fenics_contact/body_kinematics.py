@@ -22,10 +22,6 @@ Array = NDArray[np.float64]
 class BodyKinematics(ContactKinematics):
     """The jump w = u − P u' of the slave surface.
 
-    Attributes:
-        paired_at: Displacement at which it was found what faces what, at the body's nodes of
-            this rank; None as meshed (length).
-
     Args:
         trace: The slave's contact points, whose normals become the mean ones.
         opposite: The master's.
@@ -37,7 +33,6 @@ class BodyKinematics(ContactKinematics):
     """
 
     pairing: Pairing
-    paired_at: Array | None = None
 
     def __init__(
         self, trace: Trace, opposite: Trace, constrained: NDArray[np.int64], key: str
@@ -56,7 +51,8 @@ class BodyKinematics(ContactKinematics):
         pairing = self.pairing
         self.trace.turn(pairing.normals, pairing.centre_normals)
         counts = self.trace.count(pairing.shares)
-        self.gap = np.where(counts, pairing.gaps, np.inf)
+        gap = np.where(counts, pairing.gaps, np.inf)
+        self.gap = self.without_round_off(gap, self.trace.farthest())
         self._first_jump = self.jump_at_points()
 
     def require_one_sided(self, key: str) -> None:

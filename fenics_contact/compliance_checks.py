@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.check_tools import nearer_to_failing, size_of, worst_of
+from fenics_contact.contact_noise import carries_more_than
 from fenics_contact.contact_state import STICK
 from fenics_contact.friction_checks import ComparedFriction
 from fenics_contact.normal_checks import ComparedPressures
@@ -43,7 +44,7 @@ def penetration_depth(forces: BulkForces, contacts: list[ComparedPressures]) -> 
     worst = _glue(forces)
     for compared in contacts:
         contact, state = compared.contact, compared.state
-        if contact.contact.kind != "unilateral":
+        if contact.contact.kind != "unilateral" or not compared.tells:
             continue
         counted = contact.trace.owned.copy()
         counted[: len(contact.nodes)] &= contact.supports.free_across
@@ -71,6 +72,8 @@ def _glue(forces: BulkForces) -> Check | None:
     free = forces.problem.free.all(axis=1)
     for number, contact in enumerate(forces.problem.contacts):
         if contact.contact.kind != "bonded" or contact.normal is None:
+            continue
+        if not carries_more_than(contact, forces.imbalance):
             continue
         state, nodes = forces.solution.states[number], slice(0, len(contact.nodes))
         counted = contact.owned_nodes & free[contact.nodes] & np.isfinite(state.gap[nodes])

@@ -57,12 +57,13 @@ class ContactSurface:
             (components,); None on surfaces that wrap around.
         moduli: Stiffnesses of the body, or of the two that touch.
         facet_size: Shortest edge of the cells at the contact (length).
+        scales: What automatic parameters follow from.
         penalty_parameter: ε₁ as used (length/stress), 0 without a penalty.
         pressure_load: Compiled linear form of a prescribed pressure's work on the surface, or None.
         paths: What drives it at a pseudo-time.
         force: That drives the obstacle at present, None where none does (force).
         history: What it keeps of its last load step.
-        is_scaled: Whether ε has been set, for which a pressure must be known.
+        is_scaled: Whether ε is known: the scene gives it, or a pressure was found for it.
         normal: Penalty, foundation or glue; None where prescribed, or driven by no force.
         friction: The term of j_ε, or None without friction.
     """
@@ -87,8 +88,8 @@ class ContactSurface:
         self.kinematics = self._kinematics(key, constrained)
         self.axis = self.sides.axis(self.kinematics.axis)
         self.supports = SurfaceSupports(self.trace, constrained)
-        self._scales = ContactScales(self.sides, elastic)
-        self.moduli, self.facet_size = self._scales.moduli, self._scales.facet_size
+        self.scales = ContactScales(self.sides, elastic)
+        self.moduli, self.facet_size = self.scales.moduli, self.scales.facet_size
         self._full_pressure = self._given(contact.pressure or 0.0, f"{key}.pressure")
         self._given_pressure = self._full_pressure
         self.paths = ContactPaths(contact, key)
@@ -96,7 +97,7 @@ class ContactSurface:
             self.kinematics.require_one_sided(key)
             self._bring_up()
         self.force = None if contact.obstacle is None else contact.obstacle.force
-        self.penalty_parameter = self._scales.penalty_parameter(contact)
+        self.penalty_parameter = self.scales.penalty_parameter(contact)
         self.normal = self._normal_term(f"{key}.foundation_stiffness")
         coefficient = self._given(contact.friction_coefficient, f"{key}.friction_coefficient")
         if contact.law == "none" or (contact.kind != "prescribed" and self.normal is None):
@@ -104,9 +105,7 @@ class ContactSurface:
         self.pressure_load = self._pressure_form()
         self.is_scaled = False
         self.friction = self._friction_term(coefficient)
-        given = contact.kind == "prescribed" or contact.regularisation_parameter != "auto"
-        if self.friction is not None and given:
-            self.scale_friction(self._given_pressure)
+        self._set_regularisation()
         before = self.kinematics.gap
         if self.is_one_sided:  # where they overlap at first, pressure pushes the overlap out
             before = np.maximum(before, 0.0)
@@ -164,13 +163,24 @@ class ContactSurface:
         """Whether its friction depends on a pressure that is not known."""
         return self.friction is not None and self.normal is not None
 
-    def scale_friction(self, pressure: Array) -> None:
-        """Set ε: the scene's, or one whose bias is below .1 % at a pressure; collective."""
-        assert self.friction is not None
-        strongest = largest(self.spaces.comm, self.friction.bound_of(pressure))
-        epsilon = self._scales.regularisation_parameter(self.contact, strongest)
-        self.is_scaled = epsilon > 0
-        self.friction.regularisation_parameter = epsilon or 1.0
+    def _set_regularisation(self) -> None:
+        """Set ε where the scene gives it, or a pressure; collective."""
+        given, epsilon = self.contact.regularisation_parameter, 0.0
+        if self.friction is None:
+            return
+        if given != "auto":
+            epsilon = float(given)
+        elif self.normal is None:
+            strongest = largest(self.spaces.comm, self.friction.bound)
+            epsilon = self.scales.regularisation_parameter(strongest)
+        if epsilon > 0:  # under no pressure it does not matter
+            self.friction.regularisation_parameter = epsilon
+            self.is_scaled = True
+
+    @property
+    def finds_scale(self) -> bool:
+        """Whether ε follows the pressures that are found."""
+        return self.is_coulomb and self.contact.regularisation_parameter == "auto"
 
     @property
     def terms(self) -> list[NormalTerm | FrictionTerm]:
@@ -190,14 +200,17 @@ class ContactSurface:
         moved = self.paths.displacement(time)
         if moved is not None:
             kinematics.displace(moved)
-            if self.normal is not None:
-                self.normal.set_gap(kinematics.gap)
+        elif self.force is None:
+            kinematics.stand()
+        if self.normal is not None:
+            self.normal.set_gap(kinematics.gap)
 
     def _press(self, factor: float) -> None:
         """Scale the given pressure, and the friction that it bounds."""
         self._given_pressure = factor * self._full_pressure
         if self.friction is not None:
             self.friction.set_bound(self.friction.bound_of(self._given_pressure))
+            self._set_regularisation()
 
     def touch(self) -> None:
         """Bring an obstacle that nothing presses on until it just touches; collective."""

@@ -21,6 +21,11 @@ from fenics_contact.trace import Trace
 
 Array = NDArray[np.float64]
 
+# Of the lengths that a gap is a difference of: an overlap of no more is round-off.
+_ROUND_OFF = 32 * float(np.finfo(float).eps)
+# Of an obstacle's motion: what rounding may leave between it and the gap that it has closed.
+_HAIR = 8 * float(np.finfo(float).eps)
+
 
 class ContactKinematics(ABC):
     """The jump w of a surface: its displacement relative to what stands opposite.
@@ -37,10 +42,13 @@ class ContactKinematics(ABC):
         displacement: How far it has moved besides, (components,) (length).
         pairing: The deformable body opposite, None against an obstacle.
         axis: The obstacle's own, ``direction``; None where it has none but the surface's.
+        paired_at: Displacement at which it was found what faces what, at the body's nodes of
+            this rank; None as meshed (length).
     """
 
     pairing: Pairing | None = None
     axis: Array | None = None
+    paired_at: Array | None = None
 
     def __init__(self, trace: Trace) -> None:
         self.trace = trace
@@ -125,7 +133,7 @@ class ContactKinematics(ABC):
         """
         if indentation is not None:
             self.indentation = indentation
-        jump = relative - self.indentation * self.direction - self.displacement
+        jump = relative - self.motion
         self.jump.x.array[:] = jump.reshape(-1)
 
     def jump_at_points(self) -> Array:
@@ -140,6 +148,27 @@ class ContactKinematics(ABC):
         """Tangential part of vectors given at the contact points, or at their nodes."""
         normals = self.trace.normals[: len(vectors)]
         return vectors - self.normal(vectors)[:, None] * normals
+
+    @property
+    def motion(self) -> Array:
+        """How far what stands opposite has moved by itself, (components,) (length)."""
+        return self.indentation * self.direction + self.displacement
+
+    def without_round_off(self, gap: Array, size: float) -> Array:
+        """Gaps of which an overlap that is round-off is none: bodies as drawn just touch there.
+
+        Else such overlaps, of 1e-16 between turned blocks, would press, each as luck will have it.
+
+        Args:
+            gap: At the points, before anything moves (length).
+            size: Largest of the lengths that it is a difference of, but for ``motion`` (length).
+        """
+        motion = self.motion
+        moved = float(np.linalg.norm(motion))
+        across = self.trace.normals @ motion
+        overlap = -across - gap
+        touches = (overlap > 0) & (overlap <= _ROUND_OFF * (size + moved))
+        return np.where(touches, _HAIR * moved - across, gap)
 
     def end_of_obstacle(self, reached: NDArray[np.int64], beyond: NDArray[np.int64]) -> Array:
         """How far what stands opposite goes, from points before it to others beyond it (0 … 1).

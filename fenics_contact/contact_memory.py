@@ -21,7 +21,7 @@ class ContactMemory:
         indentation: Of its obstacle (length).
         dissipated: By friction, in the steps before (force × length).
         left_open: Work of pressures, where a gap was measured anew (force × length).
-        regularisation_parameter: ε as used (length).
+        regularisation_parameter: ε as chosen (length).
         is_scaled: Whether ε has been set.
         reference: Where slip counts from, at the points, (points, components) (length).
         bound: Friction bound at the points, (points,) (stress).
@@ -48,7 +48,7 @@ def remember(contact: ContactSurface) -> ContactMemory:
         indentation=kinematics.indentation,
         dissipated=contact.history.dissipated,
         left_open=contact.history.left_open,
-        regularisation_parameter=1.0 if friction is None else friction.regularisation_parameter,
+        regularisation_parameter=1.0 if friction is None else friction.chosen_parameter,
         is_scaled=contact.is_scaled,
         reference=slipless if friction is None else friction.reference.copy(),
         bound=contact.friction_bound.copy(),

@@ -37,13 +37,10 @@ class ContactScales:
             return float(contact.penalty_parameter)
         return _PENALTY_SHARE * self.facet_size / self.moduli.confined
 
-    def regularisation_parameter(self, contact: Contact, bound: float) -> float:
-        """The scene's ε, or one whose bias is below .1 % at a friction bound (length).
+    def regularisation_parameter(self, bound: float) -> float:
+        """An ε whose bias is below .1 % at a friction bound (length).
 
         Args:
-            contact: Of the scene.
             bound: The largest (stress).
         """
-        if contact.regularisation_parameter != "auto":
-            return float(contact.regularisation_parameter)
         return _REGULARISATION_SHARE * self.facet_size / self.moduli.combined * bound

@@ -93,12 +93,13 @@ class EnergyBook:
         kinematics, state, history = contact.kinematics, solution.states[number], contact.history
         pushed = solution.contact_force[number][contact.owned_nodes].sum(axis=0)
         force = np.asarray(total(contact.spaces.comm, pushed))
-        motion = kinematics.indentation * kinematics.direction + kinematics.displacement
+        motion = kinematics.motion
         forces, motions = self._last["forces"], self._last["motions"]
         work = float(0.5 * (forces[number] + force) @ (motion - motions[number]))
         forces[number], motions[number] = force, motion
-        if kinematics.pairing is None:
-            # A curved obstacle that moves along the surface pushes the gap before it.
+        if kinematics.paired_at is None:
+            # A curved obstacle that moves along the surface pushes the gap before it; and what
+            # overlaps as drawn pushes the overlap out in the first step.
             stays = np.isfinite(history.gap) & np.isfinite(kinematics.gap)
             pushed_in = np.zeros(len(stays))
             pushed_in[stays] = history.gap[stays] - kinematics.gap[stays]
@@ -168,6 +169,8 @@ def _work_at_edges(
     """Work of pressures at points that an obstacle's edge passed in a step; collective.
 
     There they vanish, or are there, at once: ½ p Δw_n is the trapezoidal rule's, and nobody's.
+    Beyond the edge of another body only the slave's part of Δw_n is known: by both moduli, the
+    other springs back as well.
 
     Args:
         contact: Its history is that of the last step.
@@ -179,5 +182,6 @@ def _work_at_edges(
     passed = np.isfinite(contact.history.gap) != np.isfinite(kinematics.gap)
     jump = contact.trace.at_points(kinematics.relative(moved)) - motion
     pressure = 0.5 * (last.contact_pressure + state.contact_pressure)
-    across = pressure * np.abs(kinematics.normal(jump))
+    both = contact.moduli.reference / contact.moduli.combined
+    across = both * pressure * np.abs(kinematics.normal(jump))
     return float(contact.trace.integral(np.where(passed, across, 0.0)))

@@ -68,6 +68,7 @@ class FrictionTerm:
         self.bound = np.zeros(count)
         self._bound = trace.function(self.bound)
         self._epsilon = fem.Constant(surface.mesh, 1.0)
+        self._chosen, self._left = 1.0, 1.0
         self._share = fem.Constant(surface.mesh, 1.0)
         self._slip = np.zeros_like(self._reference)
         self._dual = np.zeros_like(self._reference)
@@ -143,7 +144,18 @@ class FrictionTerm:
 
     @regularisation_parameter.setter
     def regularisation_parameter(self, epsilon: float) -> None:
-        self._epsilon.value = epsilon
+        self._chosen = epsilon
+        self._epsilon.value = epsilon * self._left
+
+    @property
+    def chosen_parameter(self) -> float:
+        """The ε that was set, of which a part may be used (length)."""
+        return self._chosen
+
+    def regularise_less(self, left: float) -> None:
+        """Use this part of every ε that is set, from now on."""
+        self._left = left
+        self.regularisation_parameter = self._chosen
 
     def set_bound(self, bound: Array) -> None:
         """Set g at the points (stress)."""

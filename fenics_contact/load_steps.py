@@ -16,6 +16,7 @@ import numpy as np
 from fenics_contact.accepted_step import AcceptedStep, Unknowns, contact_change
 from fenics_contact.contact_memory import ContactMemory, recall, recall_pairing, remember
 from fenics_contact.errors import NotConvergedError, StoppedError
+from fenics_contact.friction_scale import follow_pressure
 from fenics_contact.load_paths import knots
 from fenics_contact.newton import Newton
 from fenics_contact.pace import AutomaticPace, FixedPace
@@ -59,6 +60,7 @@ class History:
         self.pace = AutomaticPace(steps, self._knots) if steps.automatic else FixedPace(steps)
         self._accepted, self._kept = accepted, kept
         self._untouched = [remember(contact) for contact in self.problem.contacts]
+        self._first: list[ContactMemory] = []
         self._has_moved_on = False
         self.tried = 0.0
         self.guess: Unknowns | None = None
@@ -123,12 +125,12 @@ class History:
             times: Pseudo-times of its steps, increasing.
 
         Returns:
-            That history, with every ε as it is now, however it was found. This one is to be gone
-            back to before it is used again.
+            That history, with the first step's ε to begin with, where this one took that step.
+            This one is to be gone back to before it is used again.
         """
         assert self.last is not None
         self._recall(self._untouched)
-        for contact, memory in zip(self.problem.contacts, self.last.contacts, strict=True):
+        for contact, memory in zip(self.problem.contacts, self._first, strict=False):
             contact.is_scaled = memory.is_scaled
             if contact.friction is not None:
                 contact.friction.regularisation_parameter = memory.regularisation_parameter
@@ -185,8 +187,10 @@ class History:
                 newton.continue_start()
             return
         if not self._has_moved_on:
+            imbalance = self.last.solution.imbalance_limit
             for contact in problem.contacts:
                 contact.accept()
+                follow_pressure(contact, imbalance)  # a guess of what the next step needs
             newton.pair_anew(self.last.unknowns.displacement)
             self._has_moved_on = True
         problem.set_time(time)
@@ -227,6 +231,7 @@ class History:
             solution=found,
             before=self.last.unknowns if self.last else None,
         )
+        self._first = self._first or (self.last.contacts if self.last.before is None else [])
         system.earlier_forces = max(system.earlier_forces, system.present_forces)
         self._has_moved_on = False
         if self._accepted is not None:

@@ -29,6 +29,12 @@ def sides_of(contact: ContactSurface) -> dict[str, str]:
     return {"slave": sides.slave, "master": sides.master, "slave_reason": sides.why}
 
 
+def regularisation_of(contact: ContactSurface) -> dict[str, float]:
+    """The ε of a load step; none where it follows from pressures to come."""
+    is_open = contact.is_coulomb and not contact.is_scaled
+    return {} if is_open else {"regularisation_parameter": contact.regularisation_parameter}
+
+
 def parameters_of(contact: ContactSurface) -> dict[str, Any]:
     """A contact's parameters as used; what varies in space is said so."""
     scene = contact.contact
@@ -37,9 +43,8 @@ def parameters_of(contact: ContactSurface) -> dict[str, Any]:
         "foundation_stiffness": scene.foundation_stiffness,
         "friction_coefficient": scene.friction_coefficient,
     }
-    is_open = contact.is_coulomb and not contact.is_scaled  # it follows from pressures to come
     used = {
-        "regularisation_parameter": None if is_open else contact.regularisation_parameter,
+        **regularisation_of(contact),
         "penalty_parameter": contact.penalty_parameter or None,
         "force": contact.force,
         **{name: "varies" if callable(value) else value for name, value in given.items()},

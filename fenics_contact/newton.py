@@ -12,10 +12,12 @@ from petsc4py import PETSc
 
 from fenics_contact import mumps
 from fenics_contact.chatter import Chatter
+from fenics_contact.contact_noise import round_off
 from fenics_contact.errors import MachineError, NotConvergedError, StoppedError
 from fenics_contact.faults import original
 from fenics_contact.line_search import share_of_step
 from fenics_contact.newton_failure import (
+    GIVEN_UP,
     NO_SOLVE,
     NO_STEP_FOUND,
     NOT_A_NUMBER,
@@ -87,6 +89,7 @@ class Newton:
         self.continues = False
         self.limit = 0.0
         self.paired_anew = False
+        self._hopeless: Callable[[], bool] | None = None
         self._chatter = Chatter(problem.contacts, problem.comm)
         self.stopped: Callable[[], bool] = lambda: False
         self._is_stopped = False
@@ -98,17 +101,25 @@ class Newton:
         self._search: dict[str, Any] = ENERGY_SEARCH
         self._own_options: list[str] = []
 
-    def run(self, search_energy: bool | None = None, tolerance: float | None = None) -> None:
+    def run(
+        self,
+        search_energy: bool | None = None,
+        tolerance: float | None = None,
+        hopeless: Callable[[], bool] | None = None,
+    ) -> None:
         """Solve from the present state, with the modes that the contacts' terms have.
 
         Args:
             search_energy: Search along the steps for the least energy, or take full ones; by
                 default search where a contact is one-sided.
             tolerance: Imbalance over the forces to accept; by default the scene's.
+            hopeless: Asked after every few steps of a long solve, whether to give it up;
+                collective.
 
         Raises:
             NotConvergedError: In words, with the history of the force imbalance.
         """
+        self._hopeless = hopeless
         self._tolerance = tolerance or self.problem.scene.solver.tolerance
         self._searches = self._one_sided if search_energy is None else search_energy
         self._search = ENERGY_SEARCH
@@ -338,13 +349,20 @@ class Newton:
         cap = np.inf if self._one_sided else _LARGEST_FLOOR * forces
         # The floor may cost a matrix copy, so it is asked for only where it may decide.
         if iteration > 0 and self.limit < imbalance <= max(_LARGEST_FLOOR * forces, self._tiny):
-            self.limit = max(self.limit, min(self.system.round_off(), cap))
+            self.limit = max(self.limit, min(self._round_off(), cap))
         if imbalance <= self.limit and not self._mean_stress_is_missing(iteration):
             return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
         wanders = iteration >= _PATIENCE and imbalance >= self.history[-1 - _PATIENCE]
         if self._searches and wanders and self._is_nearly_balanced:
             return NO_STEP_FOUND
+        if self._hopeless is not None and iteration and iteration % _LONG == 0 and self._hopeless():
+            return GIVEN_UP
         return PETSc.SNES.ConvergedReason.CONVERGED_ITERATING
+
+    def _round_off(self) -> float:
+        """What round-off leaves of a residual (force); collective."""
+        of_motions = [round_off(contact) for contact in self.problem.contacts]
+        return self.system.round_off() + sum(of_motions)
 
     def _mean_stress_is_missing(self, iteration: int) -> bool:
         """Whether a mean stress is yet to be found, be there no free displacement at all."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.check_tools import TRACE, nearer_to_failing, worst_of
 from fenics_contact.contact import ContactSurface
+from fenics_contact.contact_noise import carries_more_than
 from fenics_contact.contact_state import ContactState
 from fenics_contact.parallel import gather_rows, largest, smallest, total
 from fenics_contact.result import Check
@@ -40,6 +41,8 @@ class ComparedPressures:
         places: Undeformed coordinates of these, (nodes, 3) (length).
         limit: What round-off and the accepted imbalance may leave (stress).
         peak: Largest pressure of the contact, all ranks (stress).
+        tells: Whether it carries more than what solver and round-off leave: a contact that has
+            been unloaded to nothing has pressures of no account, which no ratio is to be made of.
     """
 
     number: int
@@ -51,6 +54,7 @@ class ComparedPressures:
     places: Array
     limit: float
     peak: float
+    tells: bool
 
     @property
     def comm(self) -> Any:
@@ -93,6 +97,7 @@ def compared_pressures(forces: BulkForces) -> list[ComparedPressures]:
                 places=trace.coordinates[: len(contact.nodes)][free],
                 limit=TRACE + 2 * solution.imbalance_limit / (lightest * peak),
                 peak=peak,
+                tells=carries_more_than(contact, forces.imbalance),
             )
         )
     return found
@@ -132,7 +137,7 @@ def penetration(forces: BulkForces, contacts: list[ComparedPressures]) -> Check 
     sunk, pushing = 0.0, False
     for compared in contacts:
         contact, energy = compared.contact, compared.state.penalty_energy
-        if contact.contact.kind != "winkler":  # there the depth is what is asked for
+        if compared.tells and contact.contact.kind != "winkler":  # whose depth is asked for
             sunk, pushing = sunk + float(contact.trace.integral(energy)), True
     if not pushing:
         return None
@@ -148,7 +153,7 @@ def pressure_recovery(forces: BulkForces, contacts: list[ComparedPressures]) -> 
     """
     problem = forces.problem
     worst: Check | None = None
-    for compared in contacts:
+    for compared in (compared for compared in contacts if compared.tells):
         trace, state = compared.contact.trace, compared.state
         closed = np.where(state.contact_pressure > 0, 1.0, 0.0)
         area, whole = (float(trace.integral(part)) for part in (closed, np.ones_like(closed)))

@@ -68,6 +68,11 @@ class RigidObstacle:
         self.direction: Array = direction[: surface_normals.shape[1]]
         self._require_axis()
 
+    @property
+    def size(self) -> float:
+        """Largest of the lengths that place it (length)."""
+        return float(np.linalg.norm(self._apex)) + (self._obstacle.radius or 0.0)
+
     def gap(self, points: Array, normals: Array, position: Any) -> Array:
         """Gap s along the normals, before the obstacle is driven, shape (points,) (length).
 

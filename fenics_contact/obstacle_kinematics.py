@@ -31,6 +31,7 @@ class ObstacleKinematics(ContactKinematics):
         super().__init__(trace)
         self._left_out = np.zeros(len(trace.weights), dtype=bool)
         self._has_shape = obstacle is not None and obstacle.shape is not None
+        self._measured = self.gap
         if obstacle is not None:
             self._place(obstacle, key)
 
@@ -43,10 +44,12 @@ class ObstacleKinematics(ContactKinematics):
             self.axis = self.direction
         error: FenicsContactError | None = None
         try:
-            self.gap = self._gap(trace.coordinates, trace.normals)
+            self._measured = self._gap(trace.coordinates, trace.normals)
         except InputError as caught:
             error = caught
         raise_together(comm, error)
+        self._size = trace.farthest() + self._obstacle.size
+        self.stand()
         self._require_in_its_way(self.reached, key)
 
     def _require_in_its_way(self, points: NDArray[np.bool_], key: str) -> None:
@@ -69,7 +72,8 @@ class ObstacleKinematics(ContactKinematics):
     def leave_out(self, points: NDArray[np.bool_]) -> None:
         """Take points out of the obstacle's reach."""
         self._left_out = points
-        self.gap = np.where(points, np.inf, self.gap)
+        self._measured = np.where(points, np.inf, self._measured)
+        self.stand()
 
     def whole_gap(self) -> Array:
         """The gap as the obstacle stands, also at points left out of its reach (length)."""
@@ -108,14 +112,20 @@ class ObstacleKinematics(ContactKinematics):
             displacement: From where it stood at first, (components,) (length).
         """
         self.displacement = displacement
-        self.gap = np.where(self._left_out, np.inf, self.whole_gap())
+        self._measured = np.where(self._left_out, np.inf, self.whole_gap())
+        self.stand()
+
+    def stand(self) -> None:
+        """Take the gap of the obstacle as it stands now, after it was driven or moved."""
+        self.gap = self.without_round_off(self._measured, self._size)
 
     def bring_up(self) -> None:
         """Take the obstacle to where it first touches the undeformed surface; collective."""
         ahead = self.reached & (self.facing > 0)
         distance = self.gap[ahead] / self.facing[ahead]
         self.brought_up = smallest(self._spaces.comm, distance)
-        self.gap = self.gap - self.brought_up * self.facing
+        self._measured = self._measured - self.brought_up * self.facing
+        self.stand()
 
     def relative(self, displacement: Array) -> Array:
         """Displacement at all nodes of the surface: the obstacle's own is no unknown here."""
@@ -136,5 +146,4 @@ class ObstacleKinematics(ContactKinematics):
         distance = (self.gap - normal)[ahead] / self.facing[ahead]
         nearest = smallest(self._spaces.comm, distance)
         jump = self.jump.x.array.reshape(-1, self._spaces.components)
-        motion = self.indentation * self.direction + self.displacement
-        self.move(jump + motion, self.indentation + nearest)
+        self.move(jump + self.motion, self.indentation + nearest)

@@ -138,7 +138,7 @@ def _stiffen(left: float, problem: Problem) -> None:
 def _regularise_less(left: float, problem: Problem) -> None:
     for contact in problem.frictional:
         assert contact.friction is not None
-        contact.friction.regularisation_parameter *= left
+        contact.friction.regularise_less(left)
 
 
 def _sharper(history: History, measure: Measure) -> Quantities | None:

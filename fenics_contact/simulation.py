@@ -23,7 +23,7 @@ from fenics_contact.gmsh_files import load_body
 from fenics_contact.linear_range import LinearRange, linear_range
 from fenics_contact.load_steps import History, solve
 from fenics_contact.mesh import Body
-from fenics_contact.model_words import parameters_of, sides_of, strategy_of
+from fenics_contact.model_words import parameters_of, regularisation_of, sides_of, strategy_of
 from fenics_contact.other_answers import OtherAnswers, look_around
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
@@ -255,7 +255,7 @@ class Run:
                 "imbalance_limit": solution.imbalance_limit,
                 "quantities": quantities,
                 "contacts": [
-                    {"name": contact.label, "quantities": found}
+                    {"name": contact.label, **regularisation_of(contact), "quantities": found}
                     for contact, found in zip(self.problem.contacts, self._by_contact, strict=True)
                 ],
                 "supports": self._supports,

@@ -60,7 +60,7 @@ def last_step_again(history: History, measure: Measure, change: Change) -> Quant
 def history_again(
     history: History, measure: Measure, times: Sequence[float], change: Change | None = None
 ) -> Quantities | None:
-    """Solve all load steps again from the start, with the ε that was used; collective.
+    """Solve all load steps again from the start, each with the ε that it needs; collective.
 
     Args:
         history: At its end.
@@ -135,6 +135,8 @@ def _restore(history: History) -> None:
     for contact in history.problem.contacts:
         if contact.normal is not None:
             contact.normal.soften(1.0)
+        if contact.friction is not None:
+            contact.friction.regularise_less(1.0)
     if history.problem.far_field is not None:
         history.problem.far_field.beyond[:] = 0.0
     history.problem.disturbance = None

@@ -19,7 +19,9 @@ from numpy.typing import NDArray
 from fenics_contact.anderson import Anderson
 from fenics_contact.chatter import Chatter
 from fenics_contact.contact import ContactSurface
+from fenics_contact.contact_noise import carries_more_than
 from fenics_contact.errors import NotConvergedError
+from fenics_contact.friction_scale import fits, follow_pressure
 from fenics_contact.newton import Newton
 from fenics_contact.outer_monitor import OuterMonitor
 from fenics_contact.parallel import largest
@@ -38,6 +40,13 @@ _GLUE = 1e4
 # Of the pressures from which ε follows. Its bias is below .1 %, so an error of it in ε counts
 # a thousandth.
 _SCALE_TOLERANCE = 1e-6
+# Of ε over that which the answer needs, beyond which a step is solved again: its bias stays below
+# .1 %, also where steps add up.
+_TOO_LARGE = 3.0
+# Of the ε that is needed over that which was guessed, beyond which Newton's method is not to go on
+# for long: below it takes hardly more steps.
+_TOO_SMALL = 100.0
+_RESCALINGS = 3
 # Shares of the coefficient on the way to all of it: from below or, where only friction holds a
 # body, from above, as less of it holds nothing.
 _RISING = (0.25, 0.5, 0.75, 1.0)
@@ -132,7 +141,7 @@ class _CoulombLoop:
             try:
                 self._start_anew()
                 ways[way]()
-                self._scale_late()
+                self._fit_scale()
                 return dataclasses.replace(
                     self.newton.solution(self.outer, _WORDS[way]),
                     contraction=self.contraction,
@@ -198,7 +207,7 @@ class _CoulombLoop:
     def _first_pressures(self, tolerance: float | None = None) -> list[Array]:
         """The paper's Step 1, without friction; with glue along it where friction has to hold.
 
-        Sets ε where it follows from the pressure.
+        Sets ε to what these pressures need.
 
         Args:
             tolerance: Of the solve, by default the scene's.
@@ -238,15 +247,29 @@ class _CoulombLoop:
         return np.asarray((pressure > 0) | (largest(self.problem.comm, pressure) <= 0))
 
     def _scale(self) -> None:
+        """Set ε to what the present pressures need; collective."""
         for contact in self.contacts:
-            if not contact.is_scaled:
-                contact.scale_friction(contact.pressure())
+            follow_pressure(contact, self.newton.limit)
 
-    def _scale_late(self) -> None:
-        """Set ε of contacts that only came to touch on the way, and solve with it; collective."""
-        late = [contact for contact in self.contacts if not contact.is_scaled]
-        self._scale()
-        if any(contact.is_scaled for contact in late):
+    def _fit_scale(self) -> None:
+        """Set ε of contacts for which it is too large, and solve with it; collective.
+
+        They carry much less than in the last step, or only came to touch on the way.
+        """
+        for _ in range(_RESCALINGS):
+            limit = self.newton.limit
+            late = [
+                contact
+                for contact in self.contacts
+                if not fits(contact, _TOO_LARGE, np.inf) and carries_more_than(contact, limit)
+            ]
+            if not late:
+                return
+            for contact in late:
+                follow_pressure(contact, limit)
+            if RigidMotions(self.problem).slides_on_coulomb:
+                # Nothing but friction takes the creep back, by one ε a step of Newton's method.
+                self._first_pressures(_SCALE_TOLERANCE)
             self._solve_coupled()
 
     def _lagged_pass(self, pressures: list[Array]) -> list[Array]:
@@ -301,17 +324,29 @@ class _CoulombLoop:
 
     def _monolithic(self) -> None:
         """Newton's method with the coupled tangent, from the adhesive start, full steps."""
-        if not all(contact.is_scaled for contact in self.contacts):
-            self._first_pressures(_SCALE_TOLERANCE)
-            self.newton.restore(self.start)
+        if all(contact.is_scaled for contact in self.contacts):
+            try:
+                self._solve_coupled(self._is_out_of_scale)
+                return
+            except NotConvergedError as error:
+                if not self._is_out_of_scale():
+                    raise
+                logger.info("%s; next: with the regularisation that this step needs", error)
+                self.newton.restore(self.start)
+        self._first_pressures(_SCALE_TOLERANCE)
+        self.newton.restore(self.start)
         self._solve_coupled()
 
-    def _solve_coupled(self) -> None:
+    def _is_out_of_scale(self) -> bool:
+        """Whether some ε is much less than what the present pressures need; collective."""
+        return not all([fits(contact, np.inf, _TOO_SMALL) for contact in self.contacts])
+
+    def _solve_coupled(self, hopeless: Callable[[], bool] | None = None) -> None:
         for contact in self.contacts:
             assert contact.friction is not None
             contact.friction.stick_all()
             contact.friction.mode = "coupled"
-        self.newton.run(search_energy=False)
+        self.newton.run(search_energy=False, hopeless=hopeless)
 
     def _continuation(self) -> None:
         shares = _FALLING if RigidMotions(self.problem).slides_on_coulomb else _RISING

@@ -288,6 +288,10 @@ class Trace:
         comm, points = self.spaces.comm, self.surface.coordinates.T
         return float(np.linalg.norm([largest(comm, x) - smallest(comm, x) for x in points]))
 
+    def farthest(self) -> float:
+        """Largest coordinate of the surface (length); collective."""
+        return largest(self.spaces.comm, np.abs(self.surface.coordinates).ravel())
+
     def relative_facet_size(self) -> float:
         """Largest facet over the extent of the surface; collective."""
         mesh = self.surface.mesh
