@@ -8,15 +8,18 @@ same version of hypothesis, whatever was drawn before.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import hypothesis
+import numpy as np
 from hypothesis import strategies as st
 from mpi4py import MPI
+from numpy.typing import NDArray
 
 from fenics_contact import Body, Discretisation, Scene, SolverSettings, Steps
 from tests.pair_bodies import Box, boxes
-from tests.random_bodies import Shape, parts_of, shape_of
+from tests.random_bodies import parts_of, shape_of
 from tests.random_contacts import KINDS, Frame, frictionless_pressed
 from tests.random_dice import Dice
 
@@ -51,23 +54,65 @@ class RandomScene:
         parts: Boxes of cells.
         cell: Shape of these.
         order: Of their geometry.
-        shape: What is made of the boxes.
+        shape: What is made of the boxes: a map of points, (points, axes) to (points, axes).
         kind: Of scene, in a word.
+        known: What statics or a formula say of the answer.
+        must_be: ``answered`` or ``refused``, where statics say so.
+        twin: Another scene with the same answer.
     """
 
     scene: Scene
     parts: tuple[Box, ...]
     cell: str
     order: int
-    shape: Shape
+    shape: Callable[[NDArray[np.float64]], NDArray[np.float64]]
     kind: str
+    known: tuple[Known, ...] = ()
+    must_be: str = ""
+    twin: Twin | None = None
 
     def body(self, comm: MPI.Comm = MPI.COMM_WORLD) -> Body:
         """Its mesh, with the sides of each box named ``box.x0``, ``box.x1``, …; collective."""
         made = boxes(self.parts, self.cell, comm, self.order)
-        places = made.mesh.geometry.x
-        places[:, : len(self.shape.low)] = self.shape(places[:, : len(self.shape.low)])
+        places, dimension = made.mesh.geometry.x, self.scene.dimension
+        places[:, :dimension] = self.shape(places[:, :dimension])
         return made
+
+    def refined(self) -> RandomScene:
+        """The same with cells of half the size."""
+        finer = tuple(
+            dataclasses.replace(part, cells=tuple(2 * count for count in part.cells))
+            for part in self.parts
+        )
+        return dataclasses.replace(self, parts=finer)
+
+
+@dataclass(frozen=True)
+class Known:
+    """A quantity that statics or a formula give.
+
+    Attributes:
+        name: As in ``random_rows``: ``quantity``, or ``contact.quantity`` of one of several.
+        value: Vectors in the mesh's axes.
+        size: What an error is compared with, if larger than the value.
+    """
+
+    name: str
+    value: float | tuple[float, ...]
+    size: float = 0.0
+
+
+@dataclass(frozen=True)
+class Twin:
+    """Another scene with the same answer, but for factors.
+
+    Attributes:
+        scene: The other one.
+        factors: Quantity → its value here over that of the other scene.
+    """
+
+    scene: RandomScene
+    factors: Mapping[str, float]
 
 
 @st.composite

@@ -1,0 +1,97 @@
+"""Solves scenes of a list and adds a line for each to a file; started by ``random_scenes.py``.
+
+``python random_worker.py JOB``, also under ``mpirun -n N``. JOB is a JSON file: ``seed``,
+``numbers``, ``stages`` (``coarse``, ``fine``, ``twin``), ``done`` (pairs of number and stage that
+are left out), ``rows`` (where lines are added), ``now`` (which solve is under way) and ``seconds``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import faulthandler
+import json
+import os
+import sys
+import traceback
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from random_rows import row_of
+
+from tests.random_kinds import draw_any
+from tests.random_outcomes import ANSWERED, Outcome, outcome_of
+from tests.random_scenes import RandomScene
+
+from mpi4py import MPI  # isort: skip  (FEniCSx comes first)
+
+COMM = MPI.COMM_WORLD
+CRASHED = -1
+
+
+def work(job: dict[str, Any]) -> None:
+    """All scenes of a job; collective."""
+    done = {tuple(pair) for pair in job["done"]}
+    for number in job["numbers"]:
+        random = COMM.bcast(draw_any(job["seed"], number) if COMM.rank == 0 else None)
+        for stage in job["stages"]:
+            scene = of_stage(random, stage)
+            if scene is None or (number, stage) in done:
+                continue
+            given = {"number": number, "ranks": COMM.size, "stage": stage}
+            given["has_twin"] = random.twin is not None
+            if stage == "twin":
+                given["factors"] = dict(random.twin.factors)
+            row = solved(scene, given, job)
+            if stage == "coarse" and row["code"] != ANSWERED:
+                break
+
+
+def of_stage(random: RandomScene, stage: str) -> RandomScene | None:
+    """What is solved; references need no errors of their own."""
+    if stage == "coarse":
+        return random
+    if stage == "twin":
+        return None if random.twin is None else _as_reference(random.twin.scene)
+    return _as_reference(random.refined())
+
+
+def _as_reference(random: RandomScene) -> RandomScene:
+    settings = dataclasses.replace(random.scene.solver, solver="auto", errors="none")
+    return dataclasses.replace(random, scene=dataclasses.replace(random.scene, solver=settings))
+
+
+def solved(random: RandomScene, given: dict[str, Any], job: dict[str, Any]) -> dict[str, Any]:
+    """A row, which is written; collective."""
+    if COMM.rank == 0:
+        Path(job["now"]).write_text(json.dumps([given["number"], given["stage"]]), encoding="utf-8")
+    faulthandler.dump_traceback_later(job["seconds"], exit=True)
+    try:
+        outcome = outcome_of(random, COMM)
+    except Exception:  # whatever it is, it is what is looked for
+        if COMM.size > 1:
+            traceback.print_exc()
+            COMM.Abort(1)  # other ranks may be waiting
+        outcome = Outcome(CRASHED, traceback.format_exc(), 0.0)
+    row = given | row_of(random, outcome)
+    faulthandler.cancel_dump_traceback_later()
+    if row["code"] not in (ANSWERED, 2):
+        row["scene"] = repr(random)
+    if COMM.rank == 0:
+        add_line(Path(job["rows"]), row)
+    return row
+
+
+def add_line(path: Path, row: dict[str, Any]) -> None:
+    """A row as one line, whole or not at all; other processes add theirs."""
+    line = json.dumps(row, default=float) + "\n"
+    handle = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+    try:
+        os.write(handle, line.encode())
+    finally:
+        os.close(handle)
+
+
+if __name__ == "__main__":
+    work(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")))
