@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from statistics import median
 from typing import Any
 
@@ -21,6 +21,8 @@ _SIZES = {"force": "force", "area": "area", "energy": "energy", "work": "energy"
 _FORCES = ("force", "reaction", "vertical", "integral")
 # Made of others, for comparison with what is known.
 _DERIVED = ("vertical", "vertical_reaction")
+# A change that comes back by this share oscillates; one that falls below this share converges.
+_OSCILLATES, _CONVERGES = 0.25, 0.75
 _ENDLESS = ("does not converge", "do not converge", "without bound", "infinite", "unbounded")
 
 
@@ -61,10 +63,14 @@ class Change:
         return self.bar is not None and self.change <= self.bar
 
     @property
+    def far(self) -> bool:
+        """Whether it is off by more than 1 %."""
+        return self.change > SHARE * self.size
+
+    @property
     def wrong(self) -> bool:
         """Whether it is off by more than its bar can explain; what has no bar claims nothing."""
-        far = self.change > SHARE * self.size
-        return far and self.bar is not None and self.change > BARS * self.bar
+        return self.far and self.bar is not None and self.change > BARS * self.bar
 
 
 @dataclass
@@ -106,12 +112,57 @@ def coverage(rows: Iterable[Row]) -> dict[str, Coverage]:
 
 
 def refinements(rows: Iterable[Row]) -> Iterator[Change]:
-    """From each coarse answer to the fine one, where both passed all checks."""
+    """From each coarse answer to the fine one, where both passed all checks.
+
+    What the finest mesh says, where there is one, tells a quantity that oscillates, and whether one
+    that is said not to converge does.
+    """
     by_key = {(row["number"], row["ranks"], row["stage"]): row for row in rows}
     for (number, ranks, stage), coarse in by_key.items():
         fine = by_key.get((number, ranks, "fine"))
         if stage == "coarse" and fine and coarse["code"] == fine["code"] == 0:
-            yield from _changes(coarse, fine, "refined")
+            finest = by_key.get((number, ranks, "finest"))
+            for change in _changes(coarse, fine, "refined"):
+                if finest and finest["code"] == 0 and change.name in finest["quantities"]:
+                    change = _judged(change, coarse, fine, finest)
+                yield change
+
+
+def short_bars(changes: Iterable[Change]) -> list[Change]:
+    """Those whose bars do not cover them, the shortest bar first."""
+    short = [change for change in changes if change.bar is not None and not change.covered]
+    return sorted(short, key=lambda change: (change.bar or 0.0) / change.change)
+
+
+def wants_finest(rows: Iterable[Row]) -> bool:
+    """Whether a third mesh tells more of a scene: a bar is too short, or said not to be possible.
+
+    Not in space, where that mesh is large.
+
+    Args:
+        rows: Of the scene.
+    """
+    rows = list(rows)
+    if any(row.get("kinematics") == "3D" for row in rows):
+        return False
+    return any(
+        change.endless or (change.bar is not None and not change.covered)
+        for change in refinements(rows)
+    )
+
+
+def _judged(change: Change, coarse: Row, fine: Row, finest: Row) -> Change:
+    """With what the second change says of the first."""
+    first, second, third = (
+        np.array(row["quantities"][change.name][0]) for row in (coarse, fine, finest)
+    )
+    before, after = second - first, third - second
+    lengths = np.linalg.norm(before), np.linalg.norm(after)
+    causes = [change.cause] if change.cause else []
+    if before @ after < 0 and lengths[1] > _OSCILLATES * lengths[0]:
+        causes.append("oscillates with the mesh")
+    endless = change.endless and lengths[1] > _CONVERGES * lengths[0]
+    return replace(change, cause=", ".join(causes), endless=bool(endless))
 
 
 def independent(rows: Iterable[Row]) -> Iterator[Change]:

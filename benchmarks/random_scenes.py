@@ -6,9 +6,10 @@
 Not under ``mpirun``: it starts workers (``random_worker.py``) on one and on several ranks, which
 solve many scenes each and are replaced when they crash or hang. Every solve is a line of FILE; an
 interrupted run (Ctrl-C) goes on where it stopped when it is started again with the same FILE.
-``--refine`` solves each answered scene again with cells of half the size. ``--only N`` solves the
-scene of this number alone. Scenes of a number and seed stay the same with the same sources (those
-of ``tests.random_scenes``, one in four: and with the same version of hypothesis).
+``--refine`` solves each answered scene again with cells of half the size, and where bars are too
+short, in plane models, on a third mesh; ``--table docs/error_bars.md`` writes there what bars
+cover. ``--only N`` solves the scene of this number alone. Scenes of a number and seed stay the same
+with the same sources (those of ``tests.random_scenes``, one in four: and the same hypothesis).
 """
 
 from __future__ import annotations
@@ -21,11 +22,11 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from random_coverage import coverage, table
+from random_coverage import wants_finest
 from random_pool import Job, Pool
-from random_summary import failures, report, say
+from random_summary import HEADING, failures, report, say, section
 
-REFERENCES = ("fine", "twin")
+REFERENCES = ("twin", "fine", "finest")
 
 
 def parsed() -> argparse.Namespace:
@@ -40,7 +41,7 @@ def parsed() -> argparse.Namespace:
     parser.add_argument("--jobs", type=int, default=1, help="processes at once")
     parser.add_argument("--seconds", type=float, default=120, help="after which a solve hangs")
     parser.add_argument("--out", type=Path, metavar="FILE", help="of lines, one a solve; goes on")
-    parser.add_argument("--table", type=Path, metavar="FILE", help="write the coverage as Markdown")
+    parser.add_argument("--table", type=Path, metavar="FILE", help="of Markdown, gets the coverage")
     return parser.parse_args()
 
 
@@ -63,8 +64,14 @@ def main() -> int:
         rows = [row for row in read(path) if row["number"] in set(numbers)]
     print(report(rows))
     if options.table:
-        options.table.write_text(table(coverage(rows)) + "\n", encoding="utf-8")
+        write_section(options.table, section(rows, options.seed))
     return 130 if stopped else int(bool(failures(rows)))
+
+
+def write_section(path: Path, text: str) -> None:
+    """Put a section at the end of a page, in place of the one that was there."""
+    before = path.read_text(encoding="utf-8") if path.exists() else ""
+    path.write_text(before.split(HEADING)[0].rstrip() + f"\n\n{text}\n", encoding="utf-8")
 
 
 def begin(path: Path, seed: int) -> bool:
@@ -93,7 +100,7 @@ def jobs(
     """What is still to be solved, some scenes each; references on the first number of ranks."""
     found = []
     for count in ranks:
-        stages = ("coarse", *(REFERENCES if refine else REFERENCES[1:])) * (count == ranks[0])
+        stages = ("coarse", *(REFERENCES if refine else REFERENCES[:1])) * (count == ranks[0])
         stages = stages or ("coarse",)
         done = {row["number"]: {} for row in rows}
         for row in rows:
@@ -112,8 +119,10 @@ def is_open(done: dict[str, dict[str, Any]], stages: tuple[str, ...]) -> bool:
         return True
     if done["coarse"]["code"] != 0:
         return False
-    asked = [stage for stage in stages if stage != "twin" or done["coarse"].get("has_twin")]
-    return any(stage not in done for stage in asked)
+    needless = set() if done["coarse"].get("has_twin") else {"twin"}
+    if not wants_finest(done.values()):
+        needless.add("finest")
+    return any(stage not in done for stage in stages if stage not in needless)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
 """Solves scenes of a list and adds a line for each to a file; started by ``random_scenes.py``.
 
 ``python random_worker.py JOB``, also under ``mpirun -n N``. JOB is a JSON file: ``seed``,
-``numbers``, ``stages`` (``coarse``, ``fine``, ``twin``), ``done`` (pairs of number and stage that
-are left out), ``rows`` (where lines are added), ``now`` (which solve is under way) and ``seconds``.
+``numbers``, ``stages`` (``coarse``, ``twin``, ``fine``, ``finest``), ``done`` (pairs of number and
+stage that are left out), ``rows`` (where lines are added), ``now`` (which solve is under way) and
+``seconds`` (after which a solve hangs).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from random_coverage import wants_finest
 from random_rows import row_of
 
 from tests.random_kinds import draw_any
@@ -39,6 +41,8 @@ def work(job: dict[str, Any]) -> None:
             scene = of_stage(random, stage)
             if scene is None or (number, stage) in done:
                 continue
+            if stage == "finest" and not COMM.bcast(COMM.rank == 0 and wanted(job, number)):
+                continue
             given = {"number": number, "ranks": COMM.size, "stage": stage}
             given["has_twin"] = random.twin is not None
             if stage == "twin":
@@ -54,7 +58,14 @@ def of_stage(random: RandomScene, stage: str) -> RandomScene | None:
         return random
     if stage == "twin":
         return None if random.twin is None else _as_reference(random.twin.scene)
-    return _as_reference(random.refined())
+    finer = random.refined()
+    return _as_reference(finer.refined() if stage == "finest" else finer)
+
+
+def wanted(job: dict[str, Any], number: int) -> bool:
+    """Whether a third mesh tells more of a scene."""
+    lines = Path(job["rows"]).read_text(encoding="utf-8").splitlines()[1:]
+    return wants_finest(row for row in map(json.loads, lines) if row["number"] == number)
 
 
 def _as_reference(random: RandomScene) -> RandomScene:

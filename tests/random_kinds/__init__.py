@@ -5,7 +5,7 @@ from __future__ import annotations
 from tests.random_dice import SeededDice
 from tests.random_kinds.anisotropic import anisotropic
 from tests.random_kinds.arches import arch
-from tests.random_kinds.common import with_solver
+from tests.random_kinds.common import completed
 from tests.random_kinds.conformal import conformal
 from tests.random_kinds.corners import corner
 from tests.random_kinds.curved import curved
@@ -57,4 +57,4 @@ def draw_kind(name: str, seed: int, number: int) -> RandomScene:
         number: Of this one.
     """
     dice = SeededDice(seed, number)
-    return with_solver(dice, KINDS[name](dice))
+    return completed(dice, KINDS[name](dice))

@@ -7,26 +7,22 @@ from itertools import product
 
 import numpy as np
 
-from fenics_contact import Obstacle
+from fenics_contact import Contact, Material, Obstacle
+from tests.pair_bodies import Box
+from tests.random_dice import Dice, short
 from tests.random_kinds.common import (
     AXES,
     Array,
-    Box,
-    Contact,
-    Dice,
     Elements,
-    Material,
-    RandomScene,
     Turned,
-    Twin,
     cells_of,
     friction_of,
     held,
     made,
     modulus_of,
-    short,
     size_of,
 )
+from tests.random_scenes import RandomScene, Twin
 
 ELEMENTS = (
     Elements("plane strain", "quadrilateral", 2),

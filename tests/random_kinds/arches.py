@@ -7,22 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.random_kinds.common import (
-    PLANE,
-    Array,
-    Box,
-    Contact,
-    Dice,
-    Known,
-    Load,
-    Material,
-    RandomScene,
-    held,
-    made,
-    modulus_of,
-    short,
-    size_of,
-)
+from fenics_contact import Contact, Load, Material
+from tests.pair_bodies import Box
+from tests.random_dice import Dice, short
+from tests.random_kinds.common import PLANE, Array, held, made, modulus_of, size_of
+from tests.random_scenes import Known, RandomScene
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact import Contact, Discretisation, Load, Material, Scene, SolverSettings, Support
+from fenics_contact import (
+    Discretisation,
+    Material,
+    Point,
+    Scene,
+    SolverSettings,
+    Support,
+)
 from tests.pair_bodies import Box
-from tests.random_dice import Dice, short
+from tests.random_dice import Dice
 from tests.random_scenes import Known, RandomScene, Twin
 
 Array = NDArray[np.float64]
@@ -141,17 +148,18 @@ def made(
     )
 
 
-def with_solver(dice: Dice, random: RandomScene) -> RandomScene:
-    """Mostly with the automatic solver and strategy."""
+def completed(dice: Dice, random: RandomScene) -> RandomScene:
+    """With a solver, mostly the automatic one, and now and then a point whose way is asked for."""
     solvers = ["auto", "auto", "auto", "condensed", "full"]
     settings = SolverSettings(
         solver=dice.of(*solvers), strategy=dice.of(*["auto"] * 8, "lagged", "monolithic")
     )
-    return dataclasses.replace(random, scene=dataclasses.replace(random.scene, solver=settings))
+    points = (_inside(random),) if dice.chance(40) else ()
+    scene = dataclasses.replace(random.scene, solver=settings, point=points)
+    return dataclasses.replace(random, scene=scene)
 
 
-__all__ = [
-    "AXES", "AXIAL", "PLANE", "SPACE", "Array", "Box", "Contact", "Dice", "Elements", "Known",
-    "Load", "Material", "RandomScene", "Support", "Turned", "Twin", "cells_of", "friction_of",
-    "held", "made", "material_of", "modulus_of", "short", "size_of", "with_solver",
-]  # fmt: skip
+def _inside(random: RandomScene) -> Point:
+    """The middle of the first box."""
+    middle = np.add(random.parts[0].low, random.parts[0].high) / 2
+    return Point("inside", tuple(random.shape(middle[None])[0].tolist()))

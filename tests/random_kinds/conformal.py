@@ -6,21 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.random_kinds.common import (
-    Array,
-    Box,
-    Contact,
-    Dice,
-    Elements,
-    RandomScene,
-    Support,
-    friction_of,
-    held,
-    made,
-    material_of,
-    short,
-    size_of,
-)
+from fenics_contact import Contact, Support
+from tests.pair_bodies import Box
+from tests.random_dice import Dice, short
+from tests.random_kinds.common import Array, Elements, friction_of, held, made, material_of, size_of
+from tests.random_scenes import RandomScene
 
 ELEMENTS = (
     Elements("plane strain", "quadrilateral", 2),

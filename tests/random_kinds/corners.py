@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from fenics_contact import Obstacle
+from fenics_contact import Contact, Load, Obstacle
+from tests.pair_bodies import Box
+from tests.random_dice import Dice, short
 from tests.random_kinds.common import (
     AXES,
     PLANE,
     SPACE,
-    Box,
-    Contact,
-    Dice,
-    Known,
-    Load,
-    RandomScene,
     Turned,
     cells_of,
     friction_of,
     made,
     material_of,
-    short,
     size_of,
 )
+from tests.random_scenes import Known, RandomScene
 
 
 def corner(dice: Dice) -> RandomScene:

@@ -6,23 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fenics_contact import Obstacle
+from fenics_contact import Contact, Obstacle, Support
+from tests.pair_bodies import Box
+from tests.random_dice import Dice, short
 from tests.random_kinds.common import (
     AXES,
     Array,
-    Box,
-    Contact,
-    Dice,
     Elements,
-    RandomScene,
-    Support,
     friction_of,
     held,
     made,
     material_of,
-    short,
     size_of,
 )
+from tests.random_scenes import RandomScene
 
 ELEMENTS = (
     Elements("plane strain", "quadrilateral", 2, order=2),

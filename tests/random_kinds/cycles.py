@@ -5,28 +5,23 @@ from __future__ import annotations
 import dataclasses
 from math import pi
 
-from fenics_contact import Obstacle, Path, Steps
+from fenics_contact import Contact, Load, Obstacle, Path, Steps, Support
+from tests.pair_bodies import Box
+from tests.random_dice import Dice, short
 from tests.random_kinds.common import (
     AXES,
     AXIAL,
     PLANE,
     SPACE,
-    Box,
-    Contact,
-    Dice,
-    Known,
-    Load,
-    RandomScene,
-    Support,
     Turned,
     cells_of,
     friction_of,
     held,
     made,
     material_of,
-    short,
     size_of,
 )
+from tests.random_scenes import Known, RandomScene
 
 FROM_THE_START = Path((0,), (1,))
 

@@ -4,26 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
-from fenics_contact import Obstacle
+from fenics_contact import Contact, Obstacle
+from tests.pair_bodies import Box
 from tests.random_contacts import path_along
+from tests.random_dice import Dice, short
 from tests.random_kinds.common import (
     AXES,
     PLANE,
     SPACE,
-    Box,
-    Contact,
-    Dice,
-    Known,
-    RandomScene,
     Turned,
     cells_of,
     friction_of,
     held,
     made,
     material_of,
-    short,
     size_of,
 )
+from tests.random_scenes import Known, RandomScene
 
 
 def two_driven(dice: Dice) -> RandomScene:

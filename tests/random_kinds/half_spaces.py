@@ -5,23 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi, sqrt
 
-from fenics_contact import HalfSpace, Obstacle
-from tests.random_kinds.common import (
-    AXES,
-    Array,
-    Box,
-    Contact,
-    Dice,
-    Elements,
-    Known,
-    Material,
-    RandomScene,
-    friction_of,
-    made,
-    modulus_of,
-    short,
-    size_of,
-)
+from fenics_contact import Contact, HalfSpace, Material, Obstacle
+from tests.pair_bodies import Box
+from tests.random_dice import Dice, short
+from tests.random_kinds.common import AXES, Array, Elements, friction_of, made, modulus_of, size_of
+from tests.random_scenes import Known, RandomScene
 
 ELEMENTS = (
     Elements("axisymmetric", "quadrilateral", 2),

@@ -5,24 +5,21 @@ from __future__ import annotations
 import dataclasses
 from math import atan, cos, sin, tan
 
+from fenics_contact import Contact, Load
+from tests.pair_bodies import Box
+from tests.random_dice import Dice, short
 from tests.random_kinds.common import (
     AXES,
     PLANE,
     SPACE,
-    Box,
-    Contact,
-    Dice,
-    Known,
-    Load,
-    RandomScene,
     Turned,
     cells_of,
     held,
     made,
     material_of,
-    short,
     size_of,
 )
+from tests.random_scenes import Known, RandomScene
 
 
 def incline(dice: Dice) -> RandomScene:

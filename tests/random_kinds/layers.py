@@ -4,27 +4,22 @@ from __future__ import annotations
 
 import itertools
 
-from fenics_contact import Obstacle
+from fenics_contact import Contact, Material, Obstacle, Support
+from tests.pair_bodies import Box
+from tests.random_dice import Dice, short
 from tests.random_kinds.common import (
     AXES,
     PLANE,
     SPACE,
-    Box,
-    Contact,
-    Dice,
-    Known,
-    Material,
-    RandomScene,
-    Support,
     Turned,
     cells_of,
     friction_of,
     held,
     made,
     modulus_of,
-    short,
     size_of,
 )
+from tests.random_scenes import Known, RandomScene
 
 
 def layers(dice: Dice) -> RandomScene:

@@ -4,25 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 
-from fenics_contact import Obstacle, Steps
+from fenics_contact import Contact, Obstacle, Steps, Support
+from tests.pair_bodies import Box
+from tests.random_dice import Dice, short
 from tests.random_kinds.common import (
     AXES,
-    Box,
-    Contact,
-    Dice,
     Elements,
-    RandomScene,
-    Support,
     Turned,
-    Twin,
     cells_of,
     friction_of,
     held,
     made,
     material_of,
-    short,
     size_of,
 )
+from tests.random_scenes import RandomScene, Twin
 
 # Cells that are their own mirror images.
 ELEMENTS = (
