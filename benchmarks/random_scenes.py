@@ -22,7 +22,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from random_coverage import wants_finest
+from random_changes import wants_finest
 from random_pool import Job, Pool
 from random_summary import HEADING, failures, report, say, section
 

@@ -19,7 +19,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from random_coverage import wants_finest
+from random_changes import wants_finest
 from random_rows import row_of
 
 from tests.random_kinds import draw_any

@@ -4,6 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
+import ufl
+from dolfinx import fem
 from mpi4py import MPI
 
 from fenics_contact import SolverSettings
@@ -92,3 +94,15 @@ def test_all_kinds_come_in_turn():
     assert len({random.kind for random in found}) >= len(KINDS)
     finer = found[0].refined()
     assert finer.parts[0].cells == tuple(2 * count for count in found[0].parts[0].cells)
+
+
+def test_flat_cells_stay_where_they_are_when_they_are_halved():
+    random = tiny("arch", lambda random: random.order == 1)
+    volumes = [_volume(each.body()) for each in (random, random.refined())]
+    assert volumes[1] == pytest.approx(volumes[0], rel=1e-12)
+    curved = dataclasses.replace(random, order=2)
+    assert _volume(curved.refined().body()) > 1.0001 * volumes[0]
+
+
+def _volume(body):
+    return COMM.allreduce(fem.assemble_scalar(fem.form(1.0 * ufl.dx(body.mesh))))

@@ -52,7 +52,7 @@ def conformal(dice: Dice) -> RandomScene:
     most = 14 if elements.degree == 1 else 9
     pin = Box("pin", (-narrow, 0.5), (narrow, 1.0), (dice.whole(most // 2, most), 3))
     groove = Box("groove", (-wide, 2.0), (wide, 2.5), (dice.whole(most // 2, most) + 2, 3))
-    depth = length * dice.logarithmic(1e-4, 5e-3)
+    depth = length * dice.logarithmic(1e-3, 1e-2)
     moved = {"x": short(dice.of(0.0, 0.2, 0.5) * depth), "y": -short(depth)}
     contact = Contact(
         "pin.y1",

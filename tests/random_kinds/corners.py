@@ -60,7 +60,8 @@ def _from_above(dice: Dice, dimension: int, sides: tuple[float, ...], length: fl
     """A plane, or something round that touches beside the corner or on its edge."""
     at = dice.of(0.0, 0.1, 0.5)
     place = [at * sides[0], *(0.5 * side for side in sides[1:-1]), sides[-1]]
-    radius, depth = dice.between(0.5, 4.0) * length, dice.logarithmic(1e-3, 1e-2) * length
+    depth, half = dice.logarithmic(1e-3, 1e-2) * length, dice.between(0.2, 0.5) * length
+    radius = half**2 / (2 * depth)
     shape = dice.of("plane", "parabola" if dimension == 2 else "sphere")
     obstacle = Obstacle(
         shape,

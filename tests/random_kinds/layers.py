@@ -57,7 +57,8 @@ def layers(dice: Dice) -> RandomScene:
             Known("top.normal_force", _in_series(elements, heights, materials, depth, length)),
         )
     else:
-        radius = short(length * dice.between(0.5, 3.0))
+        half = length * dice.between(0.15, 0.4)
+        radius = short(half**2 / (2 * depth))
         shape = "parabola" if dimension == 2 else "paraboloid"
         obstacle = Obstacle(shape, radius=radius, position=(*middle, length * bottom))
         friction = friction_of(dice)
