@@ -86,10 +86,11 @@ def refinements(rows: Iterable[Row]) -> Iterator[Change]:
         fine = by_key.get((number, ranks, "fine"))
         if stage == "coarse" and fine and coarse["code"] == fine["code"] == 0:
             finest = by_key.get((number, ranks, "finest"))
-            edges = _edges_move(coarse, fine)
+            # The edge of a punch stays where it is, in whichever cell that is.
+            edges = coarse.get("edges") and (coarse.get("punch") or _edges_move(coarse, fine))
             for change in _changes(coarse, fine, "refined"):
-                if change.quantity.endswith("area") or edges:
-                    change = replace(change, causes=(EDGES,) * bool(coarse.get("edges")))
+                if edges or (change.quantity.endswith("area") and coarse.get("edges")):
+                    change = replace(change, causes=(EDGES,))
                 if finest and finest["code"] == 0 and change.name in finest["quantities"]:
                     change = _judged(change, coarse, fine, finest)
                 yield change

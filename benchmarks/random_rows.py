@@ -35,6 +35,7 @@ def row_of(random: RandomScene, outcome: Outcome) -> dict[str, Any]:
         "must_be": random.must_be,
         "known": [[known.name, known.value, known.size] for known in random.known],
         "code": outcome.code,
+        "punch": any(c.obstacle and "punch" in (c.obstacle.shape or "") for c in scene.contact),
         "finite": outcome.finite,
         "slips_and_sticks": outcome.mixed,
         "seconds": outcome.seconds,

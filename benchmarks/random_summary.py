@@ -171,8 +171,9 @@ cover, unless the run says that the quantity does not converge (and a third mesh
 one, does not contradict); changes below 1e-9 of the size are left out. Of {scenes} scenes, {finer}
 were answered on both meshes. {wrong} numbers were *wrong and passed*: off by more than 3 bars and
 by more than 1 %. {listed} more were, of which the cause is listed below: edges of what touches or
-sticks that lie inside cells (these areas move by more than 2 % with the mesh), or numbers that
-oscillate with the mesh (the third mesh takes back more than a quarter of the change).
+sticks that lie inside cells (these areas move by more than 2 % with the mesh, or the edge is that
+of a punch), or numbers that oscillate with the mesh (the third mesh takes back more than a quarter
+of the change).
 
 Cells of order 1 keep their polygon when they are halved; those of order 2 come nearer to the curve.
 """

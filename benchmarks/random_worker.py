@@ -14,6 +14,7 @@ import json
 import os
 import sys
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -22,13 +23,16 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from random_changes import wants_finest
 from random_rows import row_of
 
+from fenics_contact import Result
 from tests.random_kinds import draw_any
 from tests.random_outcomes import ANSWERED, Outcome, outcome_of
 from tests.random_scenes import RandomScene
+from tests.variational_inequality import normal_force
 
 from mpi4py import MPI  # isort: skip  (FEniCSx comes first)
 
 COMM = MPI.COMM_WORLD
+Solve = Callable[[RandomScene, MPI.Comm], Outcome]
 CRASHED = -1
 
 
@@ -45,9 +49,11 @@ def work(job: dict[str, Any]) -> None:
                 continue
             given = {"number": number, "ranks": COMM.size, "stage": stage}
             given["has_twin"] = random.twin is not None
+            solve = outcome_of
             if stage == "twin":
                 given["factors"] = dict(random.twin.factors)
-            row = solved(scene, given, job)
+                solve = exact_outcome if random.twin.exact else outcome_of
+            row = solved(scene, given, job, solve)
             if stage == "coarse" and row["code"] != ANSWERED:
                 break
 
@@ -73,13 +79,23 @@ def _as_reference(random: RandomScene) -> RandomScene:
     return dataclasses.replace(random, scene=dataclasses.replace(random.scene, solver=settings))
 
 
-def solved(random: RandomScene, given: dict[str, Any], job: dict[str, Any]) -> dict[str, Any]:
+def exact_outcome(random: RandomScene, comm: MPI.Comm) -> Outcome:
+    """Of the variational inequality, which has neither penalty nor any of the program's solvers."""
+    force = normal_force(random, random.body(comm))
+    quantities = {"normal_force": force}
+    result = Result("", True, "exact", {"solver": "exact", "dofs": 0}, [], quantities, [], {})
+    return Outcome(ANSWERED, "exact", 0.0, result=result)
+
+
+def solved(
+    random: RandomScene, given: dict[str, Any], job: dict[str, Any], solve: Solve = outcome_of
+) -> dict[str, Any]:
     """A row, which is written; collective."""
     if COMM.rank == 0:
         Path(job["now"]).write_text(json.dumps([given["number"], given["stage"]]), encoding="utf-8")
     faulthandler.dump_traceback_later(job["seconds"], exit=True)
     try:
-        outcome = outcome_of(random, COMM)
+        outcome = solve(random, COMM)
     except Exception:  # whatever it is, it is what is looked for
         if COMM.size > 1:
             traceback.print_exc()

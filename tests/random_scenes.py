@@ -144,10 +144,12 @@ class Twin:
     Attributes:
         scene: The other one.
         factors: Quantity → its value here over that of the other scene.
+        exact: Whether the other answer is that of ``variational_inequality``.
     """
 
     scene: RandomScene
     factors: Mapping[str, float]
+    exact: bool = False
 
 
 @st.composite

@@ -108,6 +108,8 @@ def test_edges_inside_cells_are_listed_by_themselves():
     assert not wrong(rows, listed=False) and len(wrong(rows, listed=True)) == 1
     rows[1]["quantities"]["contact_area"] = [[0.5], 0.2]
     assert len(wrong(rows, listed=False)) == 1
+    rows[0]["punch"] = True
+    assert not wrong(rows, listed=False)
 
 
 def test_a_section_takes_the_place_of_the_one_before(tmp_path):

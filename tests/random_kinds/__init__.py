@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 from tests.random_dice import SeededDice
 from tests.random_kinds.anisotropic import anisotropic
 from tests.random_kinds.arches import arch
@@ -11,6 +13,7 @@ from tests.random_kinds.corners import corner
 from tests.random_kinds.curved import curved
 from tests.random_kinds.cycles import cycle
 from tests.random_kinds.driven import two_driven
+from tests.random_kinds.frictionless import frictionless
 from tests.random_kinds.half_spaces import half_space
 from tests.random_kinds.inclines import incline
 from tests.random_kinds.layers import layers
@@ -31,6 +34,7 @@ KINDS = {
     "anisotropy": anisotropic,
     "order 2": curved,
     "cycles": cycle,
+    "frictionless": frictionless,
 }
 _OTHERS = 4  # one scene in so many is of the kinds of tests.random_scenes
 
@@ -43,9 +47,19 @@ def draw_any(seed: int, number: int) -> RandomScene:
         number: Of this one.
     """
     if number % _OTHERS == _OTHERS - 1:
-        return draw(seed, number)
+        return with_errors(draw(seed, number))
     turn = number - number // _OTHERS
-    return draw_kind(list(KINDS)[turn % len(KINDS)], seed, number)
+    return with_errors(draw_kind(list(KINDS)[turn % len(KINDS)], seed, number))
+
+
+def with_errors(random: RandomScene) -> RandomScene:
+    """All are estimated, with each solver.
+
+    Args:
+        random: The scene.
+    """
+    settings = dataclasses.replace(random.scene.solver, errors="all")
+    return dataclasses.replace(random, scene=dataclasses.replace(random.scene, solver=settings))
 
 
 def draw_kind(name: str, seed: int, number: int) -> RandomScene:
