@@ -25,7 +25,9 @@ _DERIVED = ("vertical", "vertical_reaction")
 _OSCILLATES, _CONVERGES = 0.25, 0.75
 # Edges of what touches or sticks lie inside cells where the areas move by this share.
 _MOVED = 0.02
-_ENDLESS = ("does not converge", "do not converge", "without bound", "infinite", "unbounded")
+# What a run says of quantities that no mesh brings to an end; of all, and of peaks that may be so.
+_ENDLESS = ("does not converge", "do not converge")
+_ALL_ENDLESS, _PERHAPS = "Only what loads alone decide", "grows with every refinement"
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,8 @@ class Change:
         bar: Of the coarse answer; None where it has none.
         size: What a share of is 1 %.
         against: ``refined``, ``twin`` or ``known``.
-        endless: Whether the run says that the quantity does not converge.
+        endless: Whether the quantity does not converge: ``yes`` if the run says so, ``perhaps`` if
+            it says that this may be, unless a third mesh tells.
         causes: What may have made the bar too short.
     """
 
@@ -51,7 +54,7 @@ class Change:
     bar: float | None
     size: float
     against: str = "refined"
-    endless: bool = False
+    endless: str = ""
     causes: tuple[str, ...] = ()
 
     @property
@@ -114,8 +117,7 @@ def wants_finest(rows: Iterable[Row]) -> bool:
     if any(row.get("kinematics") == "3D" for row in rows):
         return False
     return any(
-        change.endless or (change.bar is not None and not change.covered)
-        for change in refinements(rows)
+        not change.covered and (change.endless or change.bar) for change in refinements(rows)
     )
 
 
@@ -136,8 +138,8 @@ def _judged(change: Change, coarse: Row, fine: Row, finest: Row) -> Change:
     lengths = np.linalg.norm(before), np.linalg.norm(after)
     swings = before @ after < 0 and lengths[1] > _OSCILLATES * lengths[0]
     causes = (*change.causes, SWINGS) if swings else change.causes
-    endless = change.endless and lengths[1] > _CONVERGES * lengths[0]
-    return replace(change, causes=causes, endless=bool(endless))
+    grows = lengths[1] > _CONVERGES * lengths[0]
+    return replace(change, causes=causes, endless="yes" if change.endless and grows else "")
 
 
 def independent(rows: Iterable[Row]) -> Iterator[Change]:
@@ -202,11 +204,14 @@ def size_of(coarse: Row, name: str, found: np.ndarray, expected: np.ndarray) -> 
     return max(own, _NOTHING * sizes[kind]) if kind else own
 
 
-def _is_endless(coarse: Row, name: str) -> bool:
-    """Whether a sentence says that this quantity does not converge."""
+def _is_endless(coarse: Row, name: str) -> str:
+    """Whether a sentence says that this quantity does not converge: ``yes``, ``perhaps`` or no."""
     quantity = name.rsplit(".", 1)[-1]
-    words = (quantity, quantity.replace("_", " "))
-    return any(
-        any(word in note for word in words) and any(end in note for end in _ENDLESS)
-        for note in coarse.get("notes", [])
-    )
+    for note in coarse.get("notes", []):
+        if note.startswith(_ALL_ENDLESS):
+            return "yes"
+        if quantity.replace("_", " ") in note and any(end in note for end in _ENDLESS):
+            return "yes"
+        if quantity == "max_contact_pressure" and _PERHAPS in note:
+            return "perhaps"
+    return ""

@@ -30,7 +30,7 @@ class Coverage:
 
     def add(self, change: Change) -> None:
         """One more; without a bar it is not covered, unless it does not converge."""
-        if change.bar is None and change.endless:
+        if change.bar is None and change.endless == "yes":
             self.endless += 1
             return
         self.changes += 1

@@ -80,10 +80,10 @@ def quantities_of(result: Result) -> dict[str, list[Any]]:
 
 
 def _reactions(result: Result) -> list[tuple[str, Any, Any]]:
-    """Of each support, where there are several with different names."""
-    rows = [(s.get("name") or s["on"], s["reaction"], s.get("errors")) for s in result.supports]
-    names = [name for name, _, _ in rows]
-    return [row for row in rows if len(rows) > 1 and names.count(row[0]) == 1]
+    """Of the supports of each name, where there are several names."""
+    named = getattr(result, "reactions", {})
+    rows = [(name, of["reaction"], of.get("errors")) for name, of in named.items()]
+    return rows if len(rows) > 1 else []
 
 
 def _with_bars(prefix: str, quantities: Mapping[str, Any], errors: Any) -> dict[str, list[Any]]:

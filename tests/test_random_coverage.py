@@ -64,9 +64,19 @@ def test_a_missing_bar_is_not_covered():
 
 
 def test_what_does_not_converge_needs_no_bar():
-    notes = ["normal_force does not converge: ..."]
-    found = coverage(refined(1, 100.0, None, 102.0, notes=notes))["normal_force"]
-    assert (found.changes, found.endless) == (0, 1)
+    for note in ("normal force and reaction do not converge: ...", "Only what loads alone decide"):
+        found = coverage(refined(1, 100.0, None, 102.0, notes=[note]))["normal_force"]
+        assert (found.changes, found.endless) == (0, 1)
+
+
+def test_a_peak_that_may_grow_needs_a_third_mesh():
+    name = "max_contact_pressure"
+    notes = ["The largest contact pressure has no error bar: it grows with every refinement, as"]
+    rows = refined(1, 100.0, None, 110.0, name, notes=notes)
+    assert coverage(rows)[name].missing == 1
+    assert wants_finest(rows)
+    rows.append(row(1, "finest", **{name: (121.0, None)}))
+    assert coverage(rows)[name].endless == 1
 
 
 def test_round_off_is_left_out():
@@ -82,7 +92,7 @@ def test_vectors_count_by_the_length_of_the_difference():
 
 
 def test_a_third_mesh_tells_what_oscillates_and_what_does_converge():
-    notes = ["normal_force does not converge"]
+    notes = ["normal force does not converge"]
     growing = [
         *refined(1, 100.0, None, 110.0, notes=notes),
         row(1, "finest", normal_force=(119, None)),

@@ -95,7 +95,7 @@ def modulus_of(dice: Dice) -> float:
 
 def material_of(dice: Dice, **keys: Any) -> Material:
     """Isotropic, now and then nearly incompressible."""
-    return Material(modulus_of(dice), dice.of(0.0, 0.2, 0.3, 0.3, 0.3, 0.45, 0.499), **keys)
+    return Material(modulus_of(dice), dice.of(0.0, 0.2, *[0.3] * 8, 0.45, 0.499), **keys)
 
 
 def friction_of(dice: Dice, low: float = 0.05, high: float = 0.8) -> dict[str, Any]:
