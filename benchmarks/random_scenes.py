@@ -1,146 +1,128 @@
-"""Scenes at random: how many are solved, refused, not trusted.
+"""Scenes at random: how many are solved, refused, not trusted; how far their error bars cover.
 
-``python benchmarks/random_scenes.py [--number 500] [--first 0] [--seed 9] [--few] [--json FILE]``
+``python benchmarks/random_scenes.py [--number 500] [--first 0] [--seed 9] [--only N …] [--refine]
+[--ranks 1,2] [--jobs N] [--seconds 120] [--out FILE]``
 
-Also on several ranks. Scenes that are not trusted, that end without an answer, or that crash
-are printed as Python; ``--first N --number 1`` with the same seed and the same version of
-hypothesis solves one of them again.
+Not under ``mpirun``: it starts workers (``random_worker.py``) on one and on several ranks, which
+solve many scenes each and are replaced when they crash or hang. Every solve is a line of FILE; an
+interrupted run (Ctrl-C) goes on where it stopped when it is started again with the same FILE.
+``--refine`` solves each answered scene again with cells of half the size, and where bars are too
+short, in plane models, on a third mesh; ``--table docs/error_bars.md`` writes there what bars
+cover. ``--only N`` solves the scene of this number alone. Scenes of a number and seed stay the same
+with the same sources (those of ``tests.random_scenes``, one in four: and the same hypothesis).
 """
 
 from __future__ import annotations
 
 import argparse
-import faulthandler
 import json
+import signal
 import sys
-import traceback
-from collections import Counter
+import tempfile
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from random_changes import wants_finest
+from random_pool import Job, Pool
+from random_summary import HEADING, failures, report, say, section
 
-from fenics_contact import Result
-from tests.random_outcomes import ANSWERED, UNTRUSTED, Outcome, outcome_of
-from tests.random_scenes import RandomScene, draw
-
-from mpi4py import MPI  # isort: skip  (FEniCSx comes first)
-
-COMM = MPI.COMM_WORLD
-CRASHED = "crashed"
-NAMES = {
-    ANSWERED: "answered, all checks passed",
-    UNTRUSTED: "answered, a check failed",
-    2: "refused (input, no equilibrium)",
-    3: "not converged",
-    5: "machine",
-}
-SECONDS = 300  # after which a scene is said to hang
+REFERENCES = ("twin", "fine", "finest")
 
 
-def solve(seed: int, number: int, few: bool) -> dict[str, Any]:
-    """A row of results; collective."""
-    random = draw(seed, number, few_forms=few)
-    faulthandler.dump_traceback_later(SECONDS, exit=True)
-    try:
-        outcome = outcome_of(random, COMM)
-    except Exception:  # whatever it is, it is what is looked for
-        if COMM.size > 1:
-            raise  # other ranks may be waiting
-        outcome = Outcome(-1, traceback.format_exc(), 0.0)
-    faulthandler.cancel_dump_traceback_later()
-    row = row_of(number, random, outcome)
-    if COMM.rank == 0:
-        tell(row, random)
-    return row
-
-
-def row_of(number: int, random: RandomScene, outcome: Outcome) -> dict[str, Any]:
-    """What is kept of a scene."""
-    scene, result = random.scene, outcome.result
-    checks = {} if result is None else result.checks
-    return {
-        "number": number,
-        "kind": random.kind,
-        "kinematics": scene.kinematics,
-        "cell": f"{random.cell} degree {scene.discretisation.degree} order {random.order}",
-        "solver": scene.solver.solver if result is None else result.model["solver"],
-        "strategy": scene.solver.strategy,
-        "outcome": CRASHED if outcome.code < 0 else NAMES[outcome.code],
-        "finite": outcome.finite,
-        "slips_and_sticks": outcome.mixed,
-        "areas": {} if result is None else areas_of(result),
-        "seconds": outcome.seconds,
-        "checks": {name: check.value / check.limit for name, check in checks.items()},
-        "words": outcome.words,
-    }
-
-
-def areas_of(result: Result) -> dict[str, float]:
-    """Of all contacts, by status."""
-    points = result.points
-    if points is None:
-        return {}
-    of_status = ((name, points.status == name) for name in ("OPEN", "STICK", "SLIP"))
-    return {name: float(points.weights[chosen].sum()) for name, chosen in of_status}
-
-
-def tell(row: dict[str, Any], random: RandomScene) -> None:
-    """A line, and the whole scene where something is to be looked at."""
-    mark = "slips and sticks" if row["slips_and_sticks"] else ""
-    print(
-        f"{row['number']:5} {row['kind']:12} {row['kinematics']:13} {row['cell']:32} "
-        f"{row['seconds']:6.2f} s  {row['outcome']}; {mark}",
-        flush=True,
-    )
-    if row["outcome"] != NAMES[ANSWERED] or not row["finite"]:
-        failed = {name: round(share, 3) for name, share in row["checks"].items() if not share <= 1}
-        print(f"      {row['words']} {failed or ''}", flush=True)
-    if row["outcome"] in (CRASHED, NAMES[UNTRUSTED], NAMES[3]):
-        print(f"      {random!r}", flush=True)
-
-
-def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Counts over all scenes, and how near to its limit each check came."""
-    nearest: dict[str, float] = {}
-    for row in rows:
-        for name, share in row["checks"].items():
-            nearest[name] = max(nearest.get(name, 0.0), share)
-    solved = [row for row in rows if row["outcome"] in (NAMES[ANSWERED], NAMES[UNTRUSTED])]
-    return {
-        "scenes": len(rows),
-        "outcomes": dict(Counter(row["outcome"] for row in rows)),
-        "kinematics": dict(Counter(row["kinematics"] for row in rows)),
-        "kinds": dict(Counter(row["kind"] for row in rows)),
-        "solvers": dict(Counter(row["solver"] for row in rows)),
-        "slip_and_stick_at_once": sum(row["slips_and_sticks"] for row in rows),
-        "slip_and_stick_share_of_solved": sum(r["slips_and_sticks"] for r in solved)
-        / max(len(solved), 1),
-        "not_finite": sum(not row["finite"] for row in rows),
-        "longest_seconds": max(row["seconds"] for row in rows),
-        "seconds": sum(row["seconds"] for row in rows),
-        "nearest_to_failing_over_limit": dict(sorted(nearest.items(), key=lambda item: -item[1])),
-    }
-
-
-def main() -> int:
-    """Solve them, print what came out, and fail where a scene crashed or is not trusted."""
+def parsed() -> argparse.Namespace:
+    """What is asked for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--number", type=int, default=500, help="of scenes")
     parser.add_argument("--first", type=int, default=0, help="number of the first one")
+    parser.add_argument("--only", type=int, nargs="+", metavar="N", help="scenes of these numbers")
     parser.add_argument("--seed", type=int, default=9)
-    parser.add_argument("--few", action="store_true", help="few kinds of forms, as the tests")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
-    options = parser.parse_args()
-    numbers = range(options.first, options.first + options.number)
-    rows = [solve(options.seed, number, options.few) for number in numbers]
-    found = summary(rows)
-    if COMM.rank == 0:
-        print(json.dumps(found, indent=2))
-        if options.json:
-            content = {"seed": options.seed, "summary": found, "rows": rows}
-            options.json.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
-    return int(any(row["outcome"] in (CRASHED, NAMES[UNTRUSTED]) for row in rows))
+    parser.add_argument("--refine", action="store_true", help="solve again with cells of half")
+    parser.add_argument("--ranks", default="1", metavar="1,2", help="solve on each of these")
+    parser.add_argument("--jobs", type=int, default=1, help="processes at once")
+    parser.add_argument("--seconds", type=float, default=120, help="after which a solve hangs")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="of lines, one a solve; goes on")
+    parser.add_argument("--table", type=Path, metavar="FILE", help="of Markdown, gets the coverage")
+    return parser.parse_args()
+
+
+def main() -> int:
+    """Solve what FILE does not hold yet, say what came out, and fail where something is wrong."""
+    options = parsed()
+    ranks = [int(text) for text in options.ranks.split(",")]
+    numbers = options.only or list(range(options.first, options.first + options.number))
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with tempfile.TemporaryDirectory() as folder:
+        path = options.out or Path(folder) / "rows.jsonl"
+        if not begin(path, options.seed):
+            return 2
+        pool = Pool(path, Path(folder), options.seed, options.seconds, options.jobs, say)
+        stopped = False
+        try:
+            pool.run(jobs(read(path), numbers, ranks, options.refine))
+        except KeyboardInterrupt:
+            stopped = True
+        rows = [row for row in read(path) if row["number"] in set(numbers)]
+    print(report(rows))
+    if options.table:
+        write_section(options.table, section(rows, options.seed))
+    return 130 if stopped else int(bool(failures(rows)))
+
+
+def write_section(path: Path, text: str) -> None:
+    """Put a section at the end of a page, in place of the one that was there."""
+    before = path.read_text(encoding="utf-8") if path.exists() else ""
+    path.write_text(before.split(HEADING)[0].rstrip() + f"\n\n{text}\n", encoding="utf-8")
+
+
+def begin(path: Path, seed: int) -> bool:
+    """Make the file, or get it ready to go on with; False, with a sentence, if it is of another."""
+    if not path.exists() or not path.read_text(encoding="utf-8").strip():
+        path.write_text(json.dumps({"seed": seed}) + "\n", encoding="utf-8")
+        return True
+    text = path.read_text(encoding="utf-8")
+    whole = text[: text.rfind("\n") + 1]
+    if whole != text:  # cut off while it was written
+        path.write_text(whole, encoding="utf-8")
+    found = json.loads(whole.splitlines()[0]).get("seed")
+    if found != seed:
+        print(f"{path} holds scenes of seed {found}, not {seed}: name another file with --out")
+    return bool(found == seed)
+
+
+def read(path: Path) -> list[dict[str, Any]]:
+    """All rows so far."""
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()[1:]]
+
+
+def jobs(
+    rows: list[dict[str, Any]], numbers: list[int], ranks: list[int], refine: bool, size: int = 20
+) -> list[Job]:
+    """What is still to be solved, some scenes each; references on the first number of ranks."""
+    found = []
+    for count in ranks:
+        stages = ("coarse", *(REFERENCES if refine else REFERENCES[:1])) * (count == ranks[0])
+        stages = stages or ("coarse",)
+        done = {row["number"]: {} for row in rows}
+        for row in rows:
+            if row["ranks"] == count:
+                done[row["number"]][row["stage"]] = row
+        open_ones = [number for number in numbers if is_open(done.get(number, {}), stages)]
+        pairs = {(number, stage) for number, of in done.items() for stage in of}
+        for start in range(0, len(open_ones), size):
+            found.append(Job(count, open_ones[start : start + size], stages, pairs))
+    return found
+
+
+def is_open(done: dict[str, dict[str, Any]], stages: tuple[str, ...]) -> bool:
+    """Whether a solve of a scene is missing."""
+    if "coarse" not in done:
+        return True
+    if done["coarse"]["code"] != 0:
+        return False
+    needless = set() if done["coarse"].get("has_twin") else {"twin"}
+    if not wants_finest(done.values()):
+        needless.add("finest")
+    return any(stage not in done for stage in stages if stage not in needless)
 
 
 if __name__ == "__main__":

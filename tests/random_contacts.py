@@ -75,12 +75,12 @@ def path_along(dice: Dice) -> Path:
     return dice.of(*_ONE_WAY, Path((0, 0.5, 1), (0, 0, 1)), _THERE_AND_BACK)
 
 
-def _friction(dice: Dice, coefficient: float) -> dict:
+def friction(dice: Dice, coefficient: float) -> dict:
     law = dice.of("static", "incremental")
     return {"friction_coefficient": coefficient, "law": law}
 
 
-def _base(frame: Frame, **keys) -> Scene:
+def scene_of(frame: Frame, **keys) -> Scene:
     return Scene(
         kinematics=frame.kinematics, material=Material(frame.modulus, frame.poisson), **keys
     )
@@ -88,7 +88,7 @@ def _base(frame: Frame, **keys) -> Scene:
 
 def pressed(dice: Dice, frame: Frame, coefficient: float) -> Scene:
     """An obstacle is pressed onto the top of a body that is held below, and moved along it."""
-    obstacle, depth = _obstacle(dice, frame)
+    obstacle, depth = obstacle_on(dice, frame)
     slide = 0.0 if dice.chance(10) else dice.between(0.1, 0.9) * min(coefficient, 3.0) * depth
     if frame.axial:
         slide = 0.0
@@ -102,14 +102,14 @@ def pressed(dice: Dice, frame: Frame, coefficient: float) -> Scene:
     contact = Contact(
         f"body.{frame.normal}1",
         obstacle=dataclasses.replace(obstacle, **keys),
-        **_friction(dice, coefficient),
+        **friction(dice, coefficient),
     )
-    return _base(frame, support=_held(dice, frame), contact=(contact,))
+    return scene_of(frame, support=held_below(dice, frame), contact=(contact,))
 
 
 def frictionless_pressed(dice: Dice, frame: Frame, coefficient: float) -> Scene:
     """A plane or a parabola is pressed onto a flat top, without friction."""
-    return _base(
+    return scene_of(
         frame,
         support=(frame.clamp(f"body.{frame.normal}0"),),
         contact=(Contact(f"body.{frame.normal}1", obstacle=_smooth(dice, frame)[0]),),
@@ -118,7 +118,7 @@ def frictionless_pressed(dice: Dice, frame: Frame, coefficient: float) -> Scene:
 
 def _smooth(dice: Dice, frame: Frame) -> tuple[Obstacle, float]:
     """A plane or a parabola that is driven by an indentation."""
-    apex = frame.shape.place(*_top(frame))
+    apex = frame.shape.place(*middle_of_top(frame))
     apex = (0.0, *apex[1:]) if frame.axial else apex
     half = dice.between(0.2, 0.45) * frame.width
     radius = short(half * dice.between(4, 20))
@@ -131,7 +131,7 @@ def _smooth(dice: Dice, frame: Frame) -> tuple[Obstacle, float]:
     return Obstacle("paraboloid", radius=radius, **keys), depth
 
 
-def _top(frame: Frame) -> list[float]:
+def middle_of_top(frame: Frame) -> list[float]:
     """The middle of the top, among the boxes."""
     low, high = np.array(frame.shape.low), np.array(frame.shape.high)
     middle = (low + high) / 2
@@ -141,7 +141,7 @@ def _top(frame: Frame) -> list[float]:
     return middle.tolist()
 
 
-def _obstacle(dice: Dice, frame: Frame) -> tuple[Obstacle, float]:
+def obstacle_on(dice: Dice, frame: Frame) -> tuple[Obstacle, float]:
     """Of any shape, driven by an indentation or a force; and about how deep it goes."""
     width, hollow = frame.width, frame.shape.low[0] > 0
     if frame.axial:
@@ -156,7 +156,7 @@ def _obstacle(dice: Dice, frame: Frame) -> tuple[Obstacle, float]:
     depth = short(half**2 / (2 * radius))
     if shape == "gap":
         return _gap(dice, frame, depth), depth
-    keys: dict = {"position": frame.shape.place(*_top(frame))}
+    keys: dict = {"position": frame.shape.place(*middle_of_top(frame))}
     if frame.axial:
         keys["position"] = (0.0, *keys["position"][1:])
     if shape == "annular punch":
@@ -188,7 +188,7 @@ def _gap(dice: Dice, frame: Frame, depth: float) -> Obstacle:
     return Obstacle(gap=gap, indentation=depth, direction=down)
 
 
-def _held(dice: Dice, frame: Frame) -> tuple[Support, ...]:
+def held_below(dice: Dice, frame: Frame) -> tuple[Support, ...]:
     """From below: clamped, or on rollers with one side held as well."""
     below = f"body.{frame.normal}0"
     if frame.shape.turn or dice.chance(70):
@@ -201,30 +201,30 @@ def _held(dice: Dice, frame: Frame) -> tuple[Support, ...]:
 
 def prescribed(dice: Dice, frame: Frame, coefficient: float) -> Scene:
     """Friction under a given pressure; pulled along, held at the far end or below."""
-    pressure = _pressure(dice, frame)
+    pressure = pressure_for(dice, frame)
     height = frame.shape.high[-1] - frame.shape.low[-1]
     pull = dice.between(0.2, 1.2) * min(coefficient, 1.0) * pressure / min(height, 1.0)
     vector = frame.vector(short(pull), 0.0)
     held = f"body.{frame.normal}0" if frame.axial or dice.chance(25) else "body.x0"
     contact = Contact(
-        f"body.{frame.normal}1", pressure=pressure, **_friction(dice, coefficient or 0.3)
+        f"body.{frame.normal}1", pressure=pressure, **friction(dice, coefficient or 0.3)
     )
     load = Load("body.x1", traction=vector, path=path_along(dice))
-    return _base(frame, support=(frame.clamp(held),), load=(load,), contact=(contact,))
+    return scene_of(frame, support=(frame.clamp(held),), load=(load,), contact=(contact,))
 
 
-def _pressure(dice: Dice, frame: Frame) -> float:
+def pressure_for(dice: Dice, frame: Frame) -> float:
     return short(frame.modulus * dice.logarithmic(1e-5, 2e-2))
 
 
 def foundation(dice: Dice, frame: Frame, coefficient: float) -> Scene:
     """On springs that push and do not pull; loaded above on one side and from a side."""
-    pressure = _pressure(dice, frame)
+    pressure = pressure_for(dice, frame)
     stiffness = short(frame.modulus / frame.width * dice.logarithmic(0.05, 50))
     contact = Contact(
-        f"body.{frame.normal}0", foundation_stiffness=stiffness, **_friction(dice, coefficient)
+        f"body.{frame.normal}0", foundation_stiffness=stiffness, **friction(dice, coefficient)
     )
-    return _base(
+    return scene_of(
         frame,
         support=() if frame.axial else (_aside(frame),),
         load=(_weight(frame, pressure), *_shear(dice, frame, pressure * min(coefficient, 1.0))),
@@ -256,11 +256,11 @@ def _shear(dice: Dice, frame: Frame, most: float) -> tuple[Load, ...]:
 
 def floor(dice: Dice, frame: Frame, coefficient: float) -> Scene:
     """Stands on a floor, held by friction alone or by one side; pressed down and pushed."""
-    pressure = _pressure(dice, frame)
+    pressure = pressure_for(dice, frame)
     free = frame.axial or (coefficient > 0 and dice.chance(50))
     most = pressure * min(coefficient, frame.tips_at)
-    contact = Contact(f"body.{frame.normal}0", **_friction(dice, coefficient))
-    return _base(
+    contact = Contact(f"body.{frame.normal}0", **friction(dice, coefficient))
+    return scene_of(
         frame,
         support=() if free else (_aside(frame),),
         load=(_weight(frame, pressure), *_shear(dice, frame, most)),
@@ -275,7 +275,7 @@ def pair(dice: Dice, frame: Frame, coefficient: float) -> Scene:
         f"upper.{frame.normal}0",
         against=f"body.{frame.normal}1",
         slave=dice.of("auto", "auto", "on", "against"),
-        **_friction(dice, coefficient),
+        **friction(dice, coefficient),
     )
     depth = frame.width * dice.logarithmic(1e-4, 0.02)
     slide = 0.0 if frame.axial else dice.between(0.5, 5) * min(coefficient, 0.6) * depth
@@ -287,7 +287,7 @@ def pair(dice: Dice, frame: Frame, coefficient: float) -> Scene:
         load.append(Load(above, traction=frame.vector(0.0, -short(frame.modulus * depth))))
         moved = frame.vector(short(slide), 0.0)[:-1]
         support.append(Support(above, dict(zip(AXES, moved, strict=False)), path=path_along(dice)))
-    return _base(frame, support=tuple(support), load=tuple(load), contact=(contact,))
+    return scene_of(frame, support=tuple(support), load=tuple(load), contact=(contact,))
 
 
 def glued(dice: Dice, frame: Frame, coefficient: float) -> Scene:
@@ -300,26 +300,26 @@ def glued(dice: Dice, frame: Frame, coefficient: float) -> Scene:
 def impossible(dice: Dice, frame: Frame, coefficient: float) -> Scene:
     """Without equilibrium, or asking for what there is not."""
     side = f"body.{frame.normal}0"
-    pressure = _pressure(dice, frame)
+    pressure = pressure_for(dice, frame)
     lifted = (Load(f"body.{frame.normal}1", traction=frame.vector(0.0, pressure)),)
-    on_floor = Contact(side, **_friction(dice, coefficient))
+    on_floor = Contact(side, **friction(dice, coefficient))
     wrong = dice.of("lifted", "lying", "group", "pulled", "held", "none", "iterative")
     if wrong == "lifted":
-        return _base(frame, load=lifted, contact=(on_floor,))
+        return scene_of(frame, load=lifted, contact=(on_floor,))
     if wrong == "lying":  # nothing says where
-        return _base(frame, contact=(dataclasses.replace(on_floor, friction_coefficient=0.0),))
+        return scene_of(frame, contact=(dataclasses.replace(on_floor, friction_coefficient=0.0),))
     if wrong == "group":
-        return _base(frame, support=(frame.clamp("body.w0"),), contact=(on_floor,))
+        return scene_of(frame, support=(frame.clamp("body.w0"),), contact=(on_floor,))
     if wrong == "pulled":  # beyond what friction under a given pressure can hold
         above = Contact(f"body.{frame.normal}1", pressure=pressure, friction_coefficient=0.1)
         pull = Load(side, traction=frame.vector(pressure, pressure))
-        return _base(frame, load=(pull,), contact=(above,))
+        return scene_of(frame, load=(pull,), contact=(above,))
     if wrong == "held":
-        return _base(frame, load=lifted, contact=())
+        return scene_of(frame, load=lifted, contact=())
     if wrong == "none":
-        return _base(frame, support=(frame.clamp(side),), contact=(on_floor,))
+        return scene_of(frame, support=(frame.clamp(side),), contact=(on_floor,))
     return dataclasses.replace(
-        _base(frame, support=(frame.clamp(side),), load=lifted),
+        scene_of(frame, support=(frame.clamp(side),), load=lifted),
         material=(Material(frame.modulus, 0.4999),),
     )
 

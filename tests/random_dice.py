@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from hypothesis import strategies as st
 
 
@@ -45,3 +46,17 @@ class Dice:
 def short(value: float) -> float:
     """Rounded to four digits, so that it can be read."""
     return float(f"{value:.4g}")
+
+
+class SeededDice(Dice):
+    """The same from numbers of numpy, which depend on nothing but the seeds.
+
+    Args:
+        seeds: Whole numbers ≥ 0.
+    """
+
+    def __init__(self, *seeds: int) -> None:
+        self._numbers = np.random.default_rng(seeds)
+
+    def whole(self, low: int, high: int) -> int:
+        return int(self._numbers.integers(low, high + 1))

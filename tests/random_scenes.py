@@ -8,15 +8,18 @@ same version of hypothesis, whatever was drawn before.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import hypothesis
+import numpy as np
 from hypothesis import strategies as st
 from mpi4py import MPI
+from numpy.typing import NDArray
 
-from fenics_contact import Body, Discretisation, Scene, SolverSettings, Steps
+from fenics_contact import Body, Discretisation, Scene, SolverSettings, Steps, compat
 from tests.pair_bodies import Box, boxes
-from tests.random_bodies import Shape, parts_of, shape_of
+from tests.random_bodies import parts_of, shape_of
 from tests.random_contacts import KINDS, Frame, frictionless_pressed
 from tests.random_dice import Dice
 
@@ -51,23 +54,102 @@ class RandomScene:
         parts: Boxes of cells.
         cell: Shape of these.
         order: Of their geometry.
-        shape: What is made of the boxes.
+        shape: What is made of the boxes: a map of points, (points, axes) to (points, axes).
         kind: Of scene, in a word.
+        known: What statics or a formula say of the answer.
+        must_be: ``answered`` or ``refused``, where statics say so.
+        twin: Another scene with the same answer.
+        polygon: Boxes of coarser cells, of which those of these boxes are pieces.
     """
 
     scene: Scene
     parts: tuple[Box, ...]
     cell: str
     order: int
-    shape: Shape
+    shape: Callable[[NDArray[np.float64]], NDArray[np.float64]]
     kind: str
+    known: tuple[Known, ...] = ()
+    must_be: str = ""
+    twin: Twin | None = None
+    polygon: tuple[Box, ...] = ()
 
     def body(self, comm: MPI.Comm = MPI.COMM_WORLD) -> Body:
         """Its mesh, with the sides of each box named ``box.x0``, ``box.x1``, …; collective."""
         made = boxes(self.parts, self.cell, comm, self.order)
-        places = made.mesh.geometry.x
-        places[:, : len(self.shape.low)] = self.shape(places[:, : len(self.shape.low)])
+        places, dimension = made.mesh.geometry.x, self.scene.dimension
+        found = self.shape(places[:, :dimension])
+        for part in self.polygon:
+            mine = _nodes(made, made.groups[part.name].tags[0])
+            found[mine] = between_corners(self.shape, part, places[mine, :dimension])
+        places[:, :dimension] = found
         return made
+
+    def refined(self) -> RandomScene:
+        """The same with cells of half the size; flat ones stay where they are."""
+        finer = tuple(
+            dataclasses.replace(part, cells=tuple(2 * count for count in part.cells))
+            for part in self.parts
+        )
+        polygon = (self.polygon or self.parts) if self.order == 1 else ()
+        return dataclasses.replace(self, parts=finer, polygon=polygon)
+
+
+def _nodes(body: Body, tag: int) -> NDArray[np.int32]:
+    """Points of the geometry of all cells of a part, on this rank."""
+    cells = body.cell_tags.find(tag)
+    return np.unique(compat.geometry_nodes(body.mesh)[cells])
+
+
+def between_corners(shape, part: Box, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Where points of a box go if only the corners of its cells go where the shape says.
+
+    Args:
+        shape: Map of points.
+        part: The box.
+        points: Of the box, (points, axes).
+
+    Returns:
+        Linear between the corners, along each axis.
+    """
+    low, size = np.array(part.low), np.subtract(part.high, part.low)
+    counts = np.array(part.cells)
+    share = (points - low) / size * counts
+    first = np.clip(np.floor(share + 1e-9).astype(int), 0, counts - 1)
+    found = np.zeros_like(points)
+    for corner in np.ndindex(*(2,) * len(counts)):
+        weight = np.prod(np.where(corner, share - first, 1 - (share - first)), axis=1)
+        found += weight[:, None] * shape(low + (first + corner) / counts * size)
+    return found
+
+
+@dataclass(frozen=True)
+class Known:
+    """A quantity that statics or a formula give.
+
+    Attributes:
+        name: As in ``random_rows``: ``quantity``, or ``contact.quantity`` of one of several.
+        value: Vectors in the mesh's axes.
+        size: What an error is compared with, if larger than the value.
+    """
+
+    name: str
+    value: float | tuple[float, ...]
+    size: float = 0.0
+
+
+@dataclass(frozen=True)
+class Twin:
+    """Another scene with the same answer, but for factors.
+
+    Attributes:
+        scene: The other one.
+        factors: Quantity → its value here over that of the other scene.
+        exact: Whether the other answer is that of ``variational_inequality``.
+    """
+
+    scene: RandomScene
+    factors: Mapping[str, float]
+    exact: bool = False
 
 
 @st.composite

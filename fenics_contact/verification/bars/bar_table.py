@@ -41,6 +41,23 @@ which constants of the estimators were *chosen* count apart from those that *tes
 """
 
 
+# Of the part that benchmarks/random_scenes.py writes.
+_RANDOM = "## Scenes at random"
+
+
+def kept(before: str) -> str:
+    """What another program has written at the end of the page.
+
+    Args:
+        before: The page as it was.
+
+    >>> kept("# Error bars. ## Scenes at random. 500 of them.")[1:]
+    '## Scenes at random. 500 of them.'
+    """
+    _, heading, section = before.partition(_RANDOM)
+    return f"\n{heading}{section}" if heading else ""
+
+
 @dataclass(frozen=True)
 class Count:
     """What some rows say together.

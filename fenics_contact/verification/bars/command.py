@@ -108,7 +108,9 @@ def _write(outcomes: Sequence[BarOutcome], json_file: Path | None, table_file: P
         text = json.dumps(rows, indent=2, ensure_ascii=False) + "\n"
         replace_file(json_file, text.encode())
     if table_file is not None:
-        replace_file(table_file, bar_table.page(outcomes).encode())
+        before = table_file.read_text(encoding="utf-8") if table_file.exists() else ""
+        page = bar_table.page(outcomes) + bar_table.kept(before)
+        replace_file(table_file, page.encode())
 
 
 def _as_dict(row: Row) -> dict[str, Any]:
