@@ -137,7 +137,7 @@ class AdaptiveRun:
             except _UsedUpError as error:
                 return self._with_levels(last, str(error))
             except StoppedError:
-                raise
+                return self._interrupted(last)
             except FenicsContactError as error:
                 return self._with_levels(last, f"the next mesh failed: {error}")
             if not run.scene.steps.several and self.run.last is not None:
@@ -337,9 +337,12 @@ class AdaptiveRun:
         if last is None:
             return self._with_levels(result, "the first mesh has no answer")
         if result.interrupted:
-            found = self._with_levels(last, "the run was interrupted")
-            return dataclasses.replace(found, interrupted=True)
+            return self._interrupted(last)
         return self._with_levels(last, f"the next mesh has no answer: {result.verdict}")
+
+    def _interrupted(self, last: Result) -> Result:
+        found = self._with_levels(last, "the run was interrupted")
+        return dataclasses.replace(found, interrupted=True)
 
     def _with_levels(self, result: Result, reason: str) -> Result:
         words = not_reached(reason) if reason else reached(len(self.levels))

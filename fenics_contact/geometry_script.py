@@ -1,150 +1,337 @@
-"""Gmsh geometry scripts that a scene may use: those that only describe a geometry.
+"""Gmsh's geometry scripts that a scene may use: those that only make a geometry and its mesh.
 
-A ``.geo`` file is a program. It can start others, write files and read any, so the
-commands for that are refused before Gmsh sees the file. They are refused wherever the
-word stands, even in a comment or a text: what Gmsh skips depends on its conditionals,
-and a refusal that a trick gets round is none.
+A ``.geo`` file is a program. It can start others, write files and read any. What a script may
+say is listed in ``geometry_words``; the rest is refused before Gmsh sees it, and Gmsh is given
+the script as it was understood here (``geometry_tokens``).
 """
 
 from __future__ import annotations
 
 import re
-from pathlib import Path
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
 
-from fenics_contact.errors import InputError
+from fenics_contact import geometry_words as words
+from fenics_contact.geometry_tokens import ScriptError, Token, statements_of, tokens_of, written
 
-_COMMANDS = (
-    "System",
-    "SystemCall",
-    "NonBlockingSystemCall",
-    "OnelabRun",
-    "OnelabAction",
-    "Plugin",
-    "Save",
-    "Print",
-    "CreateDir",
-    "CreateDirectory",
-    "Open",
-    "MergeWithBoundingBox",
-    "ListFromFile",
-    "S2N",  # these two make a command of a text
-    "StringToName",
-    "Exit",
-    "Abort",
-)
-# A digit may stand before a command: Gmsh then sees a number and the command. A point
-# after it makes it a table of options, such as Print.Background.
-_COMMAND = re.compile(rf"(?<![A-Za-z_])(?:{'|'.join(_COMMANDS)})(?![A-Za-z0-9_]|\s*\.)")
-_PRINTF_TO_FILE = re.compile(r'Printf(?:"[^"]*"|[^";])*>')
-_COMMENT = re.compile(r'("[^"]*")|//[^\n]*|/\*.*?\*/', re.DOTALL)
-_READS = re.compile(r"(?<![A-Za-z_])(Include|Merge|MergeFile|ShapeFromFile)(?![A-Za-z0-9_])")
-_LITERAL = re.compile(r'\s*\(?\s*"([^"\n]*)"\s*\)?\s*[;\n]')
-_READABLE = (".geo", ".msh", ".step", ".stp", ".brep")
+_WRITES_MEMORY = re.compile(r"%[-+ #0-9.*'hlLqjzt]*n")
+_ASSIGNING = frozenset({"=", "+=", "-=", "*=", "/=", "++", "--"})
+_NAMING = frozenset({"Macro", "Function", "Call", "For", "Exists", "GetForced"})
+_SAYING = frozenset({"Printf", "Warning"})
+_FORMATTING = frozenset({"Error", "Sprintf"})
+_FOLDER_OF_SCRIPT = frozenset({"CurrentDirectory", "CurrentDir"})
+# Words that may follow a name directly.
+_AFTER_NAMES = frozenset({"In", "Using", "Knots", "Order", "Plane", "Field"})
+_DEFINING = frozenset({"DefineConstant", "DefineNumber", "DefineString"})
 
 
-def require_harmless(path: Path, key: str) -> None:
-    """Refuse a file whose scripts do more than describe a geometry.
 
-    Files that a script includes or merges are examined likewise, and must be in its
-    folder or below. With any file Gmsh also reads a script of options beside it.
+class FileRead(NamedTuple):
+    """A file that a script reads.
+
+    Attributes:
+        command: By which, such as ``Merge``.
+        name: As it stands there, one character a byte.
+        line: Of the command.
+    """
+
+    command: str
+    name: str
+    line: int
+
+
+class GeometryScript:
+    """A script that has been read, and understood as words and statements.
 
     Args:
-        path: The file.
-        key: The scene's key that names it, such as ``mesh.file``.
+        text: Its content.
 
     Raises:
-        InputError: Naming the file, the line and the command.
+        ScriptError: It is no script of Gmsh.
     """
-    folder = path.parent.resolve()
-    seen: set[Path] = set()
-    waiting = [path]
-    while waiting:
-        file = waiting.pop()
-        if file.resolve() in seen:
+
+    def __init__(self, text: str) -> None:
+        self._statements = list(statements_of(list(tokens_of(text))))
+
+    def defined(self) -> set[str]:
+        """Names of the variables and macros that it defines."""
+        return {name for statement in self._statements for name in _defined(statement)}
+
+    def files(self) -> Iterator[FileRead]:
+        """Files that it reads.
+
+        Raises:
+            ScriptError: A name is not given outright.
+        """
+        for statement in self._statements:
+            for number, token in enumerate(statement):
+                if token.kind == "word" and token.text in words.READS:
+                    yield _file_read(statement, number)[0]
+
+    def checked(self, defined: set[str], opened: Callable[[FileRead], str]) -> str:
+        """The script for Gmsh, once it is known to do nothing but make a geometry and its mesh.
+
+        Args:
+            defined: Names that it or one of the others read with it defines.
+            opened: The name of what Gmsh is to open in place of a file that the script reads.
+
+        Raises:
+            ScriptError: It does something else.
+        """
+        kept = []
+        for statement in self._statements:
+            if _Checker(statement, defined).is_of_use():
+                kept.append(_with_files(statement, opened))
+        return written(kept)
+
+
+def _defined(statement: Sequence[Token]) -> Iterator[str]:
+    """Names that a statement gives a value; or asks for, whether they have one."""
+    if statement[0].text in ("DefineConstant", "UndefineConstant"):
+        yield from _constants(statement)
+        return
+    for number, token in enumerate(statement):
+        before = statement[number - 1].text if number else ""
+        if token.kind != "word":
             continue
-        seen.add(file.resolve())
-        options = file.with_name(f"{file.name}.opt")
-        if options.is_file():
-            waiting.append(options)
-        if file.suffix == ".msh":
-            require_mesh(file, key)
-        elif file.suffix in (".geo", ".opt"):
-            text = _read(file, key)
-            _refuse_commands(file, text, key)
-            waiting += _files_read(file, text, folder, key)
+        if before in _NAMING or (before == "(" and statement[number - 2].text in _NAMING):
+            yield token.text
+        elif number == 0 and _operator(statement) in _ASSIGNING:
+            yield token.text
+        elif number + 1 < len(statement) and statement[number + 1].text in ("++", "--"):
+            yield token.text
 
 
-def require_mesh(path: Path, key: str) -> int:
-    """Refuse a ``.msh`` that does not start as one: Gmsh would run it as a script.
+def _constants(statement: Sequence[Token]) -> Iterator[str]:
+    depth = 0
+    for number, token in enumerate(statement):
+        before = statement[number - 1]
+        if token.kind == "word" and depth == 1 and (before.text in "[," or before.kind != "sign"):
+            yield token.text
+        if token.kind == "word" and depth == 1 and before.text in "})":
+            yield token.text  # Gmsh needs no comma between two
+        depth += (token.text in "([{") - (token.text in ")]}")
+
+
+def _operator(statement: Sequence[Token]) -> str:
+    """The sign after the name, and its index, with which a statement begins."""
+    depth = 0
+    for token in statement[1:]:
+        if token.kind == "sign" and token.text in "([{":
+            depth += 1
+        elif token.kind == "sign" and token.text in ")]}":
+            depth -= 1
+        elif depth == 0 and token.text != "~":
+            return token.text if token.kind == "sign" else ""
+    return ""
+
+
+def _file_read(statement: Sequence[Token], number: int) -> tuple[FileRead, int]:
+    """The file that a command reads, and where the expression of its name ends.
+
+    ``"name"``, or ``StrCat(CurrentDirectory, "name")``, which is the same.
+    """
+    command = statement[number]
+    rest = statement[number + 1 :]
+    brackets = [token.text for token in rest[:1]] == ["("]
+    rest = rest[1:] if brackets else rest
+    skipped = 0
+    said = [token.text for token in rest[:4]]
+    if len(said) == 4 and said[0] == "StrCat" and said[2] in _FOLDER_OF_SCRIPT and said[3] == ",":
+        skipped, rest = 4, rest[4:]
+    closing = 1 if skipped else 0
+    if not rest or rest[0].kind != "text" or any(t.text not in ")]" for t in rest[1 : 1 + closing]):
+        raise ScriptError(
+            command.line,
+            f"'{command.text}' must be followed by the name of a file in quotes, and by nothing else",
+            is_forbidden=True,
+        )
+    found = FileRead(command.text, rest[0].content, command.line)
+    return found, number + 1 + brackets + skipped + 1 + closing
+
+
+def _with_files(statement: Sequence[Token], opened: Callable[[FileRead], str]) -> list[Token]:
+    """The statement with the names of files that Gmsh is to open."""
+    found: list[Token] = []
+    number = 0
+    while number < len(statement):
+        token = statement[number]
+        found.append(token)
+        number += 1
+        if token.kind == "word" and token.text in words.READS:
+            file, end = _file_read(statement, number - 1)
+            if statement[number].text == "(":
+                found.append(statement[number])
+            found.append(Token("text", f'"{opened(file)}"', token.line))
+            number = end
+    return found
+
+
+class _Checker:
+    """Examines one statement.
 
     Args:
-        path: The file.
-        key: The scene's key that names it.
-
-    Returns:
-        The format's major version.
+        statement: Its tokens, at least one.
+        defined: Names of variables and macros.
     """
-    try:
-        with path.open("rb") as file:
-            start = file.read(4096)
-    except OSError as error:
-        raise InputError(f"{key}: {path}: cannot be read: {error.strerror}") from None
-    found = re.match(rb"\s*\$MeshFormat\s+(\d+)\.?\d*\s+[01]\s+\d+", start)
-    if found is None or int(found[1]) not in (2, 4):
-        raise InputError(
-            f"{key} = '{path}': does not start as a Gmsh mesh of version 2 or 4 does ($MeshFormat)"
+
+    def __init__(self, statement: Sequence[Token], defined: set[str]) -> None:
+        self._tokens, self._defined = statement, defined
+        self._first = statement[0].text
+        self._operator = _operator(statement)
+        self._is_view = self._first == "View" and self._kind(1) == "text"
+
+    def is_of_use(self) -> bool:
+        """Whether Gmsh is to have it: whether it is more than a message or an option of display.
+
+        Raises:
+            ScriptError: It is not allowed.
+        """
+        self._require_start()
+        for number, token in enumerate(self._tokens):
+            if token.kind == "word":
+                self._require_word(number)
+            elif token.kind == "text":
+                self._require_text(number)
+        if self._first in _SAYING or self._first == "Error":
+            self._require_no_file()
+        if self._first == "Field":
+            self._require_field()
+        return self._first not in _SAYING and not self._is_display()
+
+    def _text(self, number: int) -> str:
+        return self._tokens[number].text if 0 <= number < len(self._tokens) else ""
+
+    def _kind(self, number: int) -> str:
+        return self._tokens[number].kind if 0 <= number < len(self._tokens) else ""
+
+    def _refusal(self, number: int, why: str) -> ScriptError:
+        token = self._tokens[min(number, len(self._tokens) - 1)]
+        return ScriptError(token.line, f"'{token.text}' {why}", is_forbidden=True)
+
+    def _require_start(self) -> None:
+        """A statement is one of Gmsh's own, an assignment or a command of those allowed."""
+        second, third = self._text(1), self._text(2)
+        is_allowed = self._kind(0) == "word" and (
+            self._first in words.KEYWORDS | words.OF_SHAPES | words.READS
+            or self._is_view
+            or self._is_display()
+            or (self._first in words.COMMANDS and self._kind(1) in ("number", "word"))
+            or (self._first in words.OPTIONS and second == ".")
+            or (self._first in words.FIELD_ROLES and second == "Field")
+            or (self._first, second, third) == ("Background", "Mesh", "View")
+            or self._operator in _ASSIGNING
         )
-    return int(found[1])
+        if not is_allowed:
+            raise self._refusal(0, "is no statement that makes a geometry or its mesh")
 
+    def _require_word(self, number: int) -> None:
+        """A word is one of those allowed, and stands where it means nothing else."""
+        word, before = self._text(number), self._text(number - 1)
+        if word in words.FORBIDDEN:
+            raise self._refusal(number, "is not allowed")
+        if before == "." and number > 0:
+            return  # of an option, which is looked at before the point
+        if word in words.KEYWORDS:
+            self._require_keyword(number)
+        elif self._text(number + 1) == ".":
+            self._require_option(number)
+        elif not (self._is_display() or self._is_special(number)):
+            if word not in self._defined | words.NUMBERS and before != "Color":
+                raise self._refusal(number, "is neither defined nor a word that makes a geometry")
+            if not self._stands_alone(number):
+                raise self._refusal(number, f"before {self._text(number + 1)} is not allowed")
 
-def _read(script: Path, key: str) -> str:
-    try:
-        return script.read_bytes().decode("latin-1")  # as Gmsh: commands are ASCII
-    except OSError as error:
-        raise InputError(f"{key}: {script}: cannot be read: {error.strerror}") from None
+    def _require_keyword(self, number: int) -> None:
+        word = self._text(number)
+        if word in words.STATEMENTS and number > 0:
+            raise self._refusal(number, "must begin a statement")
+        is_format = self._kind(number + 2) == "text" and self._text(number + 3) in (",", ")", "]")
+        if word in _FORMATTING and not is_format:
+            raise self._refusal(number, "must be followed by a text in quotes")
 
+    def _require_text(self, number: int) -> None:
+        if _WRITES_MEMORY.search(self._tokens[number].content):
+            raise self._refusal(number, "is a format that writes into the memory")
+        if self._is_display():
+            raise self._refusal(number, "is a text, to which no option of display may be set")
 
-def _refuse_commands(script: Path, text: str, key: str) -> None:
-    found = _COMMAND.search(text)
-    if found is not None:
-        raise InputError(
-            f"{key}: {_line(script, text, found)}: the word '{found[0]}' is not allowed, not "
-            "even in a comment; a scene's geometry may not run programs nor write files"
+    def _require_option(self, number: int) -> None:
+        """Options: of geometry and meshes; of display only the size of the model may be read."""
+        option = f"{self._text(number)}.{self._text(number + 2)}"
+        if self._text(number) not in words.OPTIONS:
+            if not (self._is_display() or words.READABLE_OPTION.fullmatch(option)):
+                raise self._refusal(number, "has no option of a geometry or a mesh")
+        elif number == 0 and option not in words.TEXT_OPTIONS and not self._is_display():
+            for value in range(3, len(self._tokens)):
+                if self._kind(value) == "text" or self._text(value) in words.TEXT_FUNCTIONS:
+                    raise self._refusal(value, f"is a text, to which {option} may not be set")
+
+    def _is_display(self) -> bool:
+        """Whether the statement sets how Gmsh shows things."""
+        if self._first in words.DISPLAY_OPTIONS and not self._is_view:
+            return self._operator == "."
+        return (
+            self._first in words.OPTIONS
+            and self._text(1) == "."
+            and self._text(2) in ("Color", "ColorTable")
         )
-    for version in (text, _COMMENT.sub(lambda match: match[1] or " ", text)):
-        found = _PRINTF_TO_FILE.search(version)
-        if found is not None:
-            raise InputError(
-                f"{key}: {script}: Printf(…) > is not allowed; "
-                "a scene's geometry may not write files"
-            )
+
+    def _is_special(self, number: int) -> bool:
+        """Whether a word that is none of Gmsh's keywords has a meaning where it stands."""
+        word, before, after = (self._text(n) for n in (number, number - 1, number + 1))
+        if number == 0 and self._operator not in _ASSIGNING:
+            return word not in self._defined  # which has been found to be an allowed start
+        return (
+            (before, word) in words.PHRASES
+            or (word in words.OF_SHAPES and after == "{")
+            or (self._first == "Transfinite" and word in words.ARRANGEMENTS and after == ";")
+            or (self._is_view and words.VIEW_ELEMENT.fullmatch(word) is not None and after == "(")
+            or (word in words.READS and self._kind(number + 2) == "text")
+            or (self._first == "Field" and before == "=")
+            or self._is_attribute(number)
+        )
+
+    def _is_attribute(self, number: int) -> bool:
+        """Whether it describes a constant: ``Name "…"``, after a comma within braces."""
+        is_constant = any(token.text in _DEFINING for token in self._tokens[:number])
+        follows = self._text(number - 1) in (",", "[", "(")
+        return is_constant and follows and self._text(number) in words.ATTRIBUTES
+
+    def _stands_alone(self, number: int) -> bool:
+        """Whether no command can be meant: no value follows directly."""
+        following, kind = self._text(number + 1), self._kind(number + 1)
+        if kind in ("number", "text"):
+            return False
+        if kind == "word":
+            is_next_constant = self._first == "DefineConstant" and following not in words.KEYWORDS
+            return is_next_constant or following in _AFTER_NAMES
+        return following not in ("(", "[") or self._kind(number + 2) != "text"
+
+    def _require_no_file(self) -> None:
+        """``Printf(…);`` and not ``Printf(…) > "file";``."""
+        closed = _closing(self._tokens, 1)
+        if self._text(1) != "(" or closed != len(self._tokens) - 2:
+            raise self._refusal(0, "may not write to a file")
+
+    def _require_field(self) -> None:
+        """``Field[…] = Type;`` or ``Field[…].Option = …;`` of those that are known."""
+        end = _closing(self._tokens, 1)
+        sign, name, after = (self._text(end + n) for n in (1, 2, 3))
+        if self._text(1) != "[" or sign not in ("=", "."):
+            raise self._refusal(0, "must be followed by [number] = … or by [number].…")
+        if sign == "=" and (name not in words.FIELDS or after != ";"):
+            raise self._refusal(end + 2, "is no type of field that is computed")
+        if sign == "." and (name not in words.FIELD_OPTIONS or after != "="):
+            raise self._refusal(end + 2, "is no option of such a field")
 
 
-def _files_read(script: Path, text: str, folder: Path, key: str) -> list[Path]:
-    """Files that a script reads; each must be named outright, and be in the folder."""
-    files = []
-    for found in _READS.finditer(text):
-        literal = _LITERAL.match(text, found.end())
-        where = _line(script, text, found)
-        if literal is None:
-            raise InputError(
-                f'{key}: {where}: {found[0]} must be followed by a file name, {found[0]} "…";, '
-                "not an expression, and may not stand in a comment"
-            )
-        # Gmsh takes a name from the file that reads it, and from the working folder.
-        file = script.parent / literal[1]
-        if Path(literal[1]).is_absolute() or not file.resolve().is_relative_to(folder):
-            raise InputError(
-                f'{key}: {where}: {found[0]} "{literal[1]}" is outside the folder of the '
-                "geometry, which it may not read"
-            )
-        if file.suffix not in _READABLE:
-            raise InputError(
-                f'{key}: {where}: {found[0]} "{literal[1]}" must end in {", ".join(_READABLE)}'
-            )
-        files.append(file)
-    return files
-
-
-def _line(script: Path, text: str, found: re.Match[str]) -> str:
-    return f"{script}, line {text.count(chr(10), 0, found.start()) + 1}"
+def _closing(tokens: Sequence[Token], start: int) -> int:
+    """Where the bracket that stands at ``start`` is closed."""
+    depth = 0
+    for number in range(start, len(tokens)):
+        if tokens[number].kind == "sign":
+            depth += (tokens[number].text in "([{") - (tokens[number].text in ")]}")
+        if depth == 0:
+            return number
+    return len(tokens) - 1

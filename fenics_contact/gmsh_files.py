@@ -6,35 +6,26 @@ raised on every rank. Then the cells are dealt out.
 
 from __future__ import annotations
 
-import io
-import json
 import re
-import signal
-import subprocess
-import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
-from fenics_contact import compat, mesh_arrays, mesh_join
+from fenics_contact import compat, gmsh_call, mesh_arrays, mesh_join
 from fenics_contact.errors import InputError
-from fenics_contact.geometry_script import require_harmless, require_mesh
 from fenics_contact.mesh import Body
 from fenics_contact.mesh_arrays import MeshArrays
+from fenics_contact.mesh_files import MeshFile, kind_of, mesh_file, prepared
 from fenics_contact.mesh_sizes import SizeField
 from fenics_contact.parallel import on_root
 from fenics_contact.scene import MeshSource
 
-_KINDS = {".geo": "geo", ".msh": "msh", ".step": "cad", ".stp": "cad", ".brep": "cad"}
-_CAD_FORMATS = {".step": "step", ".stp": "step", ".brep": "brep"}
-# Of reading a mesh that exists; meshing a geometry may take what it needs.
+# Of reading a mesh that exists; meshing a geometry may take what there is.
 _BASE_MEMORY, _MEMORY_PER_BYTE = 4 * 2**30, 100
-_BASE_SECONDS, _SECONDS_PER_BYTE = 60.0, 2e-6
 # Length units of STEP files by their SI prefix, as Gmsh calls them.
 _STEP_UNITS = {"$": "M", ".MILLI.": "MM", ".CENTI.": "CM", ".KILO.": "KM", ".MICRO.": "UM"}
 
@@ -110,7 +101,7 @@ def _load_all(
 
 def is_geometry(source: MeshSource) -> bool:
     """Whether it can be meshed with other sizes: whether it is no mesh already."""
-    return _KINDS.get(Path(source.file).suffix.lower()) in ("geo", "cad")
+    return kind_of(source.file) in ("geo", "cad")
 
 
 def _load(
@@ -125,20 +116,22 @@ def _load(
         sizes: Of its cells, if not those that it asks for.
         curved: As for ``load_body``.
     """
-    where = f"{key}.file = '{source.file}'"
-    path = Path(source.file)
-    if not path.is_file():
-        raise InputError(f"{where}: there is no such file")
-    suffix = path.suffix.lower()
-    if suffix not in _KINDS:
-        raise InputError(f"{where}: must end in {_either(_KINDS)}")
-    _check_settings(key, source, _KINDS[suffix])
-    job = _job(key, source, path, suffix, dimension)
-    if job["kind"] != "msh":
+    file = mesh_file(f"{key}.file", source.file)
+    _check_settings(key, source, file.kind)
+    job = _job(key, source, file, dimension)
+    if file.kind != "msh":
         job |= {"curved": curved, "sizes": sizes is not None}
     if sizes is not None:
         job["cell"] = sizes.cell
-    description, read = _run_gmsh(where, job, b"" if sizes is None else sizes.as_bytes())
+    memory = 0.0
+    if file.kind == "msh":
+        memory = _BASE_MEMORY + _MEMORY_PER_BYTE * file.path.stat().st_size
+    limits = gmsh_call.Limits(key, source.time_limit, memory)
+    with tempfile.TemporaryDirectory(prefix="fenics_contact_") as folder:
+        ready = prepared(file, Path(folder))
+        job |= {"file": str(ready.path), "version": ready.version, "folder": folder}
+        given = b"" if sizes is None else sizes.as_bytes()
+        description, read = gmsh_call.call(ready, job, given, limits)
     return mesh_arrays.build(read, description, source, dimension, key)
 
 
@@ -160,26 +153,22 @@ def _check_settings(key: str, source: MeshSource, kind: str) -> None:
         raise InputError(f"{key}.parameters: only .geo files have parameters, not '{source.file}'")
 
 
-def _job(key: str, source: MeshSource, path: Path, suffix: str, dimension: int) -> dict[str, Any]:
-    """What ``gmsh_process`` is to do."""
-    kind = _KINDS[suffix]
-    job: dict[str, Any] = {"key": key, "kind": kind, "file": source.file, "memory": 0}
+def _job(key: str, source: MeshSource, file: MeshFile, dimension: int) -> dict[str, Any]:
+    """What ``gmsh_process`` is to do, but for the files."""
+    job: dict[str, Any] = {"key": key, "kind": file.kind, "name": source.file}
     job["dimension"] = dimension
-    if kind != "cad":  # which is no script, and is read without Gmsh's way of opening files
-        require_harmless(path, f"{key}.file")
-    if kind == "msh":
-        memory = _BASE_MEMORY + _MEMORY_PER_BYTE * path.stat().st_size
-        return job | {"version": require_mesh(path, f"{key}.file"), "memory": memory}
+    if file.kind == "msh":
+        return job
     job |= {
         "cell": source.cell,
         "order": source.order,
         "size": source.size,
         "curvature": source.curvature,
     }
-    if kind == "geo":
+    if file.kind == "geo":
         return job | {"parameters": dict(source.parameters)}
-    form = _CAD_FORMATS[suffix]
-    return job | {"format": form, "unit": _step_unit(path) if form == "step" else ""}
+    unit = _step_unit(file.path) if file.form == "step" else ""
+    return job | {"format": file.form, "unit": unit}
 
 
 def _step_unit(path: Path) -> str:
@@ -190,49 +179,3 @@ def _step_unit(path: Path) -> str:
         return "INCH" if found[1].upper() == "INCH" else "FT"
     si = re.search(r"SI_UNIT\s*\(\s*(\$|\.\w+\.)\s*,\s*\.METRE\.\s*\)", text)
     return _STEP_UNITS.get(si[1], "") if si is not None else ""
-
-
-def _run_gmsh(
-    where: str, job: Mapping[str, Any], sizes: bytes
-) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Run ``gmsh_process`` on a job: the model's description and the mesh's arrays."""
-    program = Path(__file__).with_name("gmsh_process.py")
-    # -P: the modules of this package must not stand in for those that Gmsh's imports want.
-    command = [sys.executable, "-P", "-B", str(program), json.dumps(job)]
-    seconds = None
-    if job["kind"] == "msh":
-        seconds = _BASE_SECONDS + _SECONDS_PER_BYTE * Path(job["file"]).stat().st_size
-    try:
-        with tempfile.TemporaryFile() as file:  # unlike a pipe, it may be left unread
-            file.write(sizes)
-            file.seek(0)
-            done = subprocess.run(
-                command, stdin=file, capture_output=True, check=False, timeout=seconds
-            )
-    except subprocess.TimeoutExpired:
-        raise InputError(f"{where}: Gmsh cannot read it in {seconds:.0f} s; damaged?") from None
-    if done.returncode == -signal.SIGKILL:
-        raise MemoryError(f"{where}: Gmsh was killed, most likely for want of memory")
-    if done.returncode != 0 or not done.stdout:
-        raise InputError(f"{where}: Gmsh {_end(done)}; is the file damaged?")
-    with np.load(io.BytesIO(done.stdout), allow_pickle=False) as data:
-        arrays = dict(data)
-    description = json.loads(str(arrays.pop("description")))
-    if "refused" in description:
-        raise InputError(description["refused"])
-    if "gmsh" in description:
-        raise InputError(f"{where}: Gmsh says: {description['gmsh']}")
-    return description, arrays
-
-
-def _end(done: subprocess.CompletedProcess[bytes]) -> str:
-    """How a process ended that gave no mesh."""
-    if done.returncode < 0:
-        return f"crashed on it ({signal.Signals(-done.returncode).name})"
-    last = done.stderr.decode("utf-8", "replace").strip().splitlines()[-1:]
-    return f"gave no mesh ({' '.join(last) or 'it ended early'})"
-
-
-def _either(words: Mapping[str, str]) -> str:
-    *first, last = words
-    return f"{', '.join(first)} or {last}"

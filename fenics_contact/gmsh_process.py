@@ -1,10 +1,10 @@
 """The room for Gmsh: a program of its own, which meshes or reads one file.
 
-``fenics_contact.gmsh_files`` starts it with a job (JSON) as its argument, gives it sizes of
-cells by its standard input, if it has some, and reads the mesh as an ``.npz`` from its standard
-output. A damaged file can crash Gmsh, a geometry script can end the process or fill the memory:
-here that costs one process, not the run. It imports nothing of this package, whose import would
-start MPI.
+``fenics_contact.gmsh_call`` starts it with a job (JSON) and the number of a pipe as its arguments,
+gives it sizes of cells by its standard input, if it has some, and reads the mesh as an ``.npz`` from
+its standard output; on standard error Gmsh says how far it is. A damaged file can crash Gmsh, a
+geometry script can end the process or fill the memory: here that costs one process, not the run. It
+imports nothing of this package, whose import would start MPI.
 """
 
 import contextlib
@@ -13,9 +13,11 @@ import json
 import os
 import re
 import resource
+import shutil
 import signal
 import sys
 import tempfile
+import threading
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -58,9 +60,10 @@ def main() -> None:
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # Gmsh and OpenCASCADE print; standard output is for the mesh alone
     job = json.loads(sys.argv[1])
+    threading.Thread(target=_end_with, args=(int(sys.argv[2]), job["folder"]), daemon=True).start()
     _restrict(job)
     gmsh.initialize(readConfigFiles=False, interruptible=False)
-    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.option.setNumber("General.Terminal", 1)
     arrays: Arrays = {}
     try:
         _READERS[job["kind"]](job)
@@ -76,8 +79,18 @@ def main() -> None:
     output.close()
 
 
+def _end_with(pipe: int, folder: str) -> None:
+    """End when the run that started this process does: then its end of the pipe is closed."""
+    os.read(pipe, 1)
+    shutil.rmtree(folder, ignore_errors=True)
+    os._exit(1)
+
+
 def _restrict(job: Job) -> None:
-    """No file may grow from here on, and reading a mesh may not take all the memory."""
+    """No file may grow and no program may start from here on; memory has an end."""
+    # Should Gmsh be brought to start one, it finds none. The system lets root start processes.
+    os.environ["PATH"] = os.devnull
+    resource.setrlimit(resource.RLIMIT_NPROC, (0, 0))
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     # With sizes a file is to be written once the script has run, which cannot raise the limit.
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, _UNROLLED if job.get("sizes") else 0))
@@ -107,12 +120,12 @@ def _parts_share_groups() -> bool:
 
 
 def _mesh_script(job: Job) -> None:
-    key, parameters = job["key"], job["parameters"]
+    key, parameters, name_of_file = job["key"], job["parameters"], job["name"]
     known = _constants(job["file"]) if parameters else []
     for name, value in parameters.items():
         if name not in known:
             raise RefusedError(
-                f"{key}.parameters.{name} = {value:g}: {job['file']} defines no such constant; "
+                f"{key}.parameters.{name} = {value:g}: {name_of_file} defines no such constant; "
                 f"it has: {', '.join(known) or 'none'}"
             )
         gmsh.parser.setNumber(name, [value])
@@ -121,7 +134,7 @@ def _mesh_script(job: Job) -> None:
     for name, value in parameters.items():
         if list(gmsh.parser.getNumber(name)) != [value]:
             raise RefusedError(
-                f"{key}.parameters.{name} = {value:g}: {job['file']} overwrites it; "
+                f"{key}.parameters.{name} = {value:g}: {name_of_file} overwrites it; "
                 "let the file set it with DefineConstant"
             )
     _generate(job)
@@ -257,7 +270,7 @@ def _lift_constraints(job: Job) -> None:
     ]
     _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(dir=job["folder"]) as folder:
         unrolled, plain = Path(folder) / "all.geo_unrolled", Path(folder) / "plain.geo"
         gmsh.write(str(unrolled))
         lines = unrolled.read_text(encoding="latin-1").splitlines()
@@ -269,7 +282,7 @@ def _lift_constraints(job: Job) -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
     if [entity for entity in gmsh.model.getEntities() if entity[0] >= 1] != parts:
         raise RefusedError(
-            f"{job['key']}.file = '{job['file']}': holds more than a geometry, which cannot be "
+            f"{job['key']}.file = '{job['name']}': holds more than a geometry, which cannot be "
             "meshed with other sizes; leave out accuracy"
         )
     gmsh.model.removePhysicalGroups()

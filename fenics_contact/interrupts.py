@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 from types import FrameType, TracebackType
-from typing import Any
+from typing import Any, ClassVar
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _MESSAGE = b"\nfenics-contact: stopping at the last load step that is done; again to kill\n"
@@ -13,6 +13,8 @@ _MESSAGE = b"\nfenics-contact: stopping at the last load step that is done; agai
 
 class Interrupts:
     """While entered, signals only set a mark on this rank; handlers of before come back."""
+
+    entered: ClassVar[list[Interrupts]] = []
 
     def __init__(self) -> None:
         self._requested = False
@@ -25,6 +27,7 @@ class Interrupts:
     def __enter__(self) -> Interrupts:
         for number in _SIGNALS:
             self._before[number] = signal.signal(number, self._handle)
+        self.entered.append(self)
         return self
 
     def __exit__(
@@ -33,6 +36,7 @@ class Interrupts:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        self.entered.remove(self)
         for number, handler in self._before.items():
             signal.signal(number, handler)
 
@@ -42,3 +46,8 @@ class Interrupts:
             os.kill(os.getpid(), number)
         self._requested = True
         os.write(2, _MESSAGE)
+
+
+def requested() -> bool:
+    """Whether this rank was asked to stop, for what is called while it waits for something."""
+    return any(found.requested() for found in Interrupts.entered)

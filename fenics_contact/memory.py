@@ -27,6 +27,11 @@ _OWN_LIMITS = ((resource.RLIMIT_AS, 0, "ulimit -v"), (resource.RLIMIT_DATA, 5, "
 _Free = tuple[float, str]  # bytes, and what leaves no more
 
 
+def free_memory() -> float:
+    """Bytes free for this process, as far as known; within its container's limit and its own."""
+    return min([*_shared(), *_own()])[0]
+
+
 def free_memory_for(comm: MPI.Comm) -> float:
     """Bytes free for all ranks together, the least that every machine offers; collective.
 

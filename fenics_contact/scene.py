@@ -71,6 +71,10 @@ class MeshSource:
         Annotated[Integer, Field(ge=3)] | None,
         Field(description="cells along a full circle made from a geometry, for finer holes"),
     ] = None
+    time_limit: Annotated[
+        Positive,
+        Field(description="seconds that Gmsh may take to mesh or to read the file, each time"),
+    ] = 600.0
     groups: Annotated[
         Mapping[str, tuple[Integer, ...]],
         Field(
