@@ -17,7 +17,7 @@ from dolfinx import fem
 from dolfinx.mesh import compute_midpoints, exterior_facet_indices
 from numpy.typing import NDArray
 
-from fenics_contact import compat
+from fenics_contact import compat, form_cache
 from fenics_contact.bulk import ElasticBody
 from fenics_contact.parallel import largest, total
 from fenics_contact.solution import Solution
@@ -90,7 +90,7 @@ class SharedReactions:
         rule = {"quadrature_degree": spaces.bulk_degree}
         on = ufl.Measure("ds", mesh, subdomain_data=domains, metadata=rule)
         components = range(spaces.components)
-        return fem.form(
+        return form_cache.form(
             sum(
                 spaces.weight
                 * sum(stress[axis, j] * normal[j] for j in components)
