@@ -80,7 +80,8 @@ def nodes_of_entities(mesh: Any, dimension: int, entities: NDArray[np.int32]) ->
     mesh.topology.create_connectivity(dimension, mesh.topology.dim)
     mesh.topology.create_connectivity(mesh.topology.dim, dimension)
     found = dolfinx.mesh.entities_to_geometry(mesh, dimension, entities.astype(np.int32))
-    return np.asarray(found, dtype=np.int64).reshape(len(entities), -1)
+    found = np.asarray(found, dtype=np.int64)
+    return found.reshape(len(entities), found.size // max(len(entities), 1))  # also of none
 
 
 def input_nodes(mesh: Any) -> NDArray[np.int64]:

@@ -102,6 +102,8 @@ class Zones:
         facets = self._problem.body.entities(group)
         owned = facets[facets < mesh.topology.index_map(dimension).size_local]
         corners = mesh.geometry.x[compat.nodes_of_entities(mesh, dimension, owned)]
+        if len(owned) == 0:
+            return np.zeros((0, 3)), 0.0
         return corners.mean(axis=1), float(_areas(corners, dimension).sum())
 
     def _near(self, name: str, places: Array, area: float) -> Zone | None:
