@@ -27,7 +27,8 @@ _ALONG = 1e-11
 _ALONG_AT_MOST = 1e-9
 # Of a ray: what is less beside the other rays is round-off, and cannot be told from them.
 _DEPENDS = 1e-13
-_MAX_RAYS = 1000
+# Five bodies in space take 460, and some three times as many close to the limit.
+_MAX_RAYS = 10_000
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ def separation(load: Array, find_ray: FindRay) -> Separation | None:
 
 
 def separation_from(rays: Array, load: Array, size: float) -> Array | None:
-    """The motion that separates a load from a cone of few or many known rays.
+    """The motion that separates a load from a cone of known rays.
 
     Args:
         rays: Its rays, (rays, unknowns).

@@ -206,7 +206,6 @@ def _require_pressed(
     if loose.shape[1] == 0 or len(weights) == 0:
         return
     force, rows = rigid.force @ loose, closings @ loose
-
     found = on_root(problem.comm, lambda: _push(rows, weights, force, rigid.force_size))
     if found is not None:
         said, motion = found
