@@ -23,7 +23,11 @@ _COMPILED = {
 
 
 def tiny(name, wanted=lambda random: True):
-    """The first scene of a kind that is wanted and has such forms, on few cells."""
+    """The first scene of a kind that is wanted and has such forms, on few cells; on all ranks."""
+    return COMM.bcast(_tiny(name, wanted) if COMM.rank == 0 else None)
+
+
+def _tiny(name, wanted):
     number = 0
     while True:
         random = draw_kind(name, SEED, number)
