@@ -161,7 +161,13 @@ def scenes(draw, dimension: int, few_forms: bool = False, frictionless: bool = F
         few_forms: With few kinds of forms, for each is compiled for some seconds.
         frictionless: Pressed by a driven plane or parabola, without friction, a flat top.
     """
-    dice = Dice(draw)
+    return thrown(Dice(draw), dimension, few_forms, frictionless)
+
+
+def thrown(
+    dice: Dice, dimension: int, few_forms: bool = False, frictionless: bool = False
+) -> RandomScene:
+    """As ``scenes``, with any dice."""
     kind = "pressed" if frictionless else dice.of(*_SHARES)
     kinematics = "3D" if dimension == 3 else dice.of(*PLANE)
     if few_forms:

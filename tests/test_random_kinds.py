@@ -23,15 +23,19 @@ _COMPILED = {
 
 
 def tiny(name, wanted=lambda random: True):
-    """The first scene of a kind that is wanted and has such forms, on few cells."""
-    number = 0
-    while True:
+    """The first scene of a kind that is wanted and has such forms, on few cells; on all ranks."""
+    return COMM.bcast(_tiny(name, wanted) if COMM.rank == 0 else None)
+
+
+def _tiny(name, wanted):
+    for number in range(500):
         random = draw_kind(name, SEED, number)
         scene = random.scene
         forms = (scene.kinematics, random.cell, scene.discretisation.degree, random.order)
         if forms in _COMPILED and wanted(random):
             break
-        number += 1
+    else:
+        raise AssertionError(f"no {name} with forms that are compiled")
     parts = tuple(
         dataclasses.replace(part, cells=tuple(min(count, 4) for count in part.cells))
         for part in random.parts

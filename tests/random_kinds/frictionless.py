@@ -5,11 +5,11 @@ from __future__ import annotations
 import dataclasses
 
 from tests.random_dice import Dice
-from tests.random_scenes import RandomScene, Twin, draw
+from tests.random_scenes import RandomScene, Twin, thrown
 
 
 def frictionless(dice: Dice) -> RandomScene:
     """A plane or a parabola on a flat top, of ``tests.random_scenes``."""
-    random = draw(dice.whole(0, 10_000), dice.whole(0, 10_000), frictionless=True)
+    random = thrown(dice, dice.of(2, 2, 3), frictionless=True)
     random = dataclasses.replace(random, kind="frictionless")
     return dataclasses.replace(random, twin=Twin(random, {"normal_force": 1.0}, exact=True))
