@@ -39,7 +39,7 @@ def draw_history(folder: Path, result: dict[str, Any], far: tuple[str, ...] = ()
     drives = history.drives(contacts, far)[:_MOST_DRIVES]
     drawn = [_loops(history, drives, folder / "history_loops.png")] if drives else []
     if contacts:
-        drawn.append(_forces(history, contacts, folder / "history_forces.png"))
+        drawn.append(draw_forces(history, contacts, folder / "history_forces.png"))
         drawn.append(_areas(history, contacts, folder / "history_areas.png"))
     return [*drawn, _energies(history, folder / "history_energy.png")]
 
@@ -71,8 +71,14 @@ def _legend(panel: Any) -> None:
         panel.legend()
 
 
-def _forces(history: History, contacts: list[dict[str, Any]], path: Path) -> Picture:
-    """Normal forces, and below them what friction gives, one curve an axis that counts."""
+def draw_forces(history: History, contacts: list[dict[str, Any]], path: Path) -> Picture:
+    """Draw normal forces, and below them what friction gives, one curve an axis that counts.
+
+    Args:
+        history: Of the run.
+        contacts: Of ``result.json``.
+        path: PNG file to write.
+    """
     friction = list(_friction_curves(history, contacts))
     heights = [_HEIGHT] * (2 if friction else 1)
     figure, panels = _over_time("Forces on the body", heights, history)

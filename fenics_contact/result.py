@@ -181,7 +181,8 @@ class Result:
             and ``quantities`` of this contact alone.
         quantities: By name: resultants (force; vectors as lists, in the mesh's axes), areas,
             largest pressure (stress), lengths and energies. In plane models forces and areas are
-            per thickness, in axisymmetric ones of a full turn.
+            per thickness, in axisymmetric ones of a full turn. None where there is none, as of
+            the forces of several contacts together.
         steps: Of each load step: its time, iterations, history of the force imbalance (force), and
             quantities.
         checks: Name → check of the physics.
@@ -290,8 +291,9 @@ def branch_rows(branches: list[dict[str, Any]]) -> list[list[Any]]:
 def _of_branch(branch: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Name and value of each number, resultants of several contacts contact by contact."""
     for key in _OF_BRANCHES:
-        if key in OF_ONE_CONTACT and len(branch["contacts"]) > 1:
-            for contact in branch["contacts"]:
+        contacts = branch.get("contacts", [])
+        if key in OF_ONE_CONTACT and len(contacts) > 1:
+            for contact in contacts:
                 yield f"{key} of '{contact['name']}'", contact["quantities"][key]
         else:
             yield key, branch["quantities"][key]

@@ -116,7 +116,7 @@ def _override(data: dict[str, Any], setting: str) -> None:
         value = tomllib.loads(f"value = {text}")["value"]
     except (ValueError, RecursionError):
         value = text.strip()  # a bare word is a string
-    *tables, key = path.strip().split(".")
+    *tables, key = _keys(path.strip(), setting)
     target: Any = data
     for name in tables:
         if isinstance(target, list):
@@ -132,6 +132,21 @@ def _override(data: dict[str, Any], setting: str) -> None:
         target[key] = value
     else:
         raise InputError(f"--set {setting}: '{path.strip()}' is not a key of the scene")
+
+
+def _keys(path: str, setting: str) -> list[str]:
+    """Keys between dots; in quotes they may have dots themselves, as in TOML."""
+    if '"' not in path and "'" not in path:
+        return path.split(".")
+    try:
+        table = tomllib.loads(f"{path} = 0")
+    except (ValueError, RecursionError):
+        raise InputError(f"--set {setting}: write it as table.key=value") from None
+    keys = []
+    while isinstance(table, dict):
+        key, table = next(iter(table.items()))
+        keys.append(key)
+    return keys
 
 
 def _entry(entries: list[Any], name: str, setting: str) -> Any:

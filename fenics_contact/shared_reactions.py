@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx import fem
+from dolfinx.mesh import compute_midpoints, exterior_facet_indices
 from numpy.typing import NDArray
 
 from fenics_contact import compat
 from fenics_contact.bulk import ElasticBody
-from fenics_contact.parallel import total
+from fenics_contact.parallel import largest, total
 from fenics_contact.solution import Solution
 from fenics_contact.spaces import Spaces
 from fenics_contact.supports import AppliedSupport
@@ -27,6 +28,8 @@ Array = NDArray[np.float64]
 
 # Of what the stresses leave: as a part of it is shared, and the parts may be wrong in both ways.
 _SAFETY = 2.0
+# Of the largest radius, to which the middles of facets are on the axis of revolution.
+_ON_THE_AXIS = 1e-9
 
 
 class SharedReactions:
@@ -100,7 +103,7 @@ class SharedReactions:
     @property
     def are_none(self) -> bool:
         """Whether no rank has such dofs."""
-        return not any(self._forms)
+        return all(form is None for form in self._forms)
 
     def moved(self, needed: Array, solution: Solution) -> Array:
         """What each support's reaction is beyond that of dofs which count to the first.
@@ -170,9 +173,18 @@ def _own_facets(
 
 
 def _facets(support: AppliedSupport, axis: int, spaces: Spaces) -> NDArray[np.int32]:
-    """All facets of a support on the body's surface, none where it does not hold that axis."""
+    """This rank's facets of a support on the body's surface, none if it does not hold that axis.
+
+    Without those on the axis of revolution, which have no area.
+    """
+    mesh, dimension = spaces.body.mesh, spaces.body.dimension
     group = spaces.body.find(support.on)
     held = total(spaces.comm, int((support.dofs % spaces.components == axis).sum())) > 0
-    if group is None or group.dimension != spaces.body.dimension - 1 or not held:
+    if group is None or group.dimension != dimension - 1 or not held:
         return np.zeros(0, dtype=np.int32)
-    return spaces.body.entities(group)
+    mesh.topology.create_connectivity(dimension - 1, dimension)
+    facets = np.intersect1d(spaces.body.entities(group), exterior_facet_indices(mesh.topology))
+    if spaces.kinematics == "axisymmetric":
+        radii = compute_midpoints(mesh, dimension - 1, facets.astype(np.int32))[:, 0]
+        facets = facets[radii > _ON_THE_AXIS * largest(spaces.comm, spaces.coordinates[:, 0])]
+    return facets.astype(np.int32)

@@ -11,6 +11,7 @@ from mpi4py import MPI
 from fenics_contact import (
     Contact,
     Discretisation,
+    HalfSpace,
     Load,
     Material,
     MeshSource,
@@ -23,7 +24,8 @@ from fenics_contact import (
     Support,
     run,
 )
-from fenics_contact.history_pictures import draw_history
+from fenics_contact.history import History
+from fenics_contact.history_pictures import draw_forces
 from fenics_contact.report_tables import quantities_table
 from fenics_contact.result import QUANTITIES
 from fenics_contact.scene_values import Profile
@@ -243,8 +245,8 @@ def test_history_of_a_wall_all_around_is_of_its_pressure_integral(tmp_path):
     )
     pushed = dataclasses.replace(pushed, support=pushed.support[:1])
     result = json.loads(json.dumps(Run(pushed, MPI.COMM_SELF, body).solve().as_dict()))
-    pictures = {picture.path.name: picture for picture in draw_history(tmp_path, result)}
-    assert "∫ p dA" in pictures["history_forces.png"].caption
+    picture = draw_forces(History.of(result), result["contacts"], tmp_path / "forces.png")
+    assert "∫ p dA" in picture.caption
 
 
 def test_every_quantity_is_explained():
@@ -291,7 +293,7 @@ def test_radii_of_a_sphere_on_a_half_space(coefficient, stick):
 def sphere(coefficient, gap=None):
     shape = {"shape": "paraboloid", "radius": 8, "indentation": 1}
     if gap is not None:
-        shape = {"gap": gap, "indentation": 1, "direction": (0, -1)}
+        shape = {"gap": gap, "indentation": 1, "direction": (0, -1), "position": (0, 0)}
     return Scene(
         kinematics="axisymmetric",
         mesh=MeshSource(
@@ -301,7 +303,7 @@ def sphere(coefficient, gap=None):
         ),
         material=Material(1000, 0.3),
         symmetry=("axis",),
-        support=(Support("outer", {"x": 0, "y": 0}),),
+        half_space=HalfSpace(("outer",)),
         contact=(Contact("contact", obstacle=Obstacle(**shape), friction_coefficient=coefficient),),
         solver=SILENT,
     )

@@ -195,4 +195,5 @@ def test_cylinder_in_a_bore(obstacle):
     result = run(scene, MPI.COMM_WORLD, box_body((4, 4), (1, 1)))
     pressure = 1000 / (1.3 * 0.4) * (0.002 if obstacle else 0.3 * 0.01)
     assert result.passed
-    assert result.quantities["normal_force"] == pytest.approx(2 * np.pi * pressure, rel=1e-3)
+    assert result.quantities["pressure_integral"] == pytest.approx(2 * np.pi * pressure, rel=1e-3)
+    assert result.quantities["normal_force"] is None  # it pushes all around

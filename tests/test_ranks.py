@@ -32,9 +32,13 @@ COMM = MPI.COMM_WORLD
 
 
 def assert_same(alone, together):
-    for key, value in alone.quantities.items():
-        digits = 1e-8 if key == "max_contact_pressure" else 1e-9  # see below
-        assert together.quantities[key] == pytest.approx(value, rel=digits, abs=1e-9), key
+    pairs = zip(alone.contacts, together.contacts, strict=True)
+    of_contacts = [(one["quantities"], other["quantities"]) for one, other in pairs]
+    for one, other in [(alone.quantities, together.quantities), *of_contacts]:
+        assert [key for key in one if one[key] is None] == [k for k in other if other[k] is None]
+        for key in (key for key in one if one[key] is not None):
+            digits = 1e-8 if key == "max_contact_pressure" else 1e-9  # see below
+            assert other[key] == pytest.approx(one[key], rel=digits, abs=1e-9), key
     for name in ("coordinates", "normals", "friction_traction", "slip", "weights"):
         first, second = getattr(alone.points, name), getattr(together.points, name)
         assert np.abs(first - second).max() <= 1e-9 * max(1.0, np.abs(first).max()), name

@@ -127,6 +127,8 @@ def test_overrides_replace_and_add_values(folder):
     assert scene.solver.tolerance == 1e-8
     assert scene.title == "A title"
     assert isinstance(scene.contact[0].pressure, Profile)
+    for key in ("accuracy.top.normal_force", 'accuracy."top.normal_force"'):
+        assert load_scene(path, [f"{key}=1e-2"]).accuracy.of == {"top.normal_force": 0.01}
 
 
 @pytest.mark.parametrize(
@@ -138,6 +140,7 @@ def test_overrides_replace_and_add_values(folder):
         "contact.x.pressure=1",
         "contact.².pressure=1",
         "title.a.b=1",
+        'accuracy."top.normal_force=1e-2',
     ],
 )
 def test_bad_overrides_are_named(folder, setting):

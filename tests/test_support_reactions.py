@@ -87,6 +87,29 @@ def test_supports_that_meet_in_space_have_their_own_parts():
     assert reactions["y1"] == pytest.approx([0, -sideways, 0], abs=1e-9)
 
 
+@pytest.mark.parametrize("on_axis", [{"x": 0}, {"x": 0, "y": lambda x: -0.01 * x[1]}])
+def test_supports_that_meet_on_the_axis_of_revolution(on_axis):
+    """A cylinder under e_y = −.01: all of y is the floor's, and nothing of it that of the axis."""
+    strain, size = 0.01, 1000 * 0.7 / (1.3 * 0.4)
+    scene = Scene(
+        kinematics="axisymmetric",
+        material=Material(1000, 0.3),
+        support=(
+            Support("x0", on_axis, name="axis"),
+            Support("y0", {"x": 0, "y": 0}, name="floor"),
+            Support("x1", {"x": 0, "y": lambda x: -strain * x[1]}, name="wall"),
+            Support("y1", {"x": 0, "y": -strain}, name="lid"),
+        ),
+        solver=SolverSettings(errors="none"),
+    )
+    found = run(scene, COMM, box_body((4, 3), (2, 1)))
+    reactions = {name: row["reaction"] for name, row in found.reactions.items()}
+    assert reactions["floor"] == pytest.approx([0, size * strain * 4 * np.pi])
+    assert reactions["lid"] == pytest.approx([0, -size * strain * 4 * np.pi])
+    assert reactions["wall"] == pytest.approx([0, 0], abs=1e-9)
+    assert reactions["axis"] == pytest.approx([0, 0], abs=1e-9)
+
+
 def test_dofs_that_one_holds_without_facets_count_to_the_first():
     """All cells are held along x, the floor as well: what the walls bear is the body's then."""
     first = (Support("body", {"x": 0}), Support("y0", {"x": 0, "y": 0}))
@@ -183,16 +206,17 @@ def test_meshes_are_made_for_reactions_and_points():
 
 @pytest.mark.errors
 def test_reactions_that_do_not_converge_have_no_bar():
-    """A lid that is pushed down beside fixed walls: where they meet, displacements jump."""
-    lid = Support("y1", {"y": -0.01}, name="lid")
-    walls = tuple(Support(side, {"x": 0, "y": 0}, name="wall") for side in ("x0", "x1"))
-    floor = Support("y0", {"y": 0}, name="floor")
-    scene = dataclasses.replace(confined(), support=(*walls, lid, floor))
+    """A wall pressed against the whole side of a block that is glued to its floor."""
+    floor, back = Support("y0", {"x": 0, "y": 0}, name="floor"), Support("x0", {"x": 0})
+    pressed = Contact("x1", obstacle=Obstacle("plane", indentation=0.01))
+    scene = dataclasses.replace(confined(pressed), support=(floor, back))
     found = run(scene, COMM, box_body((4, 4), (1, 1)))
     bars = {name: row["errors"]["reaction"]["total"] for name, row in found.reactions.items()}
-    assert bars["lid"] is None and bars["wall"] is None
-    assert bars["floor"] > 0
-    assert any("reaction of 'lid'" in note for note in found.error_notes)
-    asked = dataclasses.replace(scene, accuracy=Accuracy(of={"lid.reaction_y": 0.1}))
+    assert bars["floor"] is None
+    assert bars["x0"] > 0
+    assert found.supports[0]["errors"]["reaction"]["total"] is None
+    assert any("reaction of 'floor'" in note for note in found.error_notes)
+    asked = dataclasses.replace(scene, accuracy=Accuracy(of={"floor.reaction_x": 0.1}))
     refused = run(asked, COMM, box_body((2, 2), (1, 1), CellType.triangle))
-    assert "reaction of 'lid'" in refused.accuracy["reason"] and refused.exit_code == 3
+    assert "reaction of 'floor'" in refused.accuracy["reason"]
+    assert refused.exit_code == 3
