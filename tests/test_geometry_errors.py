@@ -81,6 +81,13 @@ def test_flat_facets_miss_nothing():
     assert (SmoothSurface(mesh).at_nodes() == 0).all()
 
 
+def test_blunt_edge_between_flat_sides_is_no_curve():
+    mesh = arc(1, 8, straight=True)
+    right = mesh.geometry[..., 0] > 1e-12
+    mesh.geometry[..., 1] += 0.2 * np.where(right, mesh.geometry[..., 0], 0)
+    assert np.abs(SmoothSurface(mesh).at_nodes()).max() < 1e-12
+
+
 def half_disc(order):
     """A half disc pressed onto a plane."""
     source = MeshSource(
