@@ -189,10 +189,14 @@ class AdaptiveRun:
         if self._hindrance:
             return self._hindrance
         if len(self.levels) >= self._accuracy.max_levels:
-            used_up = f"the accuracy.max_levels = {self._accuracy.max_levels} meshes are used up"
+            most = self._accuracy.max_levels
             beyond = " and ".join(in_words(name) for name in self._beyond(result))
-            moved = f", and the last two differ in {beyond} by more than their error bars"
-            return used_up + (moved if beyond else "")
+            if beyond:
+                return (
+                    f"the accuracy.max_levels = {most} meshes are used up, and the last two differ "
+                    f"in {beyond} by more than their error bars"
+                )
+            return f"the accuracy.max_levels = {most} meshes are used up"
         return ""
 
     def _not_estimated(self, errors: Errors) -> str:
