@@ -207,15 +207,15 @@ class AdaptiveRun:
             if found["total"] is None
         }
         for name, sources in unknown.items():
+            if not sources:
+                return f"the answer has no {in_words(name)}"
             if self.run.budget.local is None or sources != ["mesh"]:
                 return f"the error of {name} by {' and '.join(sources)} could not be estimated"
         last = [level["errors"] for level in self.levels[-_PATIENCE:]]
         for name in unknown:
             if len(last) == _PATIENCE and all(level[name] is None for level in last):
-                return (
-                    f"the error of {name} could not be estimated on {_PATIENCE} meshes; under a "
-                    "corner the pressure has no bound"
-                )
+                why = "; under a corner the pressure has no bound" if "pressure" in name else ""
+                return f"the error of {name} could not be estimated on {_PATIENCE} meshes{why}"
         return ""
 
     def _can_reduce(self, source: str) -> bool:
