@@ -189,10 +189,14 @@ class AdaptiveRun:
         if self._hindrance:
             return self._hindrance
         if len(self.levels) >= self._accuracy.max_levels:
-            used_up = f"the accuracy.max_levels = {self._accuracy.max_levels} meshes are used up"
+            most = self._accuracy.max_levels
             beyond = " and ".join(in_words(name) for name in self._beyond(result))
-            moved = f", and the last two differ in {beyond} by more than their error bars"
-            return used_up + (moved if beyond else "")
+            if beyond:
+                return (
+                    f"the accuracy.max_levels = {most} meshes are used up, and the last two differ "
+                    f"in {beyond} by more than their error bars"
+                )
+            return f"the accuracy.max_levels = {most} meshes are used up"
         return ""
 
     def _not_estimated(self, errors: Errors) -> str:
@@ -203,15 +207,15 @@ class AdaptiveRun:
             if found["total"] is None
         }
         for name, sources in unknown.items():
+            if not sources:
+                return f"the answer has no {in_words(name)}"
             if self.run.budget.local is None or sources != ["mesh"]:
                 return f"the error of {name} by {' and '.join(sources)} could not be estimated"
         last = [level["errors"] for level in self.levels[-_PATIENCE:]]
         for name in unknown:
             if len(last) == _PATIENCE and all(level[name] is None for level in last):
-                return (
-                    f"the error of {name} could not be estimated on {_PATIENCE} meshes; under a "
-                    "corner the pressure has no bound"
-                )
+                why = "; under a corner the pressure has no bound" if "pressure" in name else ""
+                return f"the error of {name} could not be estimated on {_PATIENCE} meshes{why}"
         return ""
 
     def _can_reduce(self, source: str) -> bool:

@@ -12,27 +12,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 from fenics_contact.body_kinematics import BodyKinematics
 from fenics_contact.contact import ContactSurface
 from fenics_contact.obstacle_kinematics import ObstacleKinematics
 from fenics_contact.parallel import gather_rows, largest
 from fenics_contact.problem import Problem
-from fenics_contact.scene_values import AXES
-from fenics_contact.supports import AppliedSupport
+from fenics_contact.support_steps import support_steps
 
 Array = NDArray[np.float64]
 
 # Jumps over the largest displacement that are none: their energy is 1e-12 of a whole one's.
 _NONE = 1e-6
-# Halvings of an edge on which a support's function is looked at. Over the last of them a step stays
-# as it is, while what changes along a line, or like a root, falls to 1/1024, or to 1/32.
-_HALVINGS, _LAST = 30, 10
-_STEP = 0.5
 # Of two surfaces: how near to the point opposite a held node of the other is one, over its extent.
 _SAME_PLACE = 1e-6
 # Columns of a condition: node, place, whose it is, whether an equation, coefficients, right side.
@@ -81,7 +76,9 @@ def displacement_jumps(problem: Problem, displacement: Array, time: float) -> li
     for number, contact in stiff.items():
         if isinstance(contact.kinematics, BodyKinematics):
             found += _between_bodies(problem, number, held, _NONE * scale)
-    found += _steps_of_supports(problem, time)
+    found += [
+        Jump(place, size, (), (number,)) for number, place, size in support_steps(problem, time)
+    ]
     return _largest_of_each(_along_edges(problem, found))
 
 
@@ -209,14 +206,20 @@ def _place(row: Array) -> tuple[float, ...]:
 
 
 def _unmet(matrix: Array, right: Array, equations: NDArray[np.bool_]) -> Array:
-    """Residuals of A u = b where equations, A u ≤ b elsewhere, least squares over u.
+    """Residuals of A u = b where equations, (A u − b)₊ elsewhere, least squares over u.
 
-    By non-negative least squares: u is the difference of two such, and slacks are such.
+    Of the few inequalities at a node all sets are tried that may be met as equations.
     """
-    slack = np.eye(len(right))[:, ~equations]
-    whole = np.hstack([matrix, -matrix, slack])
-    found, _ = nnls(whole, right)
-    return np.asarray(whole @ found - right)
+    optional = np.flatnonzero(~equations)
+    found = []
+    for count in range(len(optional) + 1):
+        for chosen in combinations(optional, count):
+            rows = equations.copy()
+            rows[list(chosen)] = True
+            moved, *_ = np.linalg.lstsq(matrix[rows], right[rows], rcond=None)
+            left = matrix @ moved - right
+            found.append(np.where(equations, left, np.maximum(left, 0.0)))
+    return min(found, key=lambda left: float(left @ left))
 
 
 def _between_bodies(
@@ -297,58 +300,6 @@ def _held_rows(
         local = local[chosen[local] & (local < problem.spaces.owned_nodes)]
         parts.append(np.column_stack([rows, local]))
     return np.concatenate(parts)
-
-
-def _steps_of_supports(problem: Problem, time: float) -> list[Jump]:
-    """Steps of the functions by which supports prescribe displacements; collective."""
-    found = []
-    for number, support in enumerate(problem.scene.support):
-        applied = problem.supports.applied[number]
-        for axis, value in support.displacement.items():
-            if callable(value):
-                found += _steps(problem, (number, applied, AXES.index(axis)), value, time)
-    return found
-
-
-def _steps(
-    problem: Problem, whose: tuple[int, AppliedSupport, int], value: object, time: float
-) -> list[Jump]:
-    """Along edges between neighbouring nodes: what is halved again and again keeps a step."""
-    number, applied, _ = whose
-    spaces, key = problem.spaces, f"support[{number}].displacement"
-    group = spaces.body.group(applied.on, key)
-    if group.dimension != spaces.body.dimension - 1:
-        return []
-    low, high = _edges(problem, spaces.facets(group))
-    at = [spaces.evaluate_at(value, points.T, key) for points in (low, high)]  # type: ignore[arg-type]
-    least = _NONE * largest(problem.comm, np.abs(np.concatenate(at)))
-    before = np.zeros(len(low))
-    for halving in range(_HALVINGS):
-        if halving == _HALVINGS - _LAST:
-            before = np.abs(at[1] - at[0])
-        middle = 0.5 * (low + high)
-        between = spaces.evaluate_at(value, middle.T, key)  # type: ignore[arg-type]
-        first = np.abs(between - at[0]) > np.abs(at[1] - between)
-        low, high = np.where(first[:, None], low, middle), np.where(first[:, None], middle, high)
-        at = [np.where(first, at[0], between), np.where(first, between, at[1])]
-    left = np.abs(at[1] - at[0])
-    torn = (left > _STEP * before) & (left > least) & (applied.path(time) != 0)
-    rows = np.column_stack([low, abs(applied.path(time)) * left])[torn]
-    rows = gather_rows(problem.comm, rows)
-    return [Jump(_place(row), float(row[3]), (), (number,)) for row in rows]
-
-
-def _edges(problem: Problem, facets: NDArray[np.int32]) -> tuple[Array, Array]:
-    """Ends of the edges from the first node of each facet to its others, (edges, 3) each."""
-    spaces = problem.spaces
-    dofmap = spaces.displacement_space.dofmap
-    low, high = [np.zeros((0, 3))], [np.zeros((0, 3))]
-    for cell, facet in facets:
-        closure = dofmap.dof_layout.entity_closure_dofs(spaces.body.dimension - 1, int(facet))
-        points = spaces.coordinates[dofmap.list[cell, closure]]
-        low.append(np.repeat(points[:1], len(points) - 1, axis=0))
-        high.append(points[1:])
-    return np.concatenate(low), np.concatenate(high)
 
 
 def _along_edges(problem: Problem, found: list[Jump]) -> list[Jump]:

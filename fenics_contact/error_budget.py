@@ -261,7 +261,8 @@ class _Estimates:
         found, self.local = mesh_errors(self._history, self._measure, recorded, again)
         if found is not None:
             for key, error in self._shared().items():
-                found[key] += error
+                if key in found:
+                    found[key] += error
         if self._is_mixed("mesh"):
             self._notes.append(
                 "The error by the mesh is not estimated of nearly incompressible bodies."

@@ -18,6 +18,9 @@ from fenics_contact.scene import Scene
 
 # What may change between a run and one that goes on from it: how to get there.
 _FREE = ("title", "steps", "solver", "mesh")
+# Keys that states written before they were there do not know: as long as they have their defaults
+# they do not count.
+_LATER = {"Support": {"name": None}}
 # Where functions are asked: places along each axis of the box around the body, and pseudo-times.
 _PLACES = 7
 _TIMES = np.linspace(0.0, 5.0, 51).tolist()
@@ -57,8 +60,13 @@ class _Probe:
     def plain(self, value: Any) -> Any:
         """A part of a scene."""
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
-            fields = dataclasses.fields(value)
-            return {field.name: self.plain(getattr(value, field.name)) for field in fields}
+            later = _LATER.get(type(value).__name__, {})
+            parts = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+            return {
+                name: self.plain(part)
+                for name, part in parts.items()
+                if name not in later or part != later[name]
+            }
         if isinstance(value, Mapping):
             return {str(key): self.plain(entry) for key, entry in value.items()}
         if isinstance(value, list | tuple):

@@ -40,6 +40,9 @@ def relative_errors(result: Result, asked: Mapping[str, float], names: QuantityN
         result: With ``errors``.
         asked: The quantities by their names.
         names: Those of its scene.
+
+    Returns:
+        By name; without sources, and None in total, where the answer has no such quantity.
     """
     found: dict[str, dict[str, float | None]] = {}
     for text in asked:
@@ -47,6 +50,8 @@ def relative_errors(result: Result, asked: Mapping[str, float], names: QuantityN
         values, errors = _of_owner(result, name)
         quantity = _given(values, name.quantity)
         row = errors.get(quantity) or {"mesh": None, "total": None}
+        if values.get(quantity) is None:
+            row = {"total": None}
         size = _size(result, values, quantity)
         found[text] = {source: _over(error, size) for source, error in row.items()}
     return found

@@ -27,6 +27,8 @@ _EDGE = float(np.cos(np.pi / 4))
 # Degree of the polynomials by the facets' order, of lines and of surfaces. Beside a triangle with
 # straight sides there are about twelve other nodes: enough for degree 2, which has its error.
 _DEGREES = {2: {1: 3, 2: 4}, 3: {1: 2, 2: 4}}
+# Of the turn between two facets, below which others are parallel to one of them.
+_PARALLEL = 0.25
 # The facet's own nodes count so much more than its neighbours': the polynomial is to pass them.
 _OWN = 1e3
 # Rings of neighbours, at the most, until there are enough nodes: at ends of the surface two.
@@ -141,12 +143,30 @@ class SmoothSurface:
         for facet, nodes in enumerate(self._node_numbers.tolist()):
             for node in nodes:
                 facets_of.setdefault(node, []).append(facet)
-        normals = normalised(self._facets.normals_at_centres())
-        found = []
-        for facet, nodes in enumerate(self._node_numbers.tolist()):
-            near = {other for node in nodes for other in facets_of[node]} - {facet}
-            found.append([other for other in near if normals[facet] @ normals[other] > _EDGE])
-        return found
+        near = [
+            sorted({other for node in nodes for other in facets_of[node]} - {facet})
+            for facet, nodes in enumerate(self._node_numbers.tolist())
+        ]
+        return [
+            [other for other in others if self._goes_on(facet, other, near)]
+            for facet, others in enumerate(near)
+        ]
+
+    def _goes_on(self, facet: int, other: int, near: list[list[int]]) -> bool:
+        """Whether there is no edge between two facets.
+
+        A curve turns at every node. Where all around is parallel to one facet or to the other,
+        there is an edge between the two, however blunt.
+        """
+        normals = self._frames[:, -1]
+        turn = np.linalg.norm(normals[facet] - normals[other])
+        if normals[facet] @ normals[other] <= _EDGE:
+            return False
+        around = normals[sorted({*near[facet], *near[other]} - {facet, other})]
+        if turn <= _FLAT or len(around) == 0:
+            return True
+        apart = np.linalg.norm(around[:, None] - normals[[facet, other]], axis=2).min(axis=1)
+        return bool((apart > _PARALLEL * turn).any())
 
     @cached_property
     def _frames(self) -> Array:

@@ -16,6 +16,7 @@ from fenics_contact import (
     Run,
     Scene,
     Support,
+    run,
 )
 from fenics_contact.accuracy_asked import asked_of
 from fenics_contact.quantity_names import QuantityName
@@ -208,6 +209,22 @@ def test_errors_are_over_what_measures_them(name, expected):
     )
     errors = relative_errors(found(), {name: 0.1}, names)[name]
     assert errors["total"] == (expected if expected is None else pytest.approx(expected))
+
+
+@pytest.mark.errors
+def test_what_an_answer_has_not_is_said():
+    """A plane that presses a ring: there is no contact at the axis."""
+    scene = Scene(
+        kinematics="axisymmetric",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(Contact("ring", obstacle=Obstacle("plane", indentation=0.01)),),
+        accuracy=Accuracy(of={"ring.contact_radius": 0.1}),
+    )
+    body = box_body((4, 4), (1, 1), patches={"ring": ("y1", lambda x: x[0] > 0.5)})
+    found = run(scene, COMM, body)
+    assert found.exit_code == 3
+    assert found.accuracy["reason"] == "the answer has no contact radius of ring"
 
 
 def test_a_name_is_what_follows_the_last_dot():

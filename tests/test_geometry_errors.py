@@ -1,0 +1,157 @@
+"""What facets miss of curved surfaces; and friction beside nodes that cannot slip."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from dolfinx.mesh import CellType
+from mpi4py import MPI
+
+from fenics_contact import (
+    Contact,
+    Discretisation,
+    Material,
+    MeshSource,
+    Run,
+    Scene,
+    Support,
+    run,
+)
+from fenics_contact.facet_mesh import FacetMesh, reference_nodes
+from fenics_contact.geometry_errors import geometry_errors
+from fenics_contact.load_steps import History, solve
+from fenics_contact.quantities import contact_quantities
+from fenics_contact.scene_contact import Obstacle
+from fenics_contact.smooth_surface import SmoothSurface
+from tests.scenes import ROOT, box_body, with_solver
+
+pytestmark = pytest.mark.errors
+COMM = MPI.COMM_WORLD
+
+
+def arc(order, cells, straight=False):
+    """Facets of uneven lengths on a circle of radius 1, or on its tangent."""
+    share = np.linspace(-1, 1, cells + 1)
+    ends = 0.6 * (share + 0.1 * np.sin(3 * share))
+    angles = np.stack([ends[:-1], ends[1:], 0.5 * (ends[:-1] + ends[1:])], axis=1)
+    places = np.stack([np.sin(angles), -np.cos(angles)], axis=-1)
+    if straight:
+        places[..., 1] = -1
+    numbers = 2 * np.arange(cells)
+    nodes = np.stack([numbers, numbers + 2, numbers + 1], axis=1)
+    normals = np.zeros((2 * cells + 1, 2))
+    normals[nodes] = places / np.linalg.norm(places, axis=-1, keepdims=True)
+    return FacetMesh("interval", order, 2, places[:, : order + 1], nodes, normals)
+
+
+def cap(order, cells):
+    """Triangles on a sphere of radius 1, seen from outside."""
+    reference = reference_nodes("triangle", order)
+    facets = []
+    for i, j in np.ndindex(cells, cells):
+        a, b, c, d = np.array([(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)]) / cells - 0.5
+        for x, y, z in ((a, b, c), (d, c, b)):
+            flat = x + reference @ np.stack([y - x, z - x])
+            facets.append(np.column_stack([flat, np.sqrt(1 - (flat**2).sum(axis=1))]))
+    places = np.array(facets)
+    corners = np.arange(3 * len(places)).reshape(-1, 3)
+    return FacetMesh("triangle", order, 1, places, corners, places[:, :3].reshape(-1, 3))
+
+
+@pytest.mark.parametrize(
+    ("surface", "order", "least"), [(arc, 1, 3.5), (arc, 2, 4.5), (cap, 1, 2.5)]
+)
+def test_what_facets_miss_is_found_but_for_higher_order(surface, order, least):
+    errors, missed = [], []
+    for cells in (4, 8, 16):
+        mesh = surface(order, cells)
+        inside = np.array([[0.2, 0.3], [0.4, 0.5], [0.1, 0.1]])[:, : mesh.dimension - 1]
+        facets = np.repeat(np.arange(len(mesh.nodes)), len(inside))
+        reference = np.tile(inside, (len(mesh.nodes), 1))
+        true = 1 - np.linalg.norm(mesh.positions(facets, reference), axis=1)
+        found = SmoothSurface(mesh).offsets(facets, reference)
+        errors.append(np.abs(found - true).max())
+        missed.append(np.abs(true).max())
+    assert np.log2(errors[1] / errors[2]) > least
+    assert errors[2] < 0.1 * missed[2]
+
+
+def test_flat_facets_miss_nothing():
+    mesh = arc(1, 6, straight=True)
+    assert (SmoothSurface(mesh).at_nodes() == 0).all()
+
+
+def test_blunt_edge_between_flat_sides_is_no_curve():
+    mesh = arc(1, 8, straight=True)
+    right = mesh.geometry[..., 0] > 1e-12
+    mesh.geometry[..., 1] += 0.2 * np.where(right, mesh.geometry[..., 0], 0)
+    assert np.abs(SmoothSurface(mesh).at_nodes()).max() < 1e-12
+
+
+def half_disc(order):
+    """A half disc pressed onto a plane."""
+    source = MeshSource(
+        str(ROOT / "meshes" / "half_disc.geo"),
+        cell="quadrilateral",
+        order=order,
+        parameters={"radius": 8, "fine": 2, "size": 0.5, "growth": 1.8},
+    )
+    return Scene(
+        kinematics="plane strain",
+        mesh=(source,),
+        material=Material(1000, 0.3),
+        discretisation=Discretisation(2),
+        support=(Support("face", {"x": 0, "y": 0}),),
+        contact=(Contact("contact", obstacle=Obstacle("plane", normal=(0, 1), indentation=0.05)),),
+    )
+
+
+def test_straight_facets_of_a_disc_differ_from_curved_ones_by_the_estimate():
+    """One mesh, with straight cells and with curved ones: what they are apart is the geometry's."""
+    prepared, found = Run(half_disc(1), COMM), {}
+
+    def measure(solution):
+        values = contact_quantities(prepared.problem, solution, 0)
+        return {name: values[name] for name in ("normal_force", "contact_area")}
+
+    def estimate(history: History) -> None:
+        found.update(geometry_errors(history, measure))
+
+    solve(prepared.problem, prepared.timings, lambda *_: None, prepared.choice, ended=estimate)
+    straight = run(half_disc(1), COMM)
+    curved = run(with_solver(half_disc(2), errors="none"), COMM)
+    force = [result.quantities["normal_force"] for result in (straight, curved)]
+    true = abs(force[0] - force[1])
+    assert true > 0.02 * force[1]
+    assert 0.7 * true < found["normal_force"] < 1.4 * true
+    assert straight.errors["normal_force"]["mesh"] > true
+
+
+@pytest.mark.parametrize("floor", ["roller", "rough floor"])
+def test_friction_beside_a_corner_that_cannot_slip(floor):
+    """Two obstacles driven by forces: all of a side slips, but for a zone within its last cell."""
+    supports = (Support("x1", {"x": 0}),)
+    contacts = tuple(
+        Contact(on, obstacle=Obstacle(force=force), friction_coefficient=0.3)
+        for on, force in (("y1", 8), ("x0", 5))
+    )
+    if floor == "roller":
+        supports += (Support("y0", {"y": 0}),)
+    else:
+        contacts += (Contact("y0", friction_coefficient=0.3),)
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        discretisation=Discretisation(1),
+        support=supports,
+        contact=contacts,
+    )
+    result = run(scene, COMM, box_body((6, 6), (1, 1), CellType.triangle))
+    fine = dataclasses.replace(with_solver(scene, errors="none"), discretisation=Discretisation(2))
+    exact = run(fine, COMM, box_body((32, 32), (1, 1)))
+    for number in range(len(contacts)):
+        own, other = (found.contacts[number]["quantities"] for found in (result, exact))
+        error = np.linalg.norm(np.subtract(own["friction_force"], other["friction_force"]))
+        assert error < 1.5 * result.contacts[number]["errors"]["friction_force"]["total"]
+        error = abs(own["normal_force"] - other["normal_force"])
+        assert error < 1.5 * result.contacts[number]["errors"]["normal_force"]["total"] + 1e-9
