@@ -143,10 +143,9 @@ FIELDS = _words("""
 FIELD_OPTIONS = _words("""
     AnisoMax Beta BetaLaw BlowUp CropNegativeValues CurvesList Delta DistMax DistMin EdgesList
     ExcludedFacesList ExcludedFaceList ExcludedSurfacesList F FX FY FZ FaceList FacesList
-    FanNodesList FanPointsList FanPointsSizesList FieldX FieldY FieldZ FieldsList FromStereo IField IView
-    InField
-    IncludeBoundary IncludeEmbedded InnerR1 InnerR2 InnerV1 InnerV2 IntersectMetrics Kind LcMax
-    LcMin M11 M12 M13 M22 M23 M33 NNodesByEdge NbLayers NodesList NumPointsPerCurve OuterR1 OuterR2
+    FanNodesList FanPointsList FanPointsSizesList FieldX FieldY FieldZ FieldsList FromStereo IField
+    IView InField IncludeBoundary IncludeEmbedded InnerR1 InnerR2 InnerV1 InnerV2 IntersectMetrics Kind
+    LcMax LcMin M11 M12 M13 M22 M23 M33 NNodesByEdge NbLayers NodesList NumPointsPerCurve OuterR1 OuterR2
     OuterV1 OuterV2 PointsList Power Quads R1_inner R1_outer R2_inner R2_outer Radius RadiusStereo
     Ratio RegionsList Sampling Sigmoid Size SizeFar SizeMax SizeMaxNormal SizeMaxTangent SizeMin
     SizeMinNormal SizeMinTangent SizesList StopAtDistMax SurfacesList Thickness UseClosest V1_inner
