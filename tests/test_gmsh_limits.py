@@ -110,7 +110,7 @@ def test_size_beyond_all_memory_is_one_sentence(folder, temporary, monkeypatch):
 
 def test_progress_is_told_and_quiet_is_quiet(folder, temporary, caplog, monkeypatch):
     monkeypatch.setattr(gmsh_call, "_FIRST_WORD", 0.1)
-    source = dataclasses.replace(write(folder, RECTANGLE), size=1e-2, time_limit=60)
+    source = dataclasses.replace(write(folder, RECTANGLE), size=2e-2, time_limit=60)
     with caplog.at_level(logging.DEBUG, logger="fenics_contact"):
         load_body(source, 2, COMM)
     told = [record for record in caplog.records if record.name == gmsh_call.__name__]
