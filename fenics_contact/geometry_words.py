@@ -141,18 +141,18 @@ FIELDS = _words("""
     """)
 #: Options of these: numbers, lists of them and formulas; none names a file or a program.
 FIELD_OPTIONS = _words("""
-    AnisoMax Beta BetaLaw BlowUp CropNegativeValues CurvesList Delta DistMax DistMin EdgesList
-    ExcludedFacesList ExcludedFaceList ExcludedSurfacesList F FX FY FZ FaceList FacesList
-    FanNodesList FanPointsList FanPointsSizesList FieldX FieldY FieldZ FieldsList FromStereo IField
-    IView InField IncludeBoundary IncludeEmbedded InnerR1 InnerR2 InnerV1 InnerV2 IntersectMetrics Kind
-    LcMax LcMin M11 M12 M13 M22 M23 M33 NNodesByEdge NbLayers NodesList NumPointsPerCurve OuterR1 OuterR2
-    OuterV1 OuterV2 PointsList Power Quads R1_inner R1_outer R2_inner R2_outer Radius RadiusStereo
-    Ratio RegionsList Sampling Sigmoid Size SizeFar SizeMax SizeMaxNormal SizeMaxTangent SizeMin
-    SizeMinNormal SizeMinTangent SizesList StopAtDistMax SurfacesList Thickness UseClosest V1_inner
-    V1_outer V2_inner V2_outer VIn VOut VerticesList ViewIndex ViewTag VolumesList X1 X2 XAxis
-    XCenter XMax XMin Y1 Y2 YAxis YCenter YMax YMin Z1 Z2 ZAxis ZCenter ZMax ZMin dMax dMin hfar
-    hwall_n hwall_n_nodes hwall_t lMaxNormal lMaxTangent lMinNormal lMinTangent m11 m12 m13 m22 m23
-    m33 ratio thickness
+    AnisoMax Beta BetaLaw CropNegativeValues CurvesList Delta DistMax DistMin EdgesList
+    ExcludedFaceList ExcludedSurfacesList F FX FY FZ FacesList FanNodesList FanPointsList
+    FanPointsSizesList FieldX FieldY FieldZ FieldsList FromStereo IField IView InField
+    IncludeBoundary IncludeEmbedded InnerR1 InnerR2 InnerV1 InnerV2 IntersectMetrics Kind LcMax
+    LcMin M11 M12 M13 M22 M23 M33 NNodesByEdge NbLayers NodesList NumPointsPerCurve OuterR1
+    OuterR2 OuterV1 OuterV2 PointsList Quads R1_inner R1_outer R2_inner R2_outer Radius
+    RadiusStereo Ratio RegionsList Sampling Sigmoid Size SizeFar SizeMax SizeMaxNormal
+    SizeMaxTangent SizeMin SizeMinNormal SizeMinTangent SizesList StopAtDistMax SurfacesList
+    Thickness UseClosest V1_inner V1_outer V2_inner V2_outer VIn VOut VerticesList ViewIndex
+    ViewTag VolumesList X1 X2 XAxis XCenter XMax XMin Y1 Y2 YAxis YCenter YMax YMin Z1 Z2 ZAxis
+    ZCenter ZMax ZMin dMax dMin hfar hwall_n hwall_n_nodes lMaxNormal lMaxTangent lMinNormal
+    lMinTangent m11 m12 m13 m22 m23 m33 ratio thickness
     """)
 
 #: Kinds of values in a view: scalars, vectors or tensors on points, lines, triangles …
