@@ -270,7 +270,7 @@ class _Checker:
         return (
             self._first in words.OPTIONS
             and self._text(1) == "."
-            and self._text(2) in ("Color", "ColorTable")
+            and words.WITHOUT_EFFECT.fullmatch(self._text(2)) is not None
         )
 
     def _is_special(self, number: int) -> bool:

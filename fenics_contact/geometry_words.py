@@ -128,6 +128,9 @@ ATTRIBUTES = _words("""
 OPTIONS = frozenset({"Mesh", "Geometry"})
 #: Options of what Gmsh shows, which have no effect here: numbers and colours are passed over.
 DISPLAY_OPTIONS = frozenset({"General", "View", "PostProcessing", "Print"})
+#: Options of geometries and meshes without effect here, too: colours, and threads, of which Gmsh's
+#: process has one.
+WITHOUT_EFFECT = re.compile(r"Color|ColorTable|MaxNumThreads[123]D|OCCParallel")
 #: Such numbers that a script may read.
 READABLE_OPTION = re.compile(r"General\.(?:Min|Max)[XYZ]|PostProcessing\.NbViews")
 #: Options that are a text, and may be set.

@@ -43,6 +43,8 @@ _SHOWN = 80  # characters of what Gmsh said last
 _KEPT = 4096  # bytes of what Gmsh said last
 # Words of Gmsh, C++ and Python when there is no memory left; Gmsh may then also say nothing at all.
 _NO_MEMORY = ("bad_alloc", "MemoryError", "out of memory", "Cannot allocate", "Unable to allocate")
+# The process may start no other, and threads count as such.
+_ONE_THREAD = {"OMP_NUM_THREADS": "1"}
 _LIBRARIES = 2**29  # bytes of address space that Gmsh's libraries take, and are no memory
 
 
@@ -106,6 +108,7 @@ def _running(command: list[str], standard_input: int, folder: str) -> Iterator[A
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             cwd=folder,
+            env=os.environ | _ONE_THREAD,
             pass_fds=(theirs,),
             start_new_session=True,
         )

@@ -122,6 +122,39 @@ def test_progress_is_told_and_quiet_is_quiet(folder, temporary, caplog, monkeypa
         assert not told
 
 
+# Another user, where the tests are root's, to whom the system allows any number of processes.
+AS_OTHER_USER = """
+import contextlib, gmsh, io, json, os, re, resource, shutil, signal, sys, tempfile, threading
+import numpy as np
+np.savez(io.BytesIO(), a=np.zeros(2))
+program = open({path!r}).read()
+if os.getuid() == 0:
+    os.chown(".", 65534, 65534)
+    os.setgid(65534)
+    os.setuid(65534)
+exec(compile(program.replace({merge!r}, {change!r}), {path!r}, "exec"))
+"""
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("starts", [True, False])
+def test_no_program_can_be_started_and_threads_need_none(folder, temporary, monkeypatch, starts):
+    """The second line of defence; and algorithms of Gmsh that use threads work behind it."""
+    path = str(Path(gmsh_call.__file__).with_name("gmsh_process.py"))
+    merge = '    gmsh.merge(job["file"])'
+    change = '    gmsh.merge("1.geo")'  # from the working folder: others above may be closed
+    if starts:
+        change = f"    assert os.fork() >= 0\n{change}"
+    write(folder, AS_OTHER_USER.format(path=path, merge=merge, change=change), "gmsh_process.py")
+    monkeypatch.setattr(gmsh_call, "__file__", str(folder / "gmsh_call.py"))
+    text = 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 1, 1, 1};\nMesh.Algorithm3D = 10;\n'
+    source = write(folder, text + "Mesh.MaxNumThreads3D = 4;\nMesh.MeshSizeMax = 0.3;\n")
+    if starts:
+        assert "Resource temporarily unavailable" in refusal(source, 3)
+    else:
+        assert load_body(source, 3, COMM).mesh.topology.index_map(3).size_global > 100
+
+
 def test_a_mark_to_stop_ends_meshing(folder, temporary):
     """As in a run that makes mesh after mesh, where signals only set a mark."""
     source = write(folder, RECTANGLE + ENDLESS)
