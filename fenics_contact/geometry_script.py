@@ -25,7 +25,6 @@ _AFTER_NAMES = frozenset({"In", "Using", "Knots", "Order", "Plane", "Field"})
 _DEFINING = frozenset({"DefineConstant", "DefineNumber", "DefineString"})
 
 
-
 class FileRead(NamedTuple):
     """A file that a script reads.
 
@@ -92,13 +91,10 @@ def _defined(statement: Sequence[Token]) -> Iterator[str]:
         return
     for number, token in enumerate(statement):
         before = statement[number - 1].text if number else ""
-        if token.kind != "word":
-            continue
-        if before in _NAMING or (before == "(" and statement[number - 2].text in _NAMING):
-            yield token.text
-        elif number == 0 and _operator(statement) in _ASSIGNING:
-            yield token.text
-        elif number + 1 < len(statement) and statement[number + 1].text in ("++", "--"):
+        after = statement[number + 1].text if number + 1 < len(statement) else ""
+        is_named = before in _NAMING or (before == "(" and statement[number - 2].text in _NAMING)
+        is_given = number == 0 and _operator(statement) in _ASSIGNING
+        if token.kind == "word" and (is_named or is_given or after in ("++", "--")):
             yield token.text
 
 
@@ -143,7 +139,7 @@ def _file_read(statement: Sequence[Token], number: int) -> tuple[FileRead, int]:
     if not rest or rest[0].kind != "text" or any(t.text not in ")]" for t in rest[1 : 1 + closing]):
         raise ScriptError(
             command.line,
-            f"'{command.text}' must be followed by the name of a file in quotes, and by nothing else",
+            f"'{command.text}' must be followed by the name of a file in quotes, and nothing else",
             is_forbidden=True,
         )
     found = FileRead(command.text, rest[0].content, command.line)
@@ -274,7 +270,7 @@ class _Checker:
         return (
             self._first in words.OPTIONS
             and self._text(1) == "."
-            and self._text(2) in ("Color", "ColorTable")
+            and words.WITHOUT_EFFECT.fullmatch(self._text(2)) is not None
         )
 
     def _is_special(self, number: int) -> bool:

@@ -18,7 +18,8 @@ _TOKEN = re.compile(
     |(?P<word>[A-Za-z_][A-Za-z0-9_]*)
     |(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)
     |(?P<text>"[^"\x00-\x08\x0a-\x1f\x7f]*"|'[^'\x00-\x08\x0a-\x1f\x7f]*')
-    |(?P<sign>\.\.\.|\+\+|--|[-+*/=!<>]=|<<|>>|&&|\|\||::|[-+*/%^=<>!&|~\#?:;,.(){}\[\]])""",
+    |(?P<sign>\.\.\.|\+\+|--|[-+*/=!<>]=|<<|>>|&&|\|\||::|[-+*%^=<>!&|~\#?:;,.(){}\[\]]
+        |/(?!\*))""",
     re.VERBOSE | re.DOTALL,
 )
 _OPENING = {"(": ")", "[": "]", "{": "}"}
@@ -103,11 +104,10 @@ def statements_of(tokens: Sequence[Token]) -> Iterator[list[Token]]:
     while start < len(tokens):
         end = _end(tokens, start)
         statement = list(tokens[start:end])
-        if _is_come_back_to(statement) and end < len(tokens):
-            if tokens[end].line == statement[-1].line:
-                raise ScriptError(
-                    tokens[end].line, f"must begin a new line after {statement[0].text} …"
-                )
+        is_followed = end < len(tokens) and tokens[end].line == statement[-1].line
+        if is_followed and _is_come_back_to(statement):
+            word = statement[0].text
+            raise ScriptError(tokens[end].line, f"must begin a new line after {word} …")
         yield statement
         start = end
 

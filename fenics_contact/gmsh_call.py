@@ -41,8 +41,10 @@ _TICK = 0.01  # seconds between two looks at a process that is ending
 _FIRST_WORD = 10.0  # seconds until progress is told where no terminal shows it; then twice that, …
 _SHOWN = 80  # characters of what Gmsh said last
 _KEPT = 4096  # bytes of what Gmsh said last
-# Words of Gmsh, C++ and Python when there is no memory left.
+# Words of Gmsh, C++ and Python when there is no memory left; Gmsh may then also say nothing at all.
 _NO_MEMORY = ("bad_alloc", "MemoryError", "out of memory", "Cannot allocate", "Unable to allocate")
+# The process may start no other, and threads count as such.
+_ONE_THREAD = {"OMP_NUM_THREADS": "1"}
 _LIBRARIES = 2**29  # bytes of address space that Gmsh's libraries take, and are no memory
 
 
@@ -106,6 +108,7 @@ def _running(command: list[str], standard_input: int, folder: str) -> Iterator[A
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             cwd=folder,
+            env=os.environ | _ONE_THREAD,
             pass_fds=(theirs,),
             start_new_session=True,
         )
@@ -190,8 +193,8 @@ class _Watch:
         if seconds > self._limits.seconds:
             raise InputError(
                 f"{self._where}: Gmsh is not done after {self._limits.key}.time_limit = "
-                f"{self._limits.seconds:g} s{self._doing(', at: ')}; make the mesh coarser, or give "
-                "more time"
+                f"{self._limits.seconds:g} s{self._doing(', at: ')}; make the mesh coarser, or "
+                "give more time"
             )
         doing = self._doing("Gmsh: ")
         if doing != self._told:
@@ -226,9 +229,10 @@ def _answer(where: str, code: int, watch: _Watch, memory: float, ready: Prepared
     if "refused" in description:
         raise InputError(description["refused"])
     if "gmsh" in description:
-        if _is_of_memory(description["gmsh"]):
-            raise InputError(f"{where}: {_death(1, description['gmsh'], memory)}")
-        raise InputError(f"{where}: Gmsh says: {ready.translated(description['gmsh'])}")
+        said = description["gmsh"]
+        if _is_of_memory(said) or not said:
+            raise InputError(f"{where}: {_death(1, said or _NO_MEMORY[0], memory)}")
+        raise InputError(f"{where}: Gmsh says: {ready.translated(said)}")
     return description, arrays
 
 
@@ -240,8 +244,8 @@ def _death(code: int, said: str, memory: float) -> str:
     """How a process ended that gave no mesh."""
     if _is_of_memory(said):
         return (
-            f"Gmsh needs more than the {memory / 1e9:.1f} GB of memory that it may take; make the "
-            "mesh coarser"
+            f"Gmsh most likely needs more than the {memory / 1e9:.1f} GB of memory that it may "
+            "take; make the mesh coarser, or is the file damaged?"
         )
     if code < 0:
         return f"Gmsh crashed on it ({signal.Signals(-code).name}); is the file damaged?"

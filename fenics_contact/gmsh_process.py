@@ -1,10 +1,10 @@
 """The room for Gmsh: a program of its own, which meshes or reads one file.
 
 ``fenics_contact.gmsh_call`` starts it with a job (JSON) and the number of a pipe as its arguments,
-gives it sizes of cells by its standard input, if it has some, and reads the mesh as an ``.npz`` from
-its standard output; on standard error Gmsh says how far it is. A damaged file can crash Gmsh, a
-geometry script can end the process or fill the memory: here that costs one process, not the run. It
-imports nothing of this package, whose import would start MPI.
+gives it sizes of cells by its standard input, if it has some, and reads the mesh as an ``.npz``
+from its standard output; on standard error Gmsh says how far it is. A damaged file can crash Gmsh,
+a geometry script can end the process or fill the memory: here that costs one process, not the run.
+It imports nothing of this package, whose import would start MPI.
 """
 
 import contextlib
@@ -63,6 +63,7 @@ def main() -> None:
     threading.Thread(target=_end_with, args=(int(sys.argv[2]), job["folder"]), daemon=True).start()
     _restrict(job)
     gmsh.initialize(readConfigFiles=False, interruptible=False)
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # PETSc, in Gmsh, dies of what nobody reads
     gmsh.option.setNumber("General.Terminal", 1)
     arrays: Arrays = {}
     try:

@@ -47,7 +47,7 @@ ATTACKS = [
     ('a = "%";\nError(StrCat(a, "n"), 1);', "'Error' must be followed by a text in quotes"),
     ("Plugin(MathEval).Run;", "'Plugin'"),
     ('Field[1] = ExternalProcess;\nField[1].CommandLine = "touch {x}";', "'ExternalProcess'"),
-    ('ExternalProcess = 1;\nField[1] = ExternalProcess;', "'ExternalProcess'"),
+    ("ExternalProcess = 1;\nField[1] = ExternalProcess;", "'ExternalProcess'"),
     ('Field[1] = Box;\nField[1].CommandLine = "touch {x}";', "'CommandLine'"),
     ('Field[1] = Structured;\nField[1].FileName = "/etc/passwd";', "'Structured'"),
     ("Field[1] = AutomaticMeshSizeField;", "'AutomaticMeshSizeField' is no type of field"),
@@ -61,10 +61,13 @@ ATTACKS = [
     ('x = Sprintf(GetEnv("HOME"));', "'Sprintf' must be"),
     ('x = GetEnv("HOME");', "'GetEnv' is not allowed"),
     ("x = Str(General.ExecutableFileName);", "'General' has no option of a geometry"),
-    ('Delete Options;', "'Options' is neither defined"),
-    ("For i In {0:1} x = Str(\nSystemCall\n'touch {x}'\n); EndFor", "must begin a new line after For"),
+    ("Delete Options;", "'Options' is neither defined"),
+    (
+        "For i In {0:1} x = Str(\nSystemCall\n'touch {x}'\n); EndFor",
+        "must begin a new line after For",
+    ),
     ('Macro a Printf(\nSave "{x}"; Return', "must begin a new line after Macro"),
-    ('xEndIf1 = 1;', "the name 'xEndIf1' ends as a word of Gmsh's"),
+    ("xEndIf1 = 1;", "the name 'xEndIf1' ends as a word of Gmsh's"),
     ('a = "' + 1100 * "x" + '";', "longer than 1000 characters"),
     ('a = "b\nSystemCall "touch {x}";', "does not end on its line"),
     ("/* SystemCall", "has a comment that does not end"),
@@ -105,7 +108,8 @@ def target(folder):
 def test_what_does_more_than_a_geometry_is_refused(folder, target, text, message):
     said = refusal(write(folder, RECTANGLE + text.replace("{x}", str(target))))
     assert re.search(message, said), said
-    assert said.startswith("mesh.file") and "/g.geo" in said or "/bad." in said.lower() or "late." in said
+    assert said.startswith("mesh.file")
+    assert re.search(r"/(g\.geo|bad\.\w+|late\.msh)", said, re.IGNORECASE)
     assert not target.exists()
 
 
@@ -259,13 +263,13 @@ Physical Surface(StrCat(name, "s")) = {1}; Physical Curve(Sprintf("side %g", 1),
 Physical Curve("holes") = Boundary{ Surface{1}; }; Physical Curve("holes") -= {1, 2, 3, 4};
 Transfinite Curve{1, -3} = 11 Using Progression 1.1; Transfinite Curve{2, 4} = 6 Using Bump .5;
 MeshSize{ PointsOf{ Surface{1}; } } = lc; Characteristic Length{1} = lc;
-Field[1] = Distance; Field[1].CurvesList = {loops(0)}; Field[1].Sampling = 20;
+Field[1] = Distance; Field[1].CurvesList = {arcs~{1}}; Field[1].Sampling = 20;
 Field[2] = Threshold; Field[2].InField = 1; Field[2].SizeMin = .05; Field[2].SizeMax = lc;
 Field[2].DistMin = .1; Field[2].DistMax = .5;
 Field[3] = MathEval; Field[3].F = Sprintf("0.1 + %g * x^2", .1);
 Field[4] = Box; Field[4].VIn = .05; Field[4].VOut = .2; Field[4].XMax = 1;
 Field[5] = Min; Field[5].FieldsList = {2:4}; Background Field = 5;
-Mesh.Algorithm = 5; Mesh.MeshSizeFromCurvature = 12; Geometry.Tolerance = 1e-8;
+Mesh.Algorithm = 5; Geometry.Tolerance = 1e-8;
 General.Terminal = 0; General.Color.Text = Black; Mesh.Color.Points = {255, 0, 0}; View.Light = 1;
 Color Red{ Surface{1}; } Show "*"; Hide { Point{1}; } Coherence;
 Printf("%g holes", #loops());
@@ -274,25 +278,27 @@ Printf("%g holes", #loops());
 SOLID = """
 SetFactory("OpenCASCADE");
 Box(1) = {0, 0, 0, 1, 1, 1}; Sphere(2) = {1, 1, 1, .4}; Cylinder(3) = {.5, .5, -1, 0, 0, 3, .2};
-Cone(4) = {3, 0, 0, 0, 0, 1, .5, .2}; Torus(5) = {3, 0, 0, .6, .2}; Wedge(6) = {9, 0, 0, 1, 1, 1, .5};
+Cone(4) = {3, 0, 0, 0, 0, 1, .5, .2}; Sphere(5) = {3, 0, .5, .5}; Wedge(6) = {9, 0, 0, 1, 1, 1, .5};
 v() = BooleanDifference{ Volume{1}; Delete; }{ Volume{2, 3}; Delete; };
 BooleanUnion(20) = { Volume{4}; Delete; }{ Volume{5}; Delete; };
 f() = BooleanFragments{ Volume{v()}; Delete; }{ Volume{6}; Delete; };
 Rectangle(200) = {0, 5, 0, 1, 1, .1}; Disk(201) = {3, 5, 0, .5};
 e() = Extrude{0, 0, 1}{ Surface{200}; Layers{2}; Recombine; };
-Extrude{{0, 0, 1}, {4, 5, 0}, Pi / 2}{ Surface{201}; }
+Extrude{{0, 1, 0}, {4, 5, 0}, Pi / 2}{ Surface{201}; }
 c() = Translate{0, 3, 0}{ Duplicata{ Volume{e(1)}; } };
 Rotate{{0, 0, 1}, {0, 0, 0}, Pi / 7}{ Volume{c()}; }
 Dilate{{0, 0, 0}, .9}{ Volume{c()}; }
 Recursive Delete{ Volume{20}; }
 Physical Volume("all") = Volume{:}; bb() = BoundingBox Volume{v()};
 Physical Surface("low") = Surface In BoundingBox{-9, -9, -.01, 19, 19, .01};
-Mesh.MeshSizeMax = .5; Mesh.MeshSizeFromCurvature = 6; Mesh.Algorithm3D = 1;
+Torus(70) = {19, 0, 0, 1, .4}; Delete{ Volume{70}; }
+Mesh.MeshSizeMin = .3; Mesh.MeshSizeMax = .5; Mesh.Algorithm3D = 1;
 """
 
 EXTRUDED = """
 Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Point(3) = {1, 1, 0}; Point(4) = {0, 1, 0};
-Point(5) = {.5, -.2, 0}; Spline(1) = {1, 5, 2}; Line(2) = {2, 3}; BSpline(3) = {3, 4}; Line(4) = {4, 1};
+Point(5) = {.5, -.2, 0}; Spline(1) = {1, 5, 2}; Line(2) = {2, 3};
+BSpline(3) = {3, 4}; Line(4) = {4, 1};
 Curve Loop(1) = {1:4}; Surface(1) = {1};
 Transfinite Curve{:} = 5; Transfinite Surface{1} = {1, 2, 3, 4} Alternate; Recombine Surface{1};
 out() = Extrude{0, 0, 2}{ Surface{1}; Layers{{2, 3}, {.5, 1}}; Recombine; };
@@ -361,7 +367,8 @@ If (StrFind("abc", "b"))
 EndIf
 Physical Point("p", 3) = {1}; Physical Surface("s") += {2}; i() = Physical Surface{3}; a++;
 n~{a}~{2} = 1; l() = List[e()]; SetTag Surface(1, 2); SetMaxTag Point(8); HealShapes;
-Parametric Surface(7) = "u" "v" "u * v"; s = 1e-3; t = .5; u = 1.E+3; CreateTopology; Euclidian Coordinates;
+Parametric Surface(7) = "u" "v" "u * v"; s = 1e-3; t = .5; u = 1.E+3; CreateTopology;
+Euclidian Coordinates;
 """
 
 
@@ -386,7 +393,14 @@ def test_own_geometries_are_written_as_they_are(path):
 @pytest.mark.skipif(COMM.rank > 0, reason="of texts; one rank will do")
 def test_every_word_of_gmsh_that_is_not_listed_is_refused():
     """Words that a later version of Gmsh may add, in each place where it could."""
-    for text in ("Ask;", "Ask 3;", 'x = Ask("ls");', "x = Ask;", "Ask { Point{1}; };", "a = Ask.b;"):
+    for text in (
+        "Ask;",
+        "Ask 3;",
+        'x = Ask("ls");',
+        "x = Ask;",
+        "Ask { Point{1}; };",
+        "a = Ask.b;",
+    ):
         script = GeometryScript(text)
         with pytest.raises(ScriptError, match="'Ask'"):
             script.checked(script.defined(), lambda file: file.name)
