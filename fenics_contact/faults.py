@@ -19,7 +19,7 @@ from petsc4py import PETSc
 
 from fenics_contact.errors import FenicsContactError, MachineError, StoppedError
 from fenics_contact.form_cache import COMPILER_SAID
-from fenics_contact.plain_text import one_line, printable
+from fenics_contact.plain_text import printable
 
 # Seconds in which all ranks come to an error that they share.
 _PATIENCE = 4.0
@@ -42,7 +42,7 @@ def explain(error: BaseException) -> tuple[int, str]:
     """
     error = original(error)
     if isinstance(error, FenicsContactError):
-        return error.exit_code, one_line(str(error))
+        return error.exit_code, str(error)
     if isinstance(error, KeyboardInterrupt):
         return StoppedError.exit_code, "interrupted"
     if _is_want_of_memory(error):
