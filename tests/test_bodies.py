@@ -237,7 +237,7 @@ def test_a_script_that_is_refused_is_named_by_its_mesh(folder):
     upper, lower = two(folder)
     bad = MeshSource(write(folder, "b.geo", 'SystemCall "ls";'), name="bad")
     with pytest.raises(
-        InputError, match=r"^mesh\[2\].file: .*b.geo, line 1: the word 'SystemCall'"
+        InputError, match=r"^mesh\[2\].file: .*b.geo, line 1: 'SystemCall' is no statement"
     ):
         load_body((upper, lower, bad), 2, COMM)
 

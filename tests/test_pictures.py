@@ -1,6 +1,7 @@
 """Pictures show what the files say: looked at by their pixels, and once by a person."""
 
 import dataclasses
+import html
 import json
 from pathlib import Path
 
@@ -138,7 +139,7 @@ def test_report_draws_the_paper_figures(tmp_path):
         assert has_colour(picture, COLOURS["SLIP"]), name
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     verdict = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["verdict"]
-    assert verdict in page
+    assert verdict in html.unescape(page)
     assert "contact_0.png" in page and "deformed.png" in page
 
 

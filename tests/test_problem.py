@@ -82,7 +82,7 @@ def test_without_friction_one_linear_step_and_no_law():
     assert result.steps[0]["outer_iterations"] == 0
     assert result.contacts[0]["law"] == "none"
     assert result.contacts[0]["parameters"]["regularisation_parameter"] == 0
-    assert set(result.checks) == {"equilibrium", "resultant", "boundary_stress"}
+    assert set(result.checks) == {"equilibrium", "resultant", "boundary_stress", "linear_range"}
 
 
 def test_no_iteration_compiles_anything(monkeypatch):

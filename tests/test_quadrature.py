@@ -63,8 +63,8 @@ def linear(x, library):
 
 
 def curl_free(x, library):
-    """The gradient of a harmonic function: in equilibrium for any ν."""
-    grows, cos, sin = library.exp(x[0]), library.cos, library.sin
+    """The gradient of a small harmonic function: in equilibrium for any ν."""
+    grows, cos, sin = 1e-3 * library.exp(x[0]), library.cos, library.sin
     if len(x) == 2:
         return [grows * cos(x[1]), -grows * sin(x[1])]
     y, z = 0.6 * x[1], 0.8 * x[2]

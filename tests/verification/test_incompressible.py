@@ -13,7 +13,7 @@ from tests.scenes import box_body
 from tests.test_material import bimaterial
 
 COMM = MPI.COMM_WORLD
-E, NU = 1.0, 0.4999
+E, NU = 1e3, 0.4999
 ELEMENTS = {
     "P1": (CellType.triangle, 1),
     "Q1": (CellType.quadrilateral, 1),
