@@ -84,7 +84,8 @@ nitpick_ignore_regex = [
 ]
 _INNER = (
     *("accepted_step.Unknowns", "condensed_system.CondensedSystem", "contact.ContactSurface"),
-    *("facet_mesh.FacetMesh", "problem.Problem", "solution.Solution", "spaces.Spaces"),
+    *("facet_mesh.FacetMesh", "problem.Problem", "quantity_names.QuantityNames"),
+    *("solution.Solution", "spaces.Spaces"),
     *("state_file.SavedRun", "state_file.StateFile", "supports.Supports", "system.System"),
     *("timings.Timings", "trace.Trace"),
 )
