@@ -123,6 +123,18 @@ class Newton:
         self._tolerance = tolerance or self.problem.scene.solver.tolerance
         self._searches = self._one_sided if search_energy is None else search_energy
         self._search = ENERGY_SEARCH
+        try:
+            self._solve_patiently()
+        finally:
+            self._hopeless = None  # it may know who asks, and that knows this: a circle
+        if self._one_sided:
+            left, forces = self.history[-1], self.system.forces
+            words = runaway(self.problem, self.system) or drowned(self.problem, left, forces)
+            if words is not None:
+                raise NotConvergedError(words, tuple(self.history))
+
+    def _solve_patiently(self) -> None:
+        """Once; where a search along the steps ends nowhere, once more in another way."""
         start = self.save()
         try:
             self._solve()
@@ -136,11 +148,6 @@ class Newton:
                 self.restore(start)
                 self._stick_all()
             self._solve()
-        if self._one_sided:
-            left, forces = self.history[-1], self.system.forces
-            words = runaway(self.problem, self.system) or drowned(self.problem, left, forces)
-            if words is not None:
-                raise NotConvergedError(words, tuple(self.history))
 
     @property
     def _is_nearly_balanced(self) -> bool:
