@@ -3,6 +3,7 @@
 No test here looks at messages alone: each command tried would leave a file.
 """
 
+import dataclasses
 import re
 import subprocess
 import sys
@@ -205,6 +206,34 @@ def test_size_of_a_view_is_a_background(folder):
     text += "Mesh.MeshSizeExtendFromBoundary = 0; Mesh.MeshSizeFromPoints = 0;\n"
     body = load_body(write(folder, text), 2, COMM)
     assert 200 < body.mesh.topology.index_map(2).size_global < 800  # 462 of that size
+
+
+@pytest.mark.parametrize("word", ["PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS", "PDWAD"])
+@pytest.mark.parametrize("name", ["x.step", "x.STP", "x.geo"])
+def test_step_that_refers_to_other_files_is_refused(folder, word, name):
+    """OpenCASCADE would open them, wherever they are."""
+    text = (ROOT / "meshes" / "bracket.step").read_text(encoding="utf-8")
+    documents = f"DOCUMENT('','{folder}/other.step','',#9999);\n#9999 = DOCUMENT_TYPE('');"
+    own, number = re.compile(r"= PRODUCT_DEFINITION\((.*?)\);", re.DOTALL).subn(
+        lambda found: f"= {word}({found[1]},(#9998));\n#9998 = {documents}", text
+    )
+    assert number == 1
+    write(folder, own, "a.Step" if name == "x.geo" else name)
+    write(folder, 'SetFactory("OpenCASCADE");\nMerge "a.Step";\n')
+    source = MeshSource(str(folder / ("g.geo" if name == "x.geo" else name)))
+    said = refusal(source, 3)
+    assert re.search(rf", line \d+: {word} refers to another file", said), said
+    assert ("a.Step" if name == "x.geo" else name) in said
+
+
+def test_documents_that_are_no_files_are_taken(folder):
+    """Of drawings, which many programs name in STEP files."""
+    text = (ROOT / "meshes" / "bracket.step").read_text(encoding="utf-8")
+    drawing = "#9998 = DOCUMENT('D 7','drawing','',#9999);\n#9999 = DOCUMENT_TYPE('');\n"
+    head, _, rest = text.rpartition("ENDSEC;")
+    source = write(folder, f"{head}{drawing}ENDSEC;{rest}", "a.step")
+    body = load_body(dataclasses.replace(source, size=30), 3, COMM)
+    assert body.mesh.topology.index_map(3).size_global > 100
 
 
 def test_gmsh_names_the_users_file_and_line(folder):
