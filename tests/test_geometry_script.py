@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 
 import pytest
 from mpi4py import MPI
@@ -44,7 +45,12 @@ ATTACKS = [
     ('Printf("a") > "{x}";', "'Printf' may not write to a file"),
     ('Printf("a;", 1) // >\n /* " */ >> "{x}";', "'Printf' may not write to a file"),
     ('Warning("a") > "{x}";', "'Warning' may not write to a file"),
-    ('Error("%n%n", 1);', "writes into the memory"),
+    ('Error("%n%n", 1);', "'\"%n%n\"' is no format of numbers"),
+    ('a = Sprintf("%1$n", 1);', "is no format of numbers"),
+    ('a = Sprintf("%s", 1);', "is no format of numbers"),
+    ('a = Sprintf("%*f", 1);', "is no format of numbers"),
+    ('a = Sprintf("%999g", 1);', "is no format of numbers"),
+    ('a = Sprintf("' + 300 * "x" + '%g", 1);', "is no format of numbers"),
     ('a = "%";\nError(StrCat(a, "n"), 1);', "'Error' must be followed by a text in quotes"),
     ("Plugin(MathEval).Run;", "'Plugin'"),
     ('Field[1] = ExternalProcess;\nField[1].CommandLine = "touch {x}";', "'ExternalProcess'"),
@@ -435,6 +441,24 @@ def test_every_word_of_gmsh_that_is_not_listed_is_refused():
         script = GeometryScript(text)
         with pytest.raises(ScriptError, match="'Ask'"):
             script.checked(script.defined(), lambda file: file.name)
+
+
+@pytest.mark.skipif(COMM.rank > 0, reason="of texts; one rank will do")
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a = 1;\nx() = {" + ",".join(["a"] * 40000) + "};",
+        "DefineConstant[" + ",".join(f"a{n}=1" for n in range(20000)) + "];",
+        "v() = {" + ",".join(['ShapeFromFile("a.step")'] * 20000) + "};",
+    ],
+    ids=["words", "constants", "files"],
+)
+def test_long_statements_take_time_by_their_length(text):
+    """Not by its square, which would be minutes here: that is before Gmsh's limit of time."""
+    began = time.process_time()
+    script = GeometryScript(text)
+    assert script.checked(script.defined(), lambda file: file.name)
+    assert time.process_time() - began < 20
 
 
 def test_large_script_is_refused_before_it_is_read(folder, monkeypatch):
