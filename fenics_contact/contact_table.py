@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.errors import InputError
+from fenics_contact.plain_text import one_line
 
 Array = NDArray[np.float64]
 
@@ -25,7 +26,7 @@ class ContactTable:
     """The rows of ``contact.csv`` as columns.
 
     Attributes:
-        contact: Name of each row's contact.
+        contact: Name of each row's contact, in one line and printable.
         status: OPEN, STICK or SLIP.
         numbers: The other columns, by their names in the header.
     """
@@ -52,7 +53,7 @@ class ContactTable:
             raise InputError(f"{path}: damaged: {error}; make the run again") from None
         columns = numbers.reshape(len(rows), len(CSV_HEADER) - 2).T
         return cls(
-            contact=np.array([row[0] for row in rows], dtype=str),
+            contact=np.array([one_line(row[0]) for row in rows], dtype=str),
             status=np.array([row[-1] for row in rows], dtype=str),
             numbers=dict(zip(CSV_HEADER[1:-1], columns, strict=True)),
         )
@@ -64,7 +65,7 @@ class ContactTable:
 
     def of(self, contact: str) -> ContactTable:
         """The rows of one contact."""
-        return self.rows(self.contact == contact)
+        return self.rows(self.contact == one_line(contact))
 
     def rows(self, wanted: NDArray[np.bool_] | NDArray[np.int64]) -> ContactTable:
         """Some of the rows, or all of them in another order."""

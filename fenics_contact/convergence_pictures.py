@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.figures import new_figure, save
+from fenics_contact.figures import new_figure, plain, save
 from fenics_contact.picture import Picture
 from fenics_contact.picture_style import COLOURS, DOUBLE, FORMULA, LINES, WIDE
 from fenics_contact.quantity_names import in_words
@@ -95,7 +95,7 @@ def _levels(result: dict[str, Any], path: Path) -> Picture:
         errors = np.array([level["errors"][name] or np.nan for level in levels], dtype=float)
         colour, dashes = LINES[number % len(LINES)]
         order = _order(dofs, errors) if grows else None
-        label = in_words(name) + ("" if order is None else f", order {order:.2g}")
+        label = plain(in_words(name)) + ("" if order is None else f", order {order:.2g}")
         mark = _MARKS[number % len(_MARKS)]
         panel.plot(along, errors, mark, linestyle=dashes, color=colour, label=label)
     limits = sorted(set(asked.values()))

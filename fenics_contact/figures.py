@@ -9,6 +9,7 @@ from textwrap import wrap
 from typing import Any
 
 from fenics_contact.picture_style import STYLE
+from fenics_contact.plain_text import printable
 from fenics_contact.writing import replaced_file
 
 _LETTER = 0.068  # width of a letter of a title in inches, about
@@ -56,7 +57,12 @@ def set_title(panel: Any, title: str, pad: float | None = None) -> None:
     """
     columns = panel.get_gridspec().ncols
     width = int(panel.figure.get_figwidth() / columns / _LETTER)
-    panel.set_title("\n".join(wrap(title.replace("$", r"\$"), width)), pad=pad)
+    panel.set_title("\n".join(wrap(plain(title), width)), pad=pad)
+
+
+def plain(text: str) -> str:
+    """Any text for matplotlib, as in a legend: a dollar is one, and begins no formula."""
+    return printable(text).replace("$", r"\$")
 
 
 def save(figure: Any, path: Path, tight: bool = False) -> None:

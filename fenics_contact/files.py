@@ -24,6 +24,7 @@ from fenics_contact.errors import InputError
 from fenics_contact.faults import failing_together
 from fenics_contact.fields import FieldSeries
 from fenics_contact.parallel import on_root
+from fenics_contact.plain_text import one_line
 from fenics_contact.result import ContactPoints, Result
 from fenics_contact.scene import Steps
 from fenics_contact.scene_writing import write_scene
@@ -268,7 +269,7 @@ def _clear(folder: Path, names: str) -> None:
 
 def _write_tables(result: Result, folder: Path, scene: str) -> None:
     if result.points is not None:
-        names = [contact["name"] for contact in result.contacts]
+        names = [one_line(contact["name"]) for contact in result.contacts]
         _replace(folder / "contact.csv", _csv_rows(result.points, names))
     _write_result(result, folder, scene)
 

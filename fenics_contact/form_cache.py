@@ -34,6 +34,8 @@ COMPILER_SAID = re.compile(
 _NOT_DONE = re.compile(r"JIT compilation timed out.*\(e\.g\. remove (.+\.c)\)", re.DOTALL)
 # Seconds without a change after which no program without our lock compiles the form, either.
 _QUIET = 10.0
+# Seconds between two looks at it.
+_PAUSE = 0.2
 # Seconds after which another program's compilation is given up.
 _LONGEST = 900.0
 
@@ -80,7 +82,7 @@ def _compiled(terms: Any, build: Callable[[dict[str, Any]], T]) -> T:
             logger.info("waiting for another program that compiles the same form")
             waits = True
         if comm.rank == 0:
-            _forget_if_abandoned(file)
+            _wait_for(file, end)
 
 
 @contextmanager
@@ -105,6 +107,21 @@ def _lock_file(folder: Path) -> Iterator[IO[bytes] | None]:
         return
     with lock:
         yield lock
+
+
+def _wait_for(file: Path, end: float) -> None:
+    """Until a form is compiled, or nobody compiles it any more.
+
+    Without our lock: programs that only wait would keep each other from finding that out.
+
+    Args:
+        file: That says that somebody compiles it.
+        end: When to give up, by the monotonic clock.
+    """
+    done = file.with_suffix(".c.cached")
+    while file.exists() and not done.exists() and time.monotonic() < end:
+        _forget_if_abandoned(file)
+        time.sleep(_PAUSE)
 
 
 def _forget_if_abandoned(file: Path) -> None:

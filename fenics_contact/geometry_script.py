@@ -14,7 +14,8 @@ from typing import NamedTuple
 from fenics_contact import geometry_words as words
 from fenics_contact.geometry_tokens import ScriptError, Token, statements_of, tokens_of, written
 
-_WRITES_MEMORY = re.compile(r"%[-+ #0-9.*'hlLqjzt]*n")
+# Gmsh takes numbers alone, writes each into 256 characters and copies the format to as many.
+_FORMAT = re.compile(r"(?:[^%]|%%|%[-+ #0]*[0-9]{0,2}(?:\.[0-9]{0,2})?[eEfFgG]){0,200}")
 _ASSIGNING = frozenset({"=", "+=", "-=", "*=", "/=", "++", "--"})
 _NAMING = frozenset({"Macro", "Function", "Call", "For", "Exists", "GetForced"})
 _SAYING = frozenset({"Printf", "Warning"})
@@ -23,6 +24,7 @@ _FOLDER_OF_SCRIPT = frozenset({"CurrentDirectory", "CurrentDir"})
 # Words that may follow a name directly.
 _AFTER_NAMES = frozenset({"In", "Using", "Knots", "Order", "Plane", "Field"})
 _DEFINING = frozenset({"DefineConstant", "DefineNumber", "DefineString"})
+_BEGINNING = words.KEYWORDS | words.OF_SHAPES | words.READS
 
 
 class FileRead(NamedTuple):
@@ -128,7 +130,7 @@ def _file_read(statement: Sequence[Token], number: int) -> tuple[FileRead, int]:
     ``"name"``, or ``StrCat(CurrentDirectory, "name")``, which is the same.
     """
     command = statement[number]
-    rest = statement[number + 1 :]
+    rest = statement[number + 1 : number + 8]  # of long statements no copies
     brackets = [token.text for token in rest[:1]] == ["("]
     rest = rest[1:] if brackets else rest
     skipped = 0
@@ -176,6 +178,9 @@ class _Checker:
         self._first = statement[0].text
         self._operator = _operator(statement)
         self._is_view = self._first == "View" and self._kind(1) == "text"
+        self._is_display = self._sets_display()
+        defining = (n for n, token in enumerate(statement) if token.text in _DEFINING)
+        self._constants_from = next(defining, len(statement))
 
     def is_of_use(self) -> bool:
         """Whether Gmsh is to have it: whether it is more than a message or an option of display.
@@ -193,7 +198,7 @@ class _Checker:
             self._require_no_file()
         if self._first == "Field":
             self._require_field()
-        return self._first not in _SAYING and not self._is_display()
+        return self._first not in _SAYING and not self._is_display
 
     def _text(self, number: int) -> str:
         return self._tokens[number].text if 0 <= number < len(self._tokens) else ""
@@ -209,9 +214,9 @@ class _Checker:
         """A statement is one of Gmsh's own, an assignment or a command of those allowed."""
         second, third = self._text(1), self._text(2)
         is_allowed = self._kind(0) == "word" and (
-            self._first in words.KEYWORDS | words.OF_SHAPES | words.READS
+            self._first in _BEGINNING
             or self._is_view
-            or self._is_display()
+            or self._is_display
             or (self._first in words.COMMANDS and self._kind(1) in ("number", "word"))
             or (self._first in words.OPTIONS and second == ".")
             or (self._first in words.FIELD_ROLES and second == "Field")
@@ -232,8 +237,8 @@ class _Checker:
             self._require_keyword(number)
         elif self._text(number + 1) == ".":
             self._require_option(number)
-        elif not (self._is_display() or self._is_special(number)):
-            if word not in self._defined | words.NUMBERS and before != "Color":
+        elif not (self._is_display or self._is_special(number)):
+            if word not in self._defined and word not in words.NUMBERS and before != "Color":
                 raise self._refusal(number, "is neither defined nor a word that makes a geometry")
             if not self._stands_alone(number):
                 raise self._refusal(number, f"before {self._text(number + 1)} is not allowed")
@@ -242,28 +247,29 @@ class _Checker:
         word = self._text(number)
         if word in words.STATEMENTS and number > 0:
             raise self._refusal(number, "must begin a statement")
-        is_format = self._kind(number + 2) == "text" and self._text(number + 3) in (",", ")", "]")
-        if word in _FORMATTING and not is_format:
+        if word not in _FORMATTING:
+            return
+        if self._kind(number + 2) != "text" or self._text(number + 3) not in (",", ")", "]"):
             raise self._refusal(number, "must be followed by a text in quotes")
+        if _FORMAT.fullmatch(self._tokens[number + 2].content) is None:
+            raise self._refusal(number + 2, "is no format of numbers, such as %g or %6.3f")
 
     def _require_text(self, number: int) -> None:
-        if _WRITES_MEMORY.search(self._tokens[number].content):
-            raise self._refusal(number, "is a format that writes into the memory")
-        if self._is_display():
+        if self._is_display:
             raise self._refusal(number, "is a text, to which no option of display may be set")
 
     def _require_option(self, number: int) -> None:
         """Options: of geometry and meshes; of display only the size of the model may be read."""
         option = f"{self._text(number)}.{self._text(number + 2)}"
         if self._text(number) not in words.OPTIONS:
-            if not (self._is_display() or words.READABLE_OPTION.fullmatch(option)):
+            if not (self._is_display or words.READABLE_OPTION.fullmatch(option)):
                 raise self._refusal(number, "has no option of a geometry or a mesh")
-        elif number == 0 and option not in words.TEXT_OPTIONS and not self._is_display():
+        elif number == 0 and option not in words.TEXT_OPTIONS and not self._is_display:
             for value in range(3, len(self._tokens)):
                 if self._kind(value) == "text" or self._text(value) in words.TEXT_FUNCTIONS:
                     raise self._refusal(value, f"is a text, to which {option} may not be set")
 
-    def _is_display(self) -> bool:
+    def _sets_display(self) -> bool:
         """Whether the statement sets how Gmsh shows things."""
         if self._first in words.DISPLAY_OPTIONS and not self._is_view:
             return self._operator == "."
@@ -290,9 +296,9 @@ class _Checker:
 
     def _is_attribute(self, number: int) -> bool:
         """Whether it describes a constant: ``Name "…"``, after a comma within braces."""
-        is_constant = any(token.text in _DEFINING for token in self._tokens[:number])
         follows = self._text(number - 1) in (",", "[", "(")
-        return is_constant and follows and self._text(number) in words.ATTRIBUTES
+        is_known = self._text(number) in words.ATTRIBUTES
+        return number > self._constants_from and follows and is_known
 
     def _stands_alone(self, number: int) -> bool:
         """Whether no command can be meant: no value follows directly."""

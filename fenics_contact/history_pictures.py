@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.figures import new_figure, save, set_title
+from fenics_contact.figures import new_figure, plain, save, set_title
 from fenics_contact.history import Drive, History
 from fenics_contact.loops import Loop, last_loop
 from fenics_contact.picture import Picture
@@ -89,7 +89,7 @@ def draw_forces(history: History, contacts: list[dict[str, Any]], path: Path) ->
             normal, around = history.of_contact(number, "pressure_integral"), r", $\int p\,dA$"
         if normal is not None:
             wraps |= bool(around)
-            _line(panels[0], history.time, normal, f"'{contact['name']}'{around}", number)
+            _line(panels[0], history.time, normal, plain(f"'{contact['name']}'") + around, number)
     panels[0].set_ylabel("normal force, $P$")
     if wraps and len(contacts) == 1:
         panels[0].set_ylabel(r"pressure integral, $\int p\,dA$")
@@ -121,7 +121,7 @@ def _friction_curves(
             continue
         for axis, values in zip("xyz", forces.T, strict=False):
             if np.abs(values).max() > _SHOWN * largest:
-                yield f"'{contact['name']}', $Q_{axis}$", values
+                yield plain(f"'{contact['name']}'") + f", $Q_{axis}$", values
 
 
 def _areas(history: History, contacts: list[dict[str, Any]], path: Path) -> Picture:
@@ -141,7 +141,7 @@ def _areas(history: History, contacts: list[dict[str, Any]], path: Path) -> Pict
         panel.set_ylabel("area, $A$")
         if len(contacts) > 1:
             panel.annotate(
-                f"'{contact['name']}'".replace("$", r"\$"), (0.99, 0.97), va="top", ha="right",
+                plain(f"'{contact['name']}'"), (0.99, 0.97), va="top", ha="right",
                 xycoords="axes fraction",
             )  # fmt: skip
         panel.legend(loc="upper left", ncols=2)

@@ -1,4 +1,7 @@
-"""Pieces of HTML pages; all text is escaped but what says that it is HTML."""
+"""Pieces of HTML pages; all text is escaped but what says that it is HTML.
+
+Characters that would turn the direction of writing, or show nothing, are written out.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,8 @@ import base64
 from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
+
+from fenics_contact.plain_text import printable
 
 _KINDS = {".png": "image/png", ".gif": "image/gif"}
 
@@ -16,14 +21,14 @@ class Html(str):
 
 def html(text: str) -> Html:
     """Text in HTML; what is HTML stays as it is."""
-    return text if isinstance(text, Html) else Html(escape(text))
+    return text if isinstance(text, Html) else Html(escape(printable(text)))
 
 
 def element(tag: str, content: str, **attributes: str) -> Html:
     """An element around a text; ``kind`` is its class, and underscores are hyphens."""
     names = {"kind": "class"}
     said = "".join(
-        f' {names.get(name, name.replace("_", "-"))}="{escape(value)}"'
+        f' {names.get(name, name.replace("_", "-"))}="{html(value)}"'
         for name, value in attributes.items()
     )
     return Html(f"<{tag}{said}>{html(content)}</{tag}>")

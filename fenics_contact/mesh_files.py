@@ -1,13 +1,14 @@
 """What kind a file with a mesh or a geometry is, and whether Gmsh may read it.
 
 Every file that Gmsh opens is first brought into a folder of its own: scripts written anew from
-what was understood of them, meshes and the CAD files that a script reads as copies with the suffix
-that they are taken for. Gmsh therefore reads what was examined, whatever becomes of the original,
-and nothing that lies beside it (``x.geo.opt``).
+what was understood of them, meshes and CAD files as copies with the suffix that they are taken for.
+Gmsh therefore reads what was examined, whatever becomes of the original, and nothing that lies
+beside it (``x.geo.opt``).
 """
 
 from __future__ import annotations
 
+import mmap
 import re
 import shutil
 from collections.abc import Iterator, Mapping
@@ -27,6 +28,12 @@ _MERGED = _KINDS | {".geo_unrolled": "geo", ".pos": "geo", ".stl": "cad", ".igs"
 _MERGED |= {".iges": "cad"}
 # From its first byte on, else Gmsh takes it for a script.
 _MESH = re.compile(rb"\$MeshFormat\s+(\d+)\.?\d*\s+[01]\s+\d+")
+# Entities of STEP by which OpenCASCADE opens other files, and their short names. Before and behind
+# them there is anything that its scanner could end or begin a word with.
+_REFERENCE = re.compile(
+    rb"(?:PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS|PDWAD|DOCUMENT_FILE|DCMFL)(?![A-Z0-9_])",
+    re.IGNORECASE,
+)
 _PIECE = 2**20  # bytes that are copied at once
 _LARGEST = 2**23  # bytes of a script; larger ones take longer to examine than to mesh
 _WAY_OUT = "mesh it with Gmsh yourself and give the .msh"
@@ -105,7 +112,9 @@ def prepared(file: MeshFile, folder: Path) -> Prepared:
         InputError: Naming the file, the line and the word.
     """
     if file.kind == "cad":  # which Gmsh reads as that format and no other
-        return Prepared(file.path.absolute())
+        copy = _copied(file.key, file.path, folder / f"shape.{file.form}")
+        _require_whole(file.key, file.path, copy)
+        return Prepared(copy, {copy: file.path})
     if file.kind == "msh":
         copy = _copied(file.key, file.path, folder / "mesh.msh")
         return Prepared(copy, {copy: file.path}, _mesh_version(file.key, file.path, copy))
@@ -188,6 +197,8 @@ class _Scripts:
                 _copied(self._key, path, target)
             if kind == "msh":
                 _mesh_version(self._key, path, target)
+            if kind == "cad":
+                _require_whole(self._key, path, target)
         return self._targets[key]
 
     @contextmanager
@@ -233,6 +244,20 @@ def _mesh_version(key: str, path: Path, copy: Path) -> int:
             f"{key} = '{path}': does not start as a Gmsh mesh of version 2 or 4 does ($MeshFormat)"
         )
     return int(found[1])
+
+
+def _require_whole(key: str, path: Path, copy: Path) -> None:
+    """A STEP file holds its shapes itself: others that it names would be opened, wherever."""
+    if _CAD_FORMATS.get(copy.suffix) != "step" or not copy.stat().st_size:
+        return
+    with copy.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        found = _REFERENCE.search(content)
+        if found is not None:
+            line = content[: found.start()].count(b"\n") + 1
+            raise InputError(
+                f"{key} = '{path}', line {line}: {found[0].decode()} refers to another file, which "
+                "a scene's geometry may not; export all parts into one file"
+            )
 
 
 def _either(words: Mapping[str, str]) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from fenics_contact.plain_text import one_line
 from fenics_contact.result import VECTORS
 from fenics_contact.scene_values import AXES
 from fenics_contact.writing import append, replace_file
@@ -63,7 +64,7 @@ def row_of(step: Mapping[str, Any]) -> dict[str, Any]:
     contacts = step["contacts"]
     for contact in contacts if len(contacts) > 1 else []:
         found = _by_component(contact["quantities"], components)
-        row |= {f"{contact['name']}.{name}": value for name, value in found.items()}
+        row |= {f"{one_line(contact['name'])}.{name}": value for name, value in found.items()}
     return row
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import QhullError
 
 from fenics_contact.contact_table import ContactTable
-from fenics_contact.figures import in_words, new_figure, save, surface_of
+from fenics_contact.figures import in_words, new_figure, plain, save, surface_of
 from fenics_contact.picture import Picture
 from fenics_contact.picture_style import COLOUR_MAP, DOUBLE, EDGE, marks, neighbourhood
 
@@ -123,7 +123,7 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> Pictur
         surface.label(panel, panel is panels[0])
         panel.margins(0.08)
     figure.set_layout_engine("compressed")  # for panels of equal scales
-    figure.suptitle(title.replace("$", r"\$"), x=0.01, ha="left", fontsize=8.5)
+    figure.suptitle(plain(title), x=0.01, ha="left", fontsize=8.5)
     save(figure, path, tight=True)
     said = f"{in_words(list(draw))} on {surface_of(contact)}."
     said += " Arrows on the left: slip; on the right: the friction traction." if frictional else ""

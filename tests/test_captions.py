@@ -12,6 +12,8 @@ from tests.test_picture_style import CONTACT, points, strip
 
 pytestmark = pytest.mark.serial
 
+HOSTILE = (r"$\frac$", "\u061ca\x1b[2J")
+
 
 @pytest.fixture(autouse=True)
 def unsaved(monkeypatch):
@@ -77,6 +79,26 @@ def test_without_friction_nothing_is_said_to_stick(law, tmp_path):
     (areas,) = (p for p in draw_history(tmp_path, cycled(law)) if p.path.stem == "history_areas")
     assert ("stick and slip" in areas.caption) == (law != "none")
     assert areas.caption.endswith(".")
+
+
+def test_any_name_can_be_drawn(monkeypatch, tmp_path):
+    """Dollars begin no formula, and nothing turns the direction of writing."""
+    texts = []
+
+    def drawn(figure, path):
+        figure.draw_without_rendering()
+        for panel in figure.axes:
+            texts.extend([panel.get_title("left"), *panel.get_legend_handles_labels()[1]])
+
+    monkeypatch.setattr(history_pictures, "save", drawn)
+    result = cycled()
+    result["contacts"] = [result["contacts"][0] | {"name": name} for name in HOSTILE]
+    for step in result["steps"]:
+        step["contacts"] *= 2
+    draw_history(tmp_path, result)
+    assert any("\\$\\frac\\$" in text for text in texts), texts
+    assert any("\\u061ca\\x1b[2J" in text for text in texts), texts
+    assert not any("\u061c" in text or "\x1b" in text for text in texts)
 
 
 @pytest.mark.parametrize("line", [True, False])

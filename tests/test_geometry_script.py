@@ -3,10 +3,12 @@
 No test here looks at messages alone: each command tried would leave a file.
 """
 
+import dataclasses
 import re
 import subprocess
 import sys
 import tempfile
+import time
 
 import pytest
 from mpi4py import MPI
@@ -43,7 +45,12 @@ ATTACKS = [
     ('Printf("a") > "{x}";', "'Printf' may not write to a file"),
     ('Printf("a;", 1) // >\n /* " */ >> "{x}";', "'Printf' may not write to a file"),
     ('Warning("a") > "{x}";', "'Warning' may not write to a file"),
-    ('Error("%n%n", 1);', "writes into the memory"),
+    ('Error("%n%n", 1);', "'\"%n%n\"' is no format of numbers"),
+    ('a = Sprintf("%1$n", 1);', "is no format of numbers"),
+    ('a = Sprintf("%s", 1);', "is no format of numbers"),
+    ('a = Sprintf("%*f", 1);', "is no format of numbers"),
+    ('a = Sprintf("%999g", 1);', "is no format of numbers"),
+    ('a = Sprintf("' + 300 * "x" + '%g", 1);', "is no format of numbers"),
     ('a = "%";\nError(StrCat(a, "n"), 1);', "'Error' must be followed by a text in quotes"),
     ("Plugin(MathEval).Run;", "'Plugin'"),
     ('Field[1] = ExternalProcess;\nField[1].CommandLine = "touch {x}";', "'ExternalProcess'"),
@@ -205,6 +212,34 @@ def test_size_of_a_view_is_a_background(folder):
     text += "Mesh.MeshSizeExtendFromBoundary = 0; Mesh.MeshSizeFromPoints = 0;\n"
     body = load_body(write(folder, text), 2, COMM)
     assert 200 < body.mesh.topology.index_map(2).size_global < 800  # 462 of that size
+
+
+@pytest.mark.parametrize("word", ["PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS", "PDWAD"])
+@pytest.mark.parametrize("name", ["x.step", "x.STP", "x.geo"])
+def test_step_that_refers_to_other_files_is_refused(folder, word, name):
+    """OpenCASCADE would open them, wherever they are."""
+    text = (ROOT / "meshes" / "bracket.step").read_text(encoding="utf-8")
+    documents = f"DOCUMENT('','{folder}/other.step','',#9999);\n#9999 = DOCUMENT_TYPE('');"
+    own, number = re.compile(r"= PRODUCT_DEFINITION\((.*?)\);", re.DOTALL).subn(
+        lambda found: f"= {word}({found[1]},(#9998));\n#9998 = {documents}", text
+    )
+    assert number == 1
+    write(folder, own, "a.Step" if name == "x.geo" else name)
+    write(folder, 'SetFactory("OpenCASCADE");\nMerge "a.Step";\n')
+    source = MeshSource(str(folder / ("g.geo" if name == "x.geo" else name)))
+    said = refusal(source, 3)
+    assert re.search(rf", line \d+: {word} refers to another file", said), said
+    assert ("a.Step" if name == "x.geo" else name) in said
+
+
+def test_documents_that_are_no_files_are_taken(folder):
+    """Of drawings, which many programs name in STEP files."""
+    text = (ROOT / "meshes" / "bracket.step").read_text(encoding="utf-8")
+    drawing = "#9998 = DOCUMENT('D 7','drawing','',#9999);\n#9999 = DOCUMENT_TYPE('');\n"
+    head, _, rest = text.rpartition("ENDSEC;")
+    source = write(folder, f"{head}{drawing}ENDSEC;{rest}", "a.step")
+    body = load_body(dataclasses.replace(source, size=30), 3, COMM)
+    assert body.mesh.topology.index_map(3).size_global > 100
 
 
 def test_gmsh_names_the_users_file_and_line(folder):
@@ -406,6 +441,24 @@ def test_every_word_of_gmsh_that_is_not_listed_is_refused():
         script = GeometryScript(text)
         with pytest.raises(ScriptError, match="'Ask'"):
             script.checked(script.defined(), lambda file: file.name)
+
+
+@pytest.mark.skipif(COMM.rank > 0, reason="of texts; one rank will do")
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a = 1;\nx() = {" + ",".join(["a"] * 40000) + "};",
+        "DefineConstant[" + ",".join(f"a{n}=1" for n in range(20000)) + "];",
+        "v() = {" + ",".join(['ShapeFromFile("a.step")'] * 20000) + "};",
+    ],
+    ids=["words", "constants", "files"],
+)
+def test_long_statements_take_time_by_their_length(text):
+    """Not by its square, which would be minutes here: that is before Gmsh's limit of time."""
+    began = time.process_time()
+    script = GeometryScript(text)
+    assert script.checked(script.defined(), lambda file: file.name)
+    assert time.process_time() - began < 20
 
 
 def test_large_script_is_refused_before_it_is_read(folder, monkeypatch):

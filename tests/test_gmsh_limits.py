@@ -31,14 +31,14 @@ material = { youngs_modulus = 1, poissons_ratio = 0.3 }
 
 
 def processes_of(folder):
-    """Command lines of processes that know of a folder."""
+    """Command lines of Gmsh's processes that know of a folder; others may run beside these."""
     found = []
     for path in Path("/proc").glob("[0-9]*/cmdline"):
         try:
             line = path.read_bytes().decode(errors="replace")
         except OSError:  # it has ended
             continue
-        if str(folder) in line and "gmsh_process" in line:
+        if f"{folder}/" in line and "gmsh_process" in line:
             found.append(line)
     return found
 
@@ -46,6 +46,11 @@ def processes_of(folder):
 def left():
     """Folders for Gmsh that are there."""
     return set(Path(tempfile.gettempdir()).glob("fenics_contact_*"))
+
+
+def left_by_run(place):
+    """What a run that was killed left of Gmsh's; Open MPI leaves a folder of its own."""
+    return [path for path in place.rglob("*") if not re.search(r"/(ompi|prte|pmix)\b", str(path))]
 
 
 @pytest.fixture
@@ -75,7 +80,7 @@ def test_meshing_that_does_not_end_is_one_sentence_on_every_rank(folder, tempora
     assert re.search(r"Gmsh is not done after mesh\.time_limit = 1\.5 s.*give more time", said), (
         said
     )
-    assert time.monotonic() - began < 15
+    assert time.monotonic() - began < 30  # also where other programs run
     assert not processes_of(folder) and not left()
 
 
@@ -186,10 +191,9 @@ def test_nothing_outlives_a_run_that_is_stopped(folder, number):
     assert run.returncode in ((130,) if number == signal.SIGINT else (number, -number))
     assert b"Traceback" not in said
     end = time.monotonic() + 10
-    while (processes_of(folder) or list((folder / "tmp").iterdir())) and time.monotonic() < end:
+    while (processes_of(folder) or left_by_run(folder / "tmp")) and time.monotonic() < end:
         time.sleep(0.1)
-    assert not processes_of(folder)
-    assert not list((folder / "tmp").rglob("*")), processes_of("gmsh")
+    assert not processes_of(folder) and not left_by_run(folder / "tmp")
 
 
 def test_file_that_crashes_gmsh_is_one_sentence(folder, temporary, monkeypatch):

@@ -149,6 +149,16 @@ def test_all_text_is_escaped():
     assert "<script>" not in text and Reader(text)
 
 
+@pytest.mark.parametrize("mark", ["\x1b", "\x9b", "\u061c", "\u200b", "\u202e", "\ufeff", "\udcff"])
+def test_no_text_turns_the_direction_of_a_page_or_hides(mark):
+    title = f"block{mark}dessap"
+    result = found(title=title, verdict=title, versions={title: title})
+    result["checks"] = {title: result["checks"]["equilibrium"]}
+    text = page_of(result, f"{title}\nsecond line")
+    assert mark not in text and "second line" in text
+    assert text.count("block\\") > 5
+
+
 def found(**changes):
     """A result with one check that passed."""
     checks = {"equilibrium": {"value": 1e-13, "limit": 1e-9, "passed": True}}

@@ -9,6 +9,8 @@ import threading
 
 import pytest
 
+from fenics_contact.contact_table import ContactTable
+from fenics_contact.plain_text import one_line
 from tests.scenes import ROOT
 
 pytestmark = pytest.mark.serial
@@ -117,16 +119,23 @@ def test_help_does_not_wait_for_fenicsx():
     assert max(map(len, done.stdout.splitlines())) > 85  # as wide as the terminal
 
 
-STEERING = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1a\x1c-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+STEERING = re.compile(
+    "[\x00-\x08\x0b\x0c\x0e-\x1a\x1c-\x1f\x7f-\x9f\u061c\u200b\u202a-\u202e\u2066-\u2069\ufeff]"
+)
 
 
 def hostile_scene(folder):
     """A scene whose names and title would clear the screen and name the window."""
-    clear, window, c1 = r"\u001b[2J\u001b[H", r"\u001b]0;mine\u0007", r"\u009b2J\u202e"
+    clear, window, c1 = (
+        r"\u001b[2J\u001b[H",
+        r"\u001b]0;mine\u0007",
+        r"\u009b2J\u202e\u061c\u200b\ufeff",
+    )
     (folder / "block.geo").write_text(
         (ROOT / "meshes" / "sloped_block.geo")
         .read_text()
-        .replace('"bottom"', '"\x1b[2J\x9b2Jbottom"')
+        .replace('"bottom"', '"\x9b2J\u202e\u061cbottom"'),
+        encoding="utf-8",
     )
     text = f"""
         title = "{clear}{window}{c1}[bold]block\\nConverged; all 99 checks of the physics passed."
@@ -159,3 +168,26 @@ def test_names_of_files_cannot_steer_the_terminal(tmp_path, command, code):
     assert not STEERING.search(said)
     assert not re.search("^(\x1b[^m]*m)?Converged; all 99", said, re.MULTILINE)
     assert "\\x1b[2J" in said
+
+
+def test_names_of_files_cannot_steer_from_tables_and_pages(tmp_path):
+    """Two contacts, so that columns of steps.csv have their names."""
+    scene, out = hostile_scene(tmp_path), tmp_path / "out"
+    text = (tmp_path / "scene.toml").read_text(encoding="utf-8")
+    second = 'contact = [{ on = "top", name = "\\u001bb\\n\\u061c" }, { on = "right", '
+    text = re.sub(r"contact = \[\{ on = .*?, ", lambda _: second, text)
+    (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+    for command in (["run", scene, "--out", str(out)], ["report", str(out)]):
+        done = subprocess.run([*COMMAND, *command], env=environment(), capture_output=True)
+        assert done.returncode == 0, done.stderr
+    for name in ("contact.csv", "steps.csv", "report.html"):
+        written = (out / name).read_text(encoding="utf-8")
+        if name == "report.html":  # plotly's own script apart
+            written = re.sub(r"<script>.*?</script>", "", written, flags=re.DOTALL)
+        assert not STEERING.search(written) and ESCAPE not in written, name
+        assert "\\x1b" in written, name
+    table = ContactTable.read(out / "contact.csv")
+    assert len(table.of("\x1bb\n\u061c").status) and set(table.contact) == {
+        "\\x1bb\\n\\u061c",
+        one_line("\x1b[2J\x1b[H\x1b]0;mine\x07\x9b2J\u202e\u061c\u200b\ufeff"),
+    }
