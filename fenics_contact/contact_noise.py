@@ -6,12 +6,18 @@ came together exactly so far as to touch.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fenics_contact.contact import ContactSurface
 
 # Of the accepted imbalance: a contact that carries no more is off by a hundredth of that or more.
 _TELLING = 100.0
+# Of the forces that would strain a body by its motion: forces of less strain nothing.
+_STRAINLESS = 1e-6
+# 1-norm of the forces at the nodes of a contact, friction included, over ∫ p: at the most about.
+_OF_COMPONENTS = 4.0
 
 
 def carries_more_than(contact: ContactSurface, imbalance: float) -> bool:
@@ -37,3 +43,22 @@ def round_off(contact: ContactSurface) -> float:
     lengths += float(np.linalg.norm(contact.kinematics.motion))
     pressed = np.where(contact.pressure() > 0, contact.normal.stiffness, 0.0)
     return 20 * float(np.finfo(float).eps) * float(contact.trace.integral(pressed * lengths))
+
+
+def all_round_off(contacts: Sequence[ContactSurface], forces: float) -> bool:
+    """Whether contacts that a body was moved along touch by round-off, and nothing else acts.
+
+    Args:
+        contacts: All of a problem; others than one-sided ones are no excuse for a force.
+        forces: 1-norm of all forces on the bodies (force).
+    """
+    pushing = [contact for contact in contacts if contact.is_one_sided]
+    left = sum([min(round_off(contact), _strainless(contact)) for contact in pushing])
+    return forces <= _OF_COMPONENTS * left
+
+
+def _strainless(contact: ContactSurface) -> float:
+    """Much less than what it would take to press its jump into the bodies (force); collective."""
+    lengths = np.linalg.norm(contact.kinematics.jump_at_points(), axis=1)
+    stiffness = contact.moduli.combined / contact.trace.extent()
+    return _STRAINLESS * stiffness * float(contact.trace.integral(lengths))

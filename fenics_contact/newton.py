@@ -96,6 +96,7 @@ class Newton:
         self._one_sided = any(contact.is_one_sided for contact in problem.contacts)
         self._tolerance = problem.scene.solver.tolerance
         self._tiny = 0.0
+        self._largest = 0.0
         self._before = 0
         self._searches = False
         self._search: dict[str, Any] = ENERGY_SEARCH
@@ -347,6 +348,7 @@ class Newton:
         forces = self.system.forces
         if iteration == 0:
             self._tiny = _LARGEST_FLOOR * imbalance if self._one_sided else 0.0
+            self._largest = max(self._largest, self._tiny)
         logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
         if not np.isfinite(imbalance) or self._ask_to_stop():
             return NOT_A_NUMBER
@@ -355,11 +357,13 @@ class Newton:
         # it does not run away is then tested at the end.
         cap = np.inf if self._one_sided else _LARGEST_FLOOR * forces
         # The floor may cost a matrix copy, so it is asked for only where it may decide.
-        if iteration > 0 and self.limit < imbalance <= max(_LARGEST_FLOOR * forces, self._tiny):
+        wanders = iteration >= _PATIENCE and imbalance >= self.history[-1 - _PATIENCE]
+        # A solve that begins at an answer without forces has nothing else to compare with.
+        tiny = self._largest if wanders else self._tiny
+        if iteration > 0 and self.limit < imbalance <= max(_LARGEST_FLOOR * forces, tiny):
             self.limit = max(self.limit, min(self._round_off(), cap))
         if imbalance <= self.limit and not self._mean_stress_is_missing(iteration):
             return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
-        wanders = iteration >= _PATIENCE and imbalance >= self.history[-1 - _PATIENCE]
         if self._searches and wanders and self._is_nearly_balanced:
             return NO_STEP_FOUND
         if self._hopeless is not None and iteration and iteration % _LONG == 0 and self._hopeless():

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from fenics_contact.chatter import Chatter
+from fenics_contact.contact_noise import all_round_off
 from fenics_contact.parallel import largest, smallest
 from fenics_contact.problem import Problem
 from fenics_contact.rigid import RigidMotions
@@ -105,6 +106,8 @@ def drowned(problem: Problem, left: float, forces: float) -> str | None:
     pushing = [contact for contact in problem.contacts if contact.is_one_sided]
     touches = any([largest(problem.comm, contact.pressure()) > 0 for contact in pushing])
     if not touches or left <= _DROWNED * forces or forces <= 0:
+        return None
+    if all_round_off(problem.contacts, forces):  # moved along: there is nothing to drown
         return None
     return (
         f"round-off drowns the contact: {left:.2e} of forces of {forces:.3g} are out of "

@@ -118,24 +118,27 @@ class QuantityNames:
 
     def _accepted(self, owner: str, quantity: str, quantities: list[str]) -> str:
         """What there is instead of an unknown name."""
-        if not owner and quantities:
-            near = difflib.get_close_matches(quantity, quantities, n=1)
-            hint = f"did you mean '{near[0]}'? " if near else ""
-            return f"{hint}The whole model has {', '.join(quantities)}"
         if not quantities:
             known = list(dict.fromkeys([*self.contacts, *self.supports]))
-            near = difflib.get_close_matches(owner, known, n=1)
-            hint = f"did you mean '{near[0]}'? " if near else ""
             return (
-                f"no contact and no support is called '{owner}'; {hint}"
+                f"no contact and no support is called '{owner}'; {_nearest(owner, known)}"
                 f"There are {', '.join(known) or 'none'}"
             )
+        hint = _nearest(quantity, quantities)
+        if not owner:
+            return f"{hint}The whole model has {', '.join(quantities)}"
         kinds = [
             f"the {kind} '{owner}'"
             for kind, names in (("contact", self.contacts), ("support", self.supports))
             if owner in names
         ]
-        return f"{' and '.join(kinds)} has {', '.join(quantities)}"
+        return f"{hint}{' and '.join(kinds)} has {', '.join(quantities)}"
+
+
+def _nearest(text: str, known: list[str]) -> str:
+    """A question after the nearest of the known names; empty where none is near."""
+    near = difflib.get_close_matches(text, known, n=1)
+    return f"did you mean '{near[0]}'? " if near else ""
 
 
 def looks_like_quantity(key: str) -> bool:

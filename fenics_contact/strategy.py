@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from fenics_contact.anderson import Anderson
 from fenics_contact.chatter import Chatter
 from fenics_contact.contact import ContactSurface
-from fenics_contact.contact_noise import carries_more_than
+from fenics_contact.contact_noise import all_round_off, carries_more_than
 from fenics_contact.errors import NotConvergedError
 from fenics_contact.friction_scale import fits, follow_pressure
 from fenics_contact.newton import Newton
@@ -166,7 +166,7 @@ class _CoulombLoop:
     def _loop(self, one_pass: Callable[[list[Array]], list[Array]]) -> None:
         """Passes from the first pressures until these change no more."""
         pressures = self._first_pressures()
-        if self._peak(pressures) == 0:  # nothing touches, nothing rubs
+        if self._peak(pressures) == 0 or self._touch_by_round_off:  # nothing rubs
             self._rub_nothing()
             return
         anderson = Anderson(self.problem.comm, [c.trace.owned for c in self.contacts])
@@ -200,6 +200,11 @@ class _CoulombLoop:
             self.newton.run()
             if self._peak([contact.pressure() for contact in self.contacts]) > 0:
                 raise _StalledError("bodies that glue held apart have come together")
+
+    @property
+    def _touch_by_round_off(self) -> bool:
+        """Whether bodies carry nothing but round-off of a motion along contacts; collective."""
+        return all_round_off(self.problem.contacts, self.newton.system.forces)
 
     def _peak(self, pressures: list[Array]) -> float:
         return max(largest(self.problem.comm, pressure) for pressure in pressures)

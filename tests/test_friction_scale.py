@@ -128,6 +128,39 @@ def test_nothing_but_touching_is_an_answer():
     assert result.quantities["strain_energy"] == 0
 
 
+@pytest.mark.parametrize("law", ["none", "static"])
+@pytest.mark.parametrize(("angle", "moved"), [(0.0, (0, 0.01)), (0.3, (0, 0.01)), (0, (-0.01, 0))])
+def test_moved_along_what_it_touches_or_away(law, angle, moved):
+    """Held at its top alone, a block goes along as a whole; its contact carries nothing."""
+    along, up = axes(angle)
+    shift = moved[0] * along + moved[1] * up
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(STIFFNESS, 0.3),
+        support=(Support("y1", dict(zip("xy", shift, strict=True))),),
+        contact=(Contact("x1", law=law, friction_coefficient=0.0 if law == "none" else 0.3),),
+    )
+    result = run(scene, COMM, turned(box_body((6, 6), (WIDTH, 1)), angle))
+    assert result.passed, result.verdict
+    assert result.steps[0]["newton_iterations"] <= 10
+    for key in ("normal_force", "max_contact_pressure", "strain_energy"):
+        assert abs(result.quantities[key]) <= 1e-8 * STIFFNESS * 0.01, key
+    bars = [error.total for error in result.errors.values() if error.total is not None]
+    assert max(bars, default=0.0) <= 2 * WIDTH
+
+
+def test_round_off_that_drowns_what_is_real_is_refused():
+    """As before, where a motion strains a body: springs are too stiff to be told from it."""
+    plane = Obstacle("plane", normal=(0, -1), position=(0, 1), indentation=0.01)
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(STIFFNESS, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(Contact("y1", obstacle=plane, penalty_parameter=1e-20),),
+    )
+    assert not run(scene, COMM, box_body((6, 6), (WIDTH, 1))).passed
+
+
 @pytest.mark.parametrize("law", ["static", "incremental"])
 @pytest.mark.parametrize("first", [1e-6, 1e-9])
 def test_a_tiny_first_step_sets_no_scale(law, first):

@@ -76,8 +76,9 @@ def test_quotes_dots_and_of_mean_the_same(table, expected):
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ("left.reaction_z = 0.1", "'left.reaction_z': the contact 'left' and the support 'left'"),
+        ("left.reaction_z = 0.1", "did you mean 'reaction_y'? the contact 'left' and the support"),
         ("lft.reaction = 0.1", "no contact and no support is called 'lft'; did you mean 'left'?"),
+        ("upper.lid.reactoin = 0.1", "'upper.lid.reactoin': did you mean 'reaction'? the support"),
         ("upper.lid.normal_force = 0.1", "the support 'upper.lid' has reaction, reaction_x"),
         ("upper.contact.reaction = 0.1", "the contact 'upper.contact' has normal_force"),
         ("displacement_c = 0.1", "did you mean 'displacement_b'?"),
