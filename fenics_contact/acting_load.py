@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import ufl
 
 from fenics_contact.curved_sides import CurvedSides
 from fenics_contact.mesh import Group
+from fenics_contact.sampled_values import sampled
 from fenics_contact.scene import Load
 from fenics_contact.scene_values import Value
 from fenics_contact.spaces import Spaces
@@ -25,12 +26,25 @@ class ActingLoad:
         value: Vector, of a pressure a scalar (stress, or force over volume).
         group: What it acts on.
         spaces: Those of the body.
+        given: What the scene says of each component.
+        key: Of the load, for messages.
     """
 
     kind: Kind
     value: Any
     group: Group
     spaces: Spaces
+    given: tuple[Value, ...]
+    key: str
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether it is the same everywhere, so that nodes say all of it."""
+        return not any(callable(value) for value in self.given)
+
+    def as_given(self) -> ActingLoad:
+        """With values as they are between nodes; collective."""
+        return replace(self, value=sampled(self.spaces, self.given, self.group, self.key))
 
     def work(self, displacement: Any) -> Any:
         """On a displacement, an integral in UFL."""

@@ -17,13 +17,12 @@ from fenics_contact import compat
 from fenics_contact.facet_mesh import Array, FacetMesh, IntArray, normalised
 from fenics_contact.mesh import Group
 from fenics_contact.parallel import largest
+from fenics_contact.sampled_values import on_side
 from fenics_contact.smooth_surface import SmoothSurface
 from fenics_contact.spaces import Spaces
 
 # Of the body's extent: what is missed is round-off of the nodes.
 _NONE = 1e-12
-# Of reference coordinates: what lies on a side of the reference cell.
-_ON_SIDE = 1e-9
 
 
 class CurvedSides:
@@ -113,7 +112,7 @@ class CurvedSides:
         missed = np.zeros(len(pairs))
         for side in np.unique(pairs[:, 1]):
             rows = np.flatnonzero(pairs[:, 1] == side)
-            on, reference = _on_side(cell, int(side), places)
+            on, reference = on_side(cell, int(side), places)
             facet = np.repeat(first + rows, len(on))
             found = smooth.offsets(facet, np.tile(reference, (len(rows), 1)))
             found = found.reshape(len(rows), len(on))
@@ -146,17 +145,6 @@ def _gathered(spaces: Spaces, pairs: IntArray) -> tuple[FacetMesh, int]:
         shape, spaces.geometry_order, 1, whole, numbers, np.repeat(normals, count, axis=0)
     )
     return surface, sum(spaces.comm.allgather(len(mine))[: spaces.comm.rank])
-
-
-def _on_side(cell: Any, side: int, places: Array) -> tuple[IntArray, Array]:
-    """Which places of the reference cell are on a side of it, and where on that."""
-    dimension = places.shape[1]
-    corners = basix.geometry(cell)[basix.topology(cell)[dimension - 1][side]]
-    axes = (corners[1:dimension] - corners[0]).T
-    reference = (places - corners[0]) @ np.linalg.pinv(axes).T
-    apart = np.linalg.norm(places - corners[0] - reference @ axes.T, axis=1)
-    on = np.flatnonzero(apart < _ON_SIDE)
-    return on, reference[on]
 
 
 def _among(pairs: IntArray, others: IntArray) -> NDArray[np.bool_]:

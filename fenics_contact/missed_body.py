@@ -1,4 +1,7 @@
-"""What lies between a body's facets and the curves that they stand for, as forces and energies.
+"""What a mesh misses of a body and its loads, as forces and energies.
+
+That is what lies between facets and the curves that they stand for, and what functions that loads
+are given by are between nodes.
 
 A body with straight cells lacks its own weight there, stiffness, and length of sides that loads
 act on. Where the curve lies outside of facets by d, ½ a(v, v) lacks ½ ∫ d σ(v) : e(v) on them,
@@ -16,6 +19,7 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from fenics_contact import form_cache
+from fenics_contact.acting_load import ActingLoad
 from fenics_contact.curved_sides import CurvedSides
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
@@ -40,7 +44,7 @@ class MissedForces:
 
 
 class MissedBody:
-    """Of a body, what its facets miss; collective.
+    """Of a body and its loads, what the mesh misses; collective.
 
     The outer boundary of a half-space is none of a body's: it moves as the far field does there.
 
@@ -58,7 +62,8 @@ class MissedBody:
     @property
     def is_none(self) -> bool:
         """Whether nothing is missed."""
-        return self._sides.offset is None
+        loads = [term.load for term in self._problem.terms if term.load is not None]
+        return self._sides.offset is None and all(load.is_constant for load in loads)
 
     def forces(self, solution: Solution, time: float) -> MissedForces:
         """Forces that move a solution as what is missed does; collective.
@@ -68,21 +73,33 @@ class MissedBody:
             time: Its pseudo-time.
         """
         spaces, moved = self._problem.spaces, solution.displacement
-        test = ufl.TestFunction(spaces.displacement_space)
         loads = np.zeros_like(moved)
         for term in self._problem.terms:
             if term.load is not None and term.path is not None:
-                form = form_cache.form(term.load.missed_work(test, self._sides))
-                loads += term.path(time) * spaces.assemble(form)
-        elastic = self._elastic(moved)
+                loads += term.path(time) * self._of_load(term.load)
+        elastic = np.zeros_like(moved) if self._sides.offset is None else self._elastic(moved)
         owned = slice(0, spaces.owned_nodes)
         works = [np.sum((moved * found)[owned]) for found in (elastic, loads)]
         done = total(self._problem.comm, np.array(works))
         return MissedForces(elastic + loads, float(done[0]), float(done[1]))
 
+    def _of_load(self, load: ActingLoad) -> Array:
+        """Nodal forces of a load missed, where its path is 1."""
+        spaces = self._problem.spaces
+        test = ufl.TestFunction(spaces.displacement_space)
+        found = np.zeros_like(self._problem.load)
+        if not load.is_constant:
+            for sign, whole in ((1.0, load.as_given()), (-1.0, load)):
+                found += sign * spaces.assemble(form_cache.form(whole.work(test)))
+        if self._sides.offset is not None:
+            found += spaces.assemble(form_cache.form(load.missed_work(test, self._sides)))
+        return found
+
     def longer(self, number: int) -> float:
         """How much larger a contact's surface is than its facets, over these; collective."""
         spaces, sides = self._problem.spaces, self._sides
+        if sides.offset is None:
+            return 0.0
         group = self._problem.contacts[number].trace.group
         parts = [
             spaces.weight * sides.stretch * sides.measure(sides.within(group)),

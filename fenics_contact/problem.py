@@ -319,7 +319,7 @@ class Problem:
         if self.comm.allreduce(int(np.count_nonzero(nodal))) == 0:
             return []
         value = spaces.coefficient(nodal[:, 0] if kind == "pressure" else nodal, nodes)
-        acting = ActingLoad(kind, value, group, spaces)
+        acting = ActingLoad(kind, value, group, spaces, values, f"{key}.{kind}")
         form = form_cache.form(acting.work(ufl.TestFunction(spaces.displacement_space)))
         name = f"{kind.replace('_', ' ')} on {load.on}"
         return [Term(name, (form,), KeyedPath(load.path, f"{key}.path"), acting)]

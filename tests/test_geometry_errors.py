@@ -255,3 +255,33 @@ def test_ring_that_is_held_outside_is_no_stiffer_there():
     fine = run(with_solver(scene, errors="none"), COMM, ring((48, 16)))
     error = abs(result.quantities["strain_energy"] - fine.quantities["strain_energy"])
     assert error < result.errors["strain_energy"]["total"] < 6 * error
+
+
+def wave(points):
+    return -10 * np.sin(5 * points[0])
+
+
+def step(points):
+    return -10.0 * (points[0] > 0.4)
+
+
+@pytest.mark.parametrize(
+    ("load", "exact"),
+    [
+        (Load("y1", traction=(0, wave)), 2 * (1 - np.cos(5))),
+        (Load("body", body_force=(0, wave)), 2 * (1 - np.cos(5))),
+        (Load("y1", pressure=lambda x: -step(x)), 6.0),
+    ],
+    ids=["traction", "body force", "step"],
+)
+def test_loads_by_functions_are_not_what_nodes_say(load, exact):
+    scene = dataclasses.replace(
+        RING,
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        discretisation=Discretisation(1),
+        load=(load,),
+    )
+    result = run(scene, COMM, box_body((6, 6), (1, 1), CellType.triangle))
+    error = abs(result.quantities["reaction"][1] - exact)
+    assert error > 0.01 * exact
+    assert error < result.errors["reaction"]["total"] < 3 * error
