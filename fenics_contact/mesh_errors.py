@@ -178,6 +178,7 @@ def _beside_pinned(problem: Problem, solution: Solution) -> dict[Hashable, float
     labels = [support.label for support in problem.applied_supports]
     for number, pinned in enumerate(pinned_friction(problem, solution)):
         add(of_contact(number, "friction_force", "contact_force"), pinned.whole)
+        add(of_contact(number, "stick_area", "slip_area"), pinned.area)
         for support, unknown in pinned.at_supports.items():
             add(["reaction", Reaction(support), Reaction(labels[support])], unknown)
         for other, unknown in pinned.at_contacts.items():

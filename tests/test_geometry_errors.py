@@ -163,6 +163,29 @@ def test_friction_beside_a_corner_that_cannot_slip(floor):
         assert error < 1.5 * result.contacts[number]["errors"]["friction_force"]["total"]
         error = abs(own["normal_force"] - other["normal_force"])
         assert error < 1.5 * result.contacts[number]["errors"]["normal_force"]["total"] + 1e-9
+        error = abs(own["slip_area"] - other["slip_area"])
+        assert error < 1.5 * result.contacts[number]["errors"]["slip_area"]["total"] + 1e-9
+
+
+def test_friction_beside_a_corner_where_the_next_node_nearly_slips():
+    """A wall under pressure beside a clamped base: the node next to it sticks, and carries much."""
+    scene = Scene(
+        kinematics="axisymmetric",
+        material=Material(1000, 0.3),
+        discretisation=Discretisation(1),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(
+            Contact("y1", obstacle=Obstacle(force=20), friction_coefficient=0.3),
+            Contact("x1", pressure=5, friction_coefficient=0.3),
+        ),
+    )
+    result = run(scene, COMM, box_body((12, 12), (1, 1)))
+    fine = dataclasses.replace(with_solver(scene, errors="none"), discretisation=Discretisation(2))
+    exact = run(fine, COMM, box_body((24, 24), (1, 1)))
+    own, other = (found.contacts[1]["quantities"] for found in (result, exact))
+    error = np.linalg.norm(np.subtract(own["friction_force"], other["friction_force"]))
+    assert error > 0.05 * np.linalg.norm(other["friction_force"])
+    assert error < 1.5 * result.contacts[1]["errors"]["friction_force"]["total"]
 
 
 def ring(cells, cell=None):
