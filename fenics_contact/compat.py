@@ -156,6 +156,13 @@ def geometry_nodes(mesh: Any) -> NDArray[np.int32]:
     return np.asarray(geometry.dofmaps[0] if hasattr(geometry, "dofmaps") else geometry.dofmap)
 
 
+def geometry_layout(mesh: Any) -> Any:
+    """Which of a cell's points in the mesh's geometry are on which of its sides."""
+    geometry = mesh.geometry
+    element = geometry.cmaps[0] if DOLFINX_VERSION >= (0, 11) else geometry.cmap
+    return element.create_dof_layout()
+
+
 def is_tensor_cell(mesh: Any) -> bool:
     """Whether the cells are quadrilaterals or hexahedra."""
     return mesh.topology.cell_name() in ("quadrilateral", "hexahedron")

@@ -36,6 +36,7 @@ from fenics_contact.solving_again import (
     history_again,
     last_step_again,
 )
+from fenics_contact.torn_corners import torn_errors
 
 Array = NDArray[np.float64]
 
@@ -88,7 +89,8 @@ def mesh_errors(
     changes = _changes(history, local, measure, times)
     scatter = load_scatter(history, measure, recorded)
     curved = geometry_errors(history, measure)
-    if changes is None or scatter is None or curved is None:
+    torn = torn_errors(history, measure)
+    if changes is None or scatter is None or curved is None or torn is None:
         return None, local
     for name, error in local.at_points().items():
         changes[name] += error
@@ -96,9 +98,9 @@ def mesh_errors(
     changes |= {name: part * energy for name, part in _ENERGIES.items() if name in changes}
     for key in _frictional_works(problem) & changes.keys():
         changes[key] += energy
-    known = changes.keys() & scatter.keys() & curved.keys()
+    known = changes.keys() & scatter.keys() & curved.keys() & torn.keys()
     found = {
-        key: _LOCAL * changes[key] + _SCATTER * scatter[key] + _CURVED * curved[key]
+        key: _LOCAL * changes[key] + _SCATTER * scatter[key] + _CURVED * curved[key] + torn[key]
         for key in changes
         if key in known
     }
@@ -176,6 +178,7 @@ def _beside_pinned(problem: Problem, solution: Solution) -> dict[Hashable, float
     labels = [support.label for support in problem.applied_supports]
     for number, pinned in enumerate(pinned_friction(problem, solution)):
         add(of_contact(number, "friction_force", "contact_force"), pinned.whole)
+        add(of_contact(number, "stick_area", "slip_area"), pinned.area)
         for support, unknown in pinned.at_supports.items():
             add(["reaction", Reaction(support), Reaction(labels[support])], unknown)
         for other, unknown in pinned.at_contacts.items():

@@ -18,6 +18,7 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from fenics_contact import compat, form_cache
+from fenics_contact.acting_load import ActingLoad, kind_and_values
 from fenics_contact.bulk import ElasticBody
 from fenics_contact.contact import ContactSurface
 from fenics_contact.displacement_points import DisplacementPoints
@@ -26,7 +27,6 @@ from fenics_contact.half_space import FarField, outer_dofs
 from fenics_contact.load_paths import KeyedPath
 from fenics_contact.mesh import Body, Group
 from fenics_contact.scene import Load, Scene
-from fenics_contact.scene_values import Value
 from fenics_contact.shared_reactions import SharedReactions
 from fenics_contact.spaces import Spaces
 from fenics_contact.supports import AppliedSupport, Supports
@@ -36,16 +36,16 @@ from fenics_contact.timings import Timings
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """One energy term: its name, the forms compiled for it, and of a load its path and work.
+    """One energy term: its name, the forms compiled for it, and of a load its path and itself.
 
     Attributes:
-        work: That of the load on a displacement, in UFL, as it is where the path is 1.
+        load: As it is where the path is 1.
     """
 
     name: str
     forms: tuple[Any, ...]
     path: Callable[[float], float] | None = None
-    work: Callable[[Any], Any] | None = None
+    load: ActingLoad | None = None
 
     @property
     def integrals(self) -> list[str]:
@@ -304,34 +304,25 @@ class Problem:
     def _load_term(self, number: int, load: Load) -> list[Term]:
         """The term of a load, with its linear form; none where the load is zero."""
         spaces = self.spaces
-        kind, values = _kind_and_values(load)
+        kind, values = kind_and_values(load)
         key = f"load[{number}]"
         if kind == "body_force":
             group = self.body.group(load.on, f"{key}.on")
             if group.dimension != self.body.dimension:
                 raise InputError(f"{key}.on = '{load.on}': a body_force needs a part of the body")
-            measure = spaces.part(group)
         else:
             group = self.body.boundary(load.on, f"{key}.on")
-            measure = spaces.boundary(group)
         nodes = spaces.nodes(group)
         nodal = np.stack(
             [spaces.evaluate(v, nodes, f"{key}.{kind}[{i}]") for i, v in enumerate(values)], axis=1
         )
         if self.comm.allreduce(int(np.count_nonzero(nodal))) == 0:
             return []
-        if kind == "pressure":
-            force = -spaces.coefficient(nodal[:, 0], nodes) * ufl.FacetNormal(self.body.mesh)
-        else:
-            force = spaces.coefficient(nodal, nodes)
-
-        def work(displacement: Any) -> Any:
-            return spaces.weight * ufl.dot(force, displacement) * measure
-
-        form = form_cache.form(work(ufl.TestFunction(spaces.displacement_space)))
+        value = spaces.coefficient(nodal[:, 0] if kind == "pressure" else nodal, nodes)
+        acting = ActingLoad(kind, value, group, spaces, values, f"{key}.{kind}")
+        form = form_cache.form(acting.work(ufl.TestFunction(spaces.displacement_space)))
         name = f"{kind.replace('_', ' ')} on {load.on}"
-        path = KeyedPath(load.path, f"{key}.path")
-        return [Term(name, (form,), path, work)]
+        return [Term(name, (form,), KeyedPath(load.path, f"{key}.path"), acting)]
 
     def _assemble_pressures(self) -> list[tuple[NDArray[np.float64], Callable[[float], float]]]:
         """Nodal forces of every contact pressure that is given, with their paths."""
@@ -351,13 +342,3 @@ class Problem:
             for term in self.terms
             if term.path is not None
         ]
-
-
-def _kind_and_values(load: Load) -> tuple[str, tuple[Value, ...]]:
-    """Which of the three kinds a load is, and its components."""
-    if load.traction is not None:
-        return "traction", load.traction
-    if load.pressure is not None:
-        return "pressure", (load.pressure,)
-    assert load.body_force is not None  # the scene has made sure of one
-    return "body_force", load.body_force

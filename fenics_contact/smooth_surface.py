@@ -22,7 +22,8 @@ from fenics_contact.facet_mesh import (
     reference_nodes,
 )
 
-# Cosine of the angle between neighbouring facets from which there is an edge between them.
+# Cosine of the angle between neighbouring facets from which there is an edge between them; and
+# from which one says nothing of what the other misses.
 _EDGE = float(np.cos(np.pi / 4))
 # Degree of the polynomials by the facets' order, of lines and of surfaces. Beside a triangle with
 # straight sides there are about twelve other nodes: enough for degree 2, which has its error.
@@ -47,6 +48,7 @@ class SmoothSurface:
     def __init__(self, facets: FacetMesh) -> None:
         self._facets = facets
         self._fits: dict[int, Array] = {}
+        self._smooth: dict[int, list[int]] = {}
 
     def offsets(self, facet: IntArray, reference: Array) -> Array:
         """How far the curve lies outside of points on facets, (points,) (length).
@@ -59,7 +61,7 @@ class SmoothSurface:
         if self._is_flat:
             return found
         local = self._local(facet, self._facets.positions(facet, reference))
-        for number in np.unique(facet):
+        for number in np.unique(facet[self._turns[facet]]):
             at = facet == number
             powers = _powers(local[at, :-1], self._degree(number))
             found[at] = powers @ self._fits[number] - local[at, -1]
@@ -81,6 +83,21 @@ class SmoothSurface:
         centred = places - places.mean(axis=0)
         widths = np.linalg.svd(centred, compute_uv=False)
         return bool(widths[-1] <= _FLAT * widths[0])
+
+    @cached_property
+    def _turns(self) -> NDArray[np.bool_]:
+        """Facets with a normal beside them that is not their own, (facets,): others lie flat."""
+        mesh = self._facets
+        corners = reference_nodes(mesh.shape, 1)
+        facet = np.repeat(np.arange(len(mesh.nodes)), len(corners))
+        normals = normalised(mesh.area_normals(facet, np.tile(corners, (len(mesh.nodes), 1))))
+        numbers = self._node_numbers[:, : len(corners)]
+        lowest = np.full((len(self._places), mesh.dimension), np.inf)
+        highest = -lowest
+        np.minimum.at(lowest, numbers.ravel(), normals)
+        np.maximum.at(highest, numbers.ravel(), normals)
+        low, high = lowest[numbers].min(axis=1), highest[numbers].max(axis=1)
+        return np.asarray((high - low).max(axis=1) > _FLAT)
 
     def _degree(self, number: int) -> int:
         """Of the polynomial of a facet, once made; it is made when first asked for."""
@@ -108,10 +125,14 @@ class SmoothSurface:
         return np.asarray(found)
 
     def _nodes_around(self, number: int, enough: int) -> IntArray:
-        """Geometry nodes of a facet and of those around it that no edge parts from it."""
-        rings = {number}
+        """Geometry nodes of a facet and of those around it that no edge parts from it.
+
+        Without those that are turned so far that no height over this facet describes them well.
+        """
+        rings, normals = {number}, self._frames[:, -1]
         for _ in range(_RINGS):
-            rings |= {other for facet in rings for other in self._neighbours[facet]}
+            around = {other for facet in rings for other in self._neighbours(facet)}
+            rings |= {other for other in around if normals[other] @ normals[number] > _EDGE}
             nodes = np.unique(self._node_numbers[sorted(rings)])
             if len(nodes) >= enough:
                 break
@@ -136,23 +157,28 @@ class SmoothSurface:
     def _node_numbers(self) -> IntArray:
         return self._numbering[1]
 
+    def _neighbours(self, facet: int) -> list[int]:
+        """Of a facet: those with a node of it, that go on from it smoothly."""
+        if facet not in self._smooth:
+            near = self._near(facet)
+            self._smooth[facet] = [other for other in near if self._goes_on(facet, other)]
+        return self._smooth[facet]
+
+    def _near(self, facet: int) -> list[int]:
+        """Of a facet: the others with a node of it."""
+        nodes = self._node_numbers[facet].tolist()
+        return sorted({other for node in nodes for other in self._facets_of[node]} - {facet})
+
     @cached_property
-    def _neighbours(self) -> list[list[int]]:
-        """Of every facet: those with a node of it, that go on from it smoothly."""
-        facets_of: dict[int, list[int]] = {}
+    def _facets_of(self) -> dict[int, list[int]]:
+        """The facets that have a node."""
+        found: dict[int, list[int]] = {}
         for facet, nodes in enumerate(self._node_numbers.tolist()):
             for node in nodes:
-                facets_of.setdefault(node, []).append(facet)
-        near = [
-            sorted({other for node in nodes for other in facets_of[node]} - {facet})
-            for facet, nodes in enumerate(self._node_numbers.tolist())
-        ]
-        return [
-            [other for other in others if self._goes_on(facet, other, near)]
-            for facet, others in enumerate(near)
-        ]
+                found.setdefault(node, []).append(facet)
+        return found
 
-    def _goes_on(self, facet: int, other: int, near: list[list[int]]) -> bool:
+    def _goes_on(self, facet: int, other: int) -> bool:
         """Whether there is no edge between two facets.
 
         A curve turns at every node. Where all around is parallel to one facet or to the other,
@@ -162,7 +188,7 @@ class SmoothSurface:
         turn = np.linalg.norm(normals[facet] - normals[other])
         if normals[facet] @ normals[other] <= _EDGE:
             return False
-        around = normals[sorted({*near[facet], *near[other]} - {facet, other})]
+        around = normals[sorted({*self._near(facet), *self._near(other)} - {facet, other})]
         if turn <= _FLAT or len(around) == 0:
             return True
         apart = np.linalg.norm(around[:, None] - normals[[facet, other]], axis=2).min(axis=1)

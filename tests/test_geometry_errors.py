@@ -4,25 +4,33 @@ import dataclasses
 
 import numpy as np
 import pytest
+import ufl
+from dolfinx import fem
 from dolfinx.mesh import CellType
 from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
     Discretisation,
+    Load,
     Material,
     MeshSource,
+    Point,
     Run,
     Scene,
+    SolverSettings,
     Support,
     run,
 )
+from fenics_contact.curved_sides import CurvedSides
 from fenics_contact.facet_mesh import FacetMesh, reference_nodes
 from fenics_contact.geometry_errors import geometry_errors
+from fenics_contact.gmsh_files import load_body
 from fenics_contact.load_steps import History, solve
 from fenics_contact.quantities import contact_quantities
 from fenics_contact.scene_contact import Obstacle
 from fenics_contact.smooth_surface import SmoothSurface
+from fenics_contact.spaces import Spaces
 from tests.scenes import ROOT, box_body, with_solver
 
 pytestmark = pytest.mark.errors
@@ -155,3 +163,148 @@ def test_friction_beside_a_corner_that_cannot_slip(floor):
         assert error < 1.5 * result.contacts[number]["errors"]["friction_force"]["total"]
         error = abs(own["normal_force"] - other["normal_force"])
         assert error < 1.5 * result.contacts[number]["errors"]["normal_force"]["total"] + 1e-9
+        error = abs(own["slip_area"] - other["slip_area"])
+        assert error < 1.5 * result.contacts[number]["errors"]["slip_area"]["total"] + 1e-9
+
+
+def test_friction_beside_a_corner_where_the_next_node_nearly_slips():
+    """A wall under pressure beside a clamped base: the node next to it sticks, and carries much."""
+    scene = Scene(
+        kinematics="axisymmetric",
+        material=Material(1000, 0.3),
+        discretisation=Discretisation(1),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(
+            Contact("y1", obstacle=Obstacle(force=20), friction_coefficient=0.3),
+            Contact("x1", pressure=5, friction_coefficient=0.3),
+        ),
+    )
+    result = run(scene, COMM, box_body((12, 12), (1, 1)))
+    fine = dataclasses.replace(with_solver(scene, errors="none"), discretisation=Discretisation(2))
+    exact = run(fine, COMM, box_body((24, 24), (1, 1)))
+    own, other = (found.contacts[1]["quantities"] for found in (result, exact))
+    error = np.linalg.norm(np.subtract(own["friction_force"], other["friction_force"]))
+    assert error > 0.05 * np.linalg.norm(other["friction_force"])
+    assert error < 1.5 * result.contacts[1]["errors"]["friction_force"]["total"]
+
+
+def ring(cells, cell=None):
+    """A quarter of a ring, radii 1 and 2, with straight cells; y0 is the inner side."""
+    body = box_body(cells, (1, 1, 1), cell)
+    angle, radius = np.pi / 2 * body.mesh.geometry.x[:, 0], 1 + body.mesh.geometry.x[:, 1]
+    body.mesh.geometry.x[:, 0] = radius * np.sin(angle)
+    body.mesh.geometry.x[:, 1] = radius * np.cos(angle)
+    return body
+
+
+def missed(spaces):
+    """What lies between facets and curve, and what the body has without it."""
+    sides = CurvedSides(spaces, [])
+    every = np.ones(len(sides.facets), dtype=bool)
+    parts = (sides.offset * sides.measure(every), ufl.as_ufl(1.0) * spaces.bulk)
+    return [COMM.allreduce(fem.assemble_scalar(fem.form(part))) for part in parts]
+
+
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral", "tetrahedron", "hexahedron"])
+def test_what_lies_between_straight_facets_and_the_curve(cell):
+    dimension = 2 if cell in ("triangle", "quadrilateral") else 3
+    body = ring((5, 2, 2)[:dimension], cell=CellType[cell])
+    scene = Scene(
+        kinematics="3D" if dimension == 3 else "plane strain", material=Material(1000, 0.3)
+    )
+    between, whole = missed(Spaces(scene, body))
+    assert between == pytest.approx(0.75 * np.pi - whole, rel=0.2)
+    assert between > 0.005 * whole
+
+
+def test_what_lies_between_quadratic_facets_and_the_curve():
+    scene = half_disc(2)
+    between, whole = missed(Spaces(scene, load_body(scene.mesh, 2, COMM)))
+    true = 32 * np.pi - whole
+    assert 0 < true < 1e-3 * whole
+    assert 0.5 * true < between < 2 * true  # cells grow by 1.8 from one to the next
+
+
+RING = Scene(
+    kinematics="plane strain",
+    material=Material(1000, 0.3),
+    discretisation=Discretisation(2),
+    support=(Support("x0", {"x": 0}), Support("x1", {"y": 0})),
+    solver=SolverSettings(errors="all"),
+)
+
+
+@pytest.mark.parametrize(
+    ("load", "exact"),
+    [
+        (Load("body", body_force=(0, -10)), 7.5 * np.pi),
+        (Load("y1", traction=(0, -10)), 10 * np.pi),
+        (Load("y0", traction=(0, -10)), 5 * np.pi),
+    ],
+    ids=["weight", "outside", "inside"],
+)
+def test_straight_cells_lack_weight_and_length_of_sides(load, exact):
+    result = run(dataclasses.replace(RING, load=(load,)), COMM, ring((4, 4)))
+    error = abs(result.reactions["x1"]["reaction"][1] - exact)
+    assert error > 0.005 * exact
+    assert error < result.reactions["x1"]["errors"]["reaction"]["total"] < 2 * error
+
+
+def test_straight_cells_lack_stiffness():
+    """A ring under pressure from inside: G. Lamé's formulas, E = 1000, ν = .3, plane strain."""
+    scene = dataclasses.replace(
+        RING, load=(Load("y0", pressure=10),), point=(Point("outer", (0, 2)),)
+    )
+    result = run(scene, COMM, ring((4, 4)))
+    widened = 10 / 3 * 1.3 / 1000 * ((1 - 2 * 0.3) * np.array([1, 2]) + 4 / np.array([1, 2]))
+    exact = {
+        "strain_energy": 0.5 * 10 * np.pi / 2 * widened[0],
+        "displacement_outer": np.array([0, widened[1]]),
+    }
+    for name in ("strain_energy", "displacement_outer"):
+        error = np.linalg.norm(result.quantities[name] - exact[name])
+        assert error > 0.003 * np.linalg.norm(exact[name])
+        assert error < result.errors[name]["total"] < 6 * error
+
+
+def test_ring_that_is_held_outside_is_no_stiffer_there():
+    """Displacements vanish on the curve, not on facets inside of it: that makes it softer."""
+    scene = dataclasses.replace(
+        RING,
+        support=(*RING.support, Support("y1", {"x": 0, "y": 0})),
+        load=(Load("y0", pressure=10),),
+    )
+    result = run(scene, COMM, ring((4, 4)))
+    fine = run(with_solver(scene, errors="none"), COMM, ring((48, 16)))
+    error = abs(result.quantities["strain_energy"] - fine.quantities["strain_energy"])
+    assert error < result.errors["strain_energy"]["total"] < 6 * error
+
+
+def wave(points):
+    return -10 * np.sin(5 * points[0])
+
+
+def step(points):
+    return -10.0 * (points[0] > 0.4)
+
+
+@pytest.mark.parametrize(
+    ("load", "exact"),
+    [
+        (Load("y1", traction=(0, wave)), 2 * (1 - np.cos(5))),
+        (Load("body", body_force=(0, wave)), 2 * (1 - np.cos(5))),
+        (Load("y1", pressure=lambda x: -step(x)), 6.0),
+    ],
+    ids=["traction", "body force", "step"],
+)
+def test_loads_by_functions_are_not_what_nodes_say(load, exact):
+    scene = dataclasses.replace(
+        RING,
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        discretisation=Discretisation(1),
+        load=(load,),
+    )
+    result = run(scene, COMM, box_body((6, 6), (1, 1), CellType.triangle))
+    error = abs(result.quantities["reaction"][1] - exact)
+    assert error > 0.01 * exact
+    assert error < result.errors["reaction"]["total"] < 3 * error

@@ -12,6 +12,7 @@ from fenics_contact import (
     Discretisation,
     Material,
     MeshSource,
+    Point,
     Run,
     Scene,
     Support,
@@ -291,3 +292,33 @@ def test_singular_problems_that_converge_keep_their_bars():
     )
     assert found.accuracy["reached"]
     assert abs(found.quantities["normal_force"] / fine["normal_force"] - 1) < 0.02
+
+
+TORN = {
+    "wall": changed(support=(WALL.support[0], Support("x1", {"x": 0}))),
+    # One value at the corner, but not at the same time.
+    "supports": changed(
+        support=(
+            Support("y0", {"x": 0.01, "y": 0}),
+            Support("x1", {"x": 0.01}, path=Path((0, 1, 2), (0, 0.5, 1))),
+        ),
+        contact=(),
+    ),
+}
+
+
+@pytest.mark.parametrize("scene", TORN.values(), ids=TORN)
+def test_displacements_beside_a_jump_are_of_first_order_and_their_bars_know(scene):
+    """Half the cells' size halves what they are off by, whatever the degree."""
+    scene = changed(
+        scene,
+        discretisation=Discretisation(2),
+        point=(Point("inside", (0.5, 0.6)),),
+        solver=dataclasses.replace(scene.solver, errors="all"),
+    )
+    found = [run(scene, COMM, square(cells)) for cells in (4, 16)]
+    for name in ("displacement_inside", "max_slip"):
+        coarse, fine = (np.asarray(result.quantities[name]) for result in found)
+        error = np.linalg.norm(fine - coarse) / (1 - 4 / 16)
+        if error > 0:
+            assert error < found[0].errors[name]["total"] < 4 * error
