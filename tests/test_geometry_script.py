@@ -88,6 +88,7 @@ ATTACKS = [
     ('Merge StrCat(CurrentDirectory, "g", "x");', "'Merge' must be followed by the name of a file"),
     ('Merge "notes.txt";', "must end in .geo"),
     ('Merge "missing.geo";', "there is no such file"),
+    ('Include "' + 900 * "x" + '.geo";', "there is no such file"),
     ('Include "bad.inc";', "bad.inc, line 1: 'Save'"),
     ('Merge "BAD.GEO";', "BAD.GEO, line 1: 'Save'"),
     ('Merge "bad.Msh";', "does not start as a Gmsh mesh"),
