@@ -27,6 +27,7 @@ _CLOSING = frozenset(_OPENING.values())
 # Gmsh would take these for the end of what it skips, and go on with the rest of the word.
 _MISREAD = re.compile(r"(?:EndIf|EndFor|ElseIf|Else|Return)(?![A-Za-z_])")
 _FLOW = frozenset({"EndIf", "EndFor", "ElseIf", "Else", "Return"})
+_MOST = 2**21  # words and signs of a script: half a minute, and 250 MB
 _LONGEST = 1000  # of a text; Gmsh takes what is beyond 1023 characters for statements
 # Gmsh looks for the end of what it skips by characters, and may pass over five of them.
 _BEFORE_TEXT = 8 * " "
@@ -68,9 +69,9 @@ def tokens_of(text: str) -> Iterator[Token]:
     """The words, numbers, texts and signs of a script, without blanks and comments.
 
     Raises:
-        ScriptError: There is something else.
+        ScriptError: There is something else, or too much.
     """
-    position, line = 0, 1
+    position, line, number = 0, 1, 0
     while position < len(text):
         found = _TOKEN.match(text, position)
         if found is None:
@@ -81,6 +82,9 @@ def tokens_of(text: str) -> Iterator[Token]:
                 raise ScriptError(line, f"has a {kind} longer than {_LONGEST} characters")
             if kind == "word" and word not in _FLOW and _MISREAD.search(word):
                 raise ScriptError(line, f"the name '{word}' ends as a word of Gmsh's; change it")
+            number += 1
+            if number > _MOST:
+                raise ScriptError(line, f"has more than {_MOST} words, numbers and signs")
             yield Token(kind, word, line)
         line += word.count("\n")
         position = found.end()

@@ -88,7 +88,7 @@ def call(ready: Prepared, job: Mapping[str, Any], sizes: bytes, limits: Limits) 
         file.write(sizes)
         file.seek(0)
         with _running(command, file.fileno(), job["folder"]) as process:
-            watch = _Watch(where, process, limits)
+            watch = _Watch(where, process, limits, ready)
             watch.attend()
     return _answer(where, process.returncode, watch, memory, ready)
 
@@ -140,10 +140,13 @@ class _Watch:
         where: What begins each message.
         process: With pipes for its output and what it says.
         limits: Of its time.
+        ready: Its files, and what the user calls them.
     """
 
-    def __init__(self, where: str, process: subprocess.Popen[bytes], limits: Limits) -> None:
-        self._where, self._process, self._limits = where, process, limits
+    def __init__(
+        self, where: str, process: subprocess.Popen[bytes], limits: Limits, ready: Prepared
+    ) -> None:
+        self._where, self._process, self._limits, self._ready = where, process, limits, ready
         self._began = time.monotonic()
         self._next_word = _FIRST_WORD
         self._told = ""
@@ -212,6 +215,7 @@ class _Watch:
         """What Gmsh said last, in one line."""
         lines = [" ".join(line.split()) for line in self.said.splitlines()]
         last = next((line for line in reversed(lines) if line), "").removeprefix("Info : ")
+        last = self._ready.translated(last)
         shown = "".join(character for character in last if character.isprintable())
         return f"{before}{shown[:_SHOWN]}" if shown else ""
 

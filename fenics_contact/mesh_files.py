@@ -9,6 +9,7 @@ beside it (``x.geo.opt``).
 from __future__ import annotations
 
 import mmap
+import os
 import re
 import shutil
 from collections.abc import Iterator, Mapping
@@ -93,7 +94,7 @@ def mesh_file(key: str, name: str) -> MeshFile:
         InputError: It is not there, or of no kind that can be read.
     """
     path = Path(name)
-    if not path.is_file():
+    if not os.path.isfile(path):  # of any name; pathlib raises for one that is too long
         raise InputError(f"{key} = '{name}': there is no such file")
     suffix = path.suffix.lower()
     if suffix not in _KINDS:
@@ -186,7 +187,7 @@ class _Scripts:
         kind = "geo" if file.command == "Include" else _MERGED.get(suffix, "")
         if not kind:
             raise InputError(f"{where} must end in {_either(_MERGED)}")
-        if not path.is_file():
+        if not os.path.isfile(path):
             raise InputError(f"{where}: there is no such file")
         key = (path.resolve(), kind)
         if key not in self._targets:

@@ -36,6 +36,8 @@ from fenics_contact.scene_values import (
     scene_class,
 )
 
+_MOST = 1000  # meshes, supports, loads …, each of which takes up to a hundredth of a second
+
 
 @scene_class
 class MeshSource:
@@ -227,6 +229,7 @@ class Scene:
         BeforeValidator(_as_list),
         Field(
             min_length=1,
+            max_length=_MOST,
             description="the elastic material: one `[material]`, or several `[[material]]`, "
             "each `on` its group of cells",
         ),
@@ -235,8 +238,9 @@ class Scene:
         tuple[MeshSource, ...],
         BeforeValidator(_as_list),
         Field(
+            max_length=_MOST,
             description="one `[mesh]`, or several `[[mesh]]`, each with a `name`; in Python it may "
-            "be left out and a `Body` passed instead"
+            "be left out and a `Body` passed instead",
         ),
     ] = ()
     title: Annotated[str, Field(description="one line for results and pictures")] = ""
@@ -247,9 +251,16 @@ class Scene:
     discretisation: Annotated[Discretisation, Field(description="the finite element space")] = (
         Field(default_factory=Discretisation)
     )
-    support: Annotated[tuple[Support, ...], Field(description="supports, any number")] = ()
-    load: Annotated[tuple[Load, ...], Field(description="loads, any number")] = ()
-    contact: Annotated[tuple[Contact, ...], Field(description="contact surfaces, any number")] = ()
+    support: Annotated[
+        tuple[Support, ...], Field(description=f"supports, up to {_MOST}", max_length=_MOST)
+    ] = ()
+    load: Annotated[
+        tuple[Load, ...], Field(description=f"loads, up to {_MOST}", max_length=_MOST)
+    ] = ()
+    contact: Annotated[
+        tuple[Contact, ...],
+        Field(description=f"contact surfaces, up to {_MOST}", max_length=_MOST),
+    ] = ()
     point: Annotated[
         tuple[Point, ...], Field(description="points whose displacement is a quantity, any number")
     ] = ()

@@ -15,6 +15,8 @@ from fenics_contact.scene import Scene
 from fenics_contact.scene_words import sentence, written
 
 _SMALLEST, _LARGEST = 1e-100, 1e100  # sizes of numbers that a scene may hold
+_DEEPEST = 20  # tables and lists within each other; a scene has half as many
+_LONGEST = 2**26  # characters of a scene file, which may be one without an end
 
 
 def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
@@ -72,12 +74,16 @@ def _scene(data: dict[str, Any], path: Path) -> Scene:
 
 def _read(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8")
+        with path.open(encoding="utf-8") as file:
+            text = file.read(_LONGEST + 1)
     except UnicodeDecodeError:
         raise InputError(f"{path}: not a text file in UTF-8") from None
     except (OSError, ValueError) as error:  # a name with a null byte
         said = error.strerror if isinstance(error, OSError) else error
         raise InputError(f"{path}: cannot be read: {said}") from None
+    if len(text) > _LONGEST:
+        raise InputError(f"{path}: cannot be read: it has more than {_LONGEST >> 20} MB")
+    return text
 
 
 def _parsed(text: str, path: Path) -> dict[str, Any]:
@@ -91,14 +97,22 @@ def _parsed(text: str, path: Path) -> dict[str, Any]:
 
 def _refuse_extremes(data: Any, file: Path, path: tuple[Any, ...] = ()) -> None:
     """Numbers whose squares or products would overflow are slips of the pen."""
+    if len(path) > _DEEPEST:
+        raise InputError(f"{file}: {written(path)[:60]}…: tables within tables, too many")
     if isinstance(data, dict | list):
         for step, part in data.items() if isinstance(data, dict) else enumerate(data):
             _refuse_extremes(part, file, (*path, step))
     elif isinstance(data, int | float) and data != 0 and not _SMALLEST < abs(data) < _LARGEST:
         raise InputError(
-            f"{file}: {written(path)} = {str(data)[:20]}: must be a finite number, and 0 or of "
+            f"{file}: {written(path)} = {_in_short(data)}: must be a finite number, and 0 or of "
             f"a size between {_SMALLEST:g} and {_LARGEST:g}"
         )
+
+
+def _in_short(number: float) -> str:
+    """A number of however many digits: Python writes out a few thousand at the most."""
+    is_long = isinstance(number, int) and number.bit_length() > 10000
+    return (hex(int(number)) if is_long else str(number))[:20]
 
 
 def _beside(scene: Scene, folder: Path) -> Scene:

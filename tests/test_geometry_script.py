@@ -13,7 +13,7 @@ import time
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import MeshSource, gmsh_call, main, mesh_files
+from fenics_contact import MeshSource, geometry_tokens, gmsh_call, main, mesh_files
 from fenics_contact.geometry_script import GeometryScript
 from fenics_contact.geometry_tokens import ScriptError
 from fenics_contact.gmsh_files import load_body
@@ -88,6 +88,7 @@ ATTACKS = [
     ('Merge StrCat(CurrentDirectory, "g", "x");', "'Merge' must be followed by the name of a file"),
     ('Merge "notes.txt";', "must end in .geo"),
     ('Merge "missing.geo";', "there is no such file"),
+    ('Include "' + 900 * "x" + '.geo";', "there is no such file"),
     ('Include "bad.inc";', "bad.inc, line 1: 'Save'"),
     ('Merge "BAD.GEO";', "BAD.GEO, line 1: 'Save'"),
     ('Merge "bad.Msh";', "does not start as a Gmsh mesh"),
@@ -459,6 +460,13 @@ def test_long_statements_take_time_by_their_length(text):
     script = GeometryScript(text)
     assert script.checked(script.defined(), lambda file: file.name)
     assert time.process_time() - began < 20
+
+
+def test_script_of_too_many_words_is_refused(folder, monkeypatch):
+    """Each takes time and memory before Gmsh's limits hold."""
+    monkeypatch.setattr(geometry_tokens, "_MOST", 1000)
+    text = RECTANGLE + "x = 1" + "+1" * 1000 + ";"
+    assert "g.geo, line 3: has more than 1000 words" in refusal(write(folder, text))
 
 
 def test_large_script_is_refused_before_it_is_read(folder, monkeypatch):

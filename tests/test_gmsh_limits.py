@@ -80,6 +80,7 @@ def test_meshing_that_does_not_end_is_one_sentence_on_every_rank(folder, tempora
     assert re.search(r"Gmsh is not done after mesh\.time_limit = 1\.5 s.*give more time", said), (
         said
     )
+    assert "fenics_contact_" not in said  # but the user's name of the file
     assert time.monotonic() - began < 30  # also where other programs run
     assert not processes_of(folder) and not left()
 

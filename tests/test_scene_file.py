@@ -114,6 +114,34 @@ def test_missing_and_binary_files(folder):
         load_scene(folder / "b.toml")
 
 
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (".".join(["a"] * 5000) + " = 1", r"a\.a\.a.*tables within tables, too many"),
+        ("[" + ".".join(["a"] * 5000) + "]", "tables within tables, too many"),
+        ("a = " + "[" * 5000 + "]" * 5000, "cannot be read"),
+        ("a = 0x1" + "F" * 5000, "a = 0x1fffffffffffffffff: must be a finite"),
+        ("a = 1" + "0" * 5000, "cannot be read"),
+        ("support = [" + "{ on = 'a', displacement.x = 0 }," * 1001 + "]", "at most 1000 entries"),
+        ("load = [" + "{ on = 'a', pressure = 1 }," * 1001 + "]", "at most 1000 entries"),
+        ("contact = [" + "{ on = 'left' }," * 1001 + "]", "at most 1000 entries"),
+    ],
+    ids=["keys", "table", "lists", "hex", "digits", "supports", "loads", "contacts"],
+)
+def test_scenes_beyond_all_measure_are_refused_in_one_sentence(folder, text, message):
+    path = folder / "huge.toml"
+    tables = GOOD.partition("[[support]]")[0]
+    path.write_text(f"{tables}\n{text}" if text.startswith("[") else f"{text}\n{tables}")
+    with pytest.raises(InputError, match=message) as caught:
+        load_scene(path)
+    assert "\n" not in str(caught.value) and len(str(caught.value)) < 500
+
+
+def test_a_file_without_an_end_is_no_scene():
+    with pytest.raises(InputError, match="has more than 64 MB"):
+        load_scene("/dev/zero")
+
+
 def test_overrides_replace_and_add_values(folder):
     path = write(folder, GOOD)
     settings = [
