@@ -22,6 +22,10 @@ from fenics_contact.trace import Trace
 
 Array = NDArray[np.float64]
 
+# Of g / |u_T|: what tangents keep along the slip. A body of which all points slip, under loads just
+# below those that friction can hold, would be moved so far by a Newton step that rounding ends it.
+_LEFT_STIFF = 1e-9
+
 
 class FrictionTerm:
     """j_ε (paper, (2.7)) with its primal-dual tangent.
@@ -270,5 +274,5 @@ class FrictionTerm:
         return np.maximum(size, self.regularisation_parameter), directions
 
     def _set_tangent_state(self) -> None:
-        self._direction.set(self._dual)
+        self._direction.set((1 - _LEFT_STIFF) * self._dual)
         self._length.set(self._lengths_and_directions()[0])
