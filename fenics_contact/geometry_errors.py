@@ -25,9 +25,10 @@ Array = NDArray[np.float64]
 
 # Of the extent of a contact: what is missed is round-off of the nodes.
 _NONE = 1e-12
-# What goes with the length of a surface; and what does where its pressure is given.
+# What goes with the length of a surface; and with its pressure's integral where that is given.
 _AREAS = ("contact_area", "stick_area", "slip_area")
 _OF_PRESSURE = ("pressure_integral", "friction_force", "friction_work")
+_ALL = (*_AREAS, *_OF_PRESSURE)
 
 
 def geometry_errors(history: History, measure: Measure) -> dict[Hashable, float] | None:
@@ -51,7 +52,7 @@ def geometry_errors(history: History, measure: Measure) -> dict[Hashable, float]
     found = differences(answer, _again(history, measure, gaps, forces))
     if found is None or forces is None:
         return found
-    for key, error in _beside_forces(answer, body, forces, problem).items():
+    for key, error in _beside_forces(answer, body, forces, history).items():
         if key in found:
             found[key] += error
     return found
@@ -96,7 +97,7 @@ def _set_gap(contact: ContactSurface, gap: Array) -> None:
 
 
 def _beside_forces(
-    answer: Quantities, body: MissedBody, forces: MissedForces, problem: Problem
+    answer: Quantities, body: MissedBody, forces: MissedForces, history: History
 ) -> dict[Hashable, float]:
     """What is missed of quantities themselves, besides what moves the solution; collective."""
     energy = abs(forces.elastic) / 2
@@ -104,11 +105,16 @@ def _beside_forces(
         "strain_energy": energy,
         "external_work": 2 * energy + abs(forces.loads),
     }
-    for number, contact in enumerate(problem.contacts):
-        names = _AREAS if contact.normal is not None else (*_AREAS, *_OF_PRESSURE)
-        share = body.longer(number)
-        for name in names:
-            error = share * float(np.linalg.norm(answer.get((number, name), 0.0)))
+    for number in range(len(history.problem.contacts)):
+        sizes = {name: float(np.linalg.norm(answer.get((number, name), 0.0))) for name in _ALL}
+        longer = body.longer(number)
+        errors = {name: longer * sizes[name] for name in _AREAS}
+        pressure = body.of_pressure(number, history.time)
+        if pressure is not None:
+            errors |= {name: pressure.share * sizes[name] for name in _OF_PRESSURE}
+            errors["normal_force"] = pressure.force
+            errors["contact_force"] = pressure.force + errors["friction_force"]
+        for name, error in errors.items():
             found[number, name] = error
             found[name] = found.get(name, 0.0) + error
     return found

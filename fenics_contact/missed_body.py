@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from fenics_contact import form_cache
 from fenics_contact.acting_load import ActingLoad
 from fenics_contact.curved_sides import CurvedSides
+from fenics_contact.missed_pressure import MissedPressure, missed_pressure
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
 from fenics_contact.solution import Solution
@@ -62,8 +63,11 @@ class MissedBody:
     @property
     def is_none(self) -> bool:
         """Whether nothing is missed."""
-        loads = [term.load for term in self._problem.terms if term.load is not None]
-        return self._sides.offset is None and all(load.is_constant for load in loads)
+        problem = self._problem
+        loads = [term.load for term in problem.terms if term.load is not None]
+        functions = not all(load.is_constant for load in loads)
+        functions |= any(callable(contact.pressure) for contact in problem.scene.contact)
+        return self._sides.offset is None and not functions
 
     def forces(self, solution: Solution, time: float) -> MissedForces:
         """Forces that move a solution as what is missed does; collective.
@@ -77,6 +81,9 @@ class MissedBody:
         for term in self._problem.terms:
             if term.load is not None and term.path is not None:
                 loads += term.path(time) * self._of_load(term.load)
+        for number in range(len(self._problem.contacts)):
+            pressure = self.of_pressure(number, time)
+            loads += 0.0 if pressure is None else pressure.nodal
         elastic = np.zeros_like(moved) if self._sides.offset is None else self._elastic(moved)
         owned = slice(0, spaces.owned_nodes)
         works = [np.sum((moved * found)[owned]) for found in (elastic, loads)]
@@ -94,6 +101,10 @@ class MissedBody:
         if self._sides.offset is not None:
             found += spaces.assemble(form_cache.form(load.missed_work(test, self._sides)))
         return found
+
+    def of_pressure(self, number: int, time: float) -> MissedPressure | None:
+        """What is missed of a contact's pressure that is given; None for nothing; collective."""
+        return missed_pressure(self._problem.contacts[number], self._sides, time)
 
     def longer(self, number: int) -> float:
         """How much larger a contact's surface is than its facets, over these; collective."""

@@ -4,7 +4,7 @@ Where an obstacle ends at a support and asks a node of both for another displace
 support does, the node follows the support. So what should be a jump there rises along the first
 cell of the contact: it is known to a cell where it lies. The last load step is solved again with
 that node at the obstacle, so that the rise is along the support's first cell instead. Of two
-supports, the node follows the other one.
+supports, the node follows the other one; beside a step of a support's function, what it is past it.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from fenics_contact.obstacle_kinematics import ObstacleKinematics
 from fenics_contact.parallel import largest
 from fenics_contact.problem import Problem
 from fenics_contact.solving_again import Measure, differences, last_step_again
+from fenics_contact.support_steps import past_steps
 
 Array = NDArray[np.float64]
 
@@ -65,7 +66,7 @@ def _missed(problem: Problem, displacement: Array, time: float) -> Array:
     for support in problem.supports.applied:
         away = support.values * support.path(time) - present[support.dofs]
         flat[support.dofs] = np.where(away != 0, away, flat[support.dofs])
-    return missed
+    return missed + past_steps(problem, time)
 
 
 def _to_obstacle(contact: ContactSurface, displacement: Array) -> Array:

@@ -308,3 +308,25 @@ def test_loads_by_functions_are_not_what_nodes_say(load, exact):
     error = abs(result.quantities["reaction"][1] - exact)
     assert error > 0.01 * exact
     assert error < result.errors["reaction"]["total"] < 3 * error
+
+
+@pytest.mark.parametrize(
+    ("body", "pressure", "exact"),
+    [
+        (lambda: ring((4, 4)), 10, (20 * np.sqrt(2), 10 * np.pi)),
+        (lambda: box_body((6, 6), (1, 1)), lambda x: 20 * np.sin(5 * x[0]) ** 2, (10.5440211,) * 2),
+    ],
+    ids=["curve", "function"],
+)
+def test_pressure_that_is_given_is_not_what_nodes_and_their_normals_say(body, pressure, exact):
+    scene = dataclasses.replace(
+        RING,
+        discretisation=Discretisation(1),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(Contact("y1", pressure=pressure, friction_coefficient=0.1),),
+    )
+    result = run(scene, COMM, body())
+    for name, true in zip(("normal_force", "pressure_integral"), exact, strict=True):
+        error = abs(result.quantities[name] - true)
+        assert error > 0.005 * true
+        assert error < result.errors[name]["total"] < 3 * error
