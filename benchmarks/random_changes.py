@@ -89,10 +89,11 @@ def refinements(rows: Iterable[Row]) -> Iterator[Change]:
         fine = by_key.get((number, ranks, "fine"))
         if stage == "coarse" and fine and coarse["code"] == fine["code"] == 0:
             finest = by_key.get((number, ranks, "finest"))
+            within = _edges_within(coarse, fine)
             # The edge of a punch stays where it is, in whichever cell that is.
-            edges = coarse.get("edges") and (coarse.get("punch") or _edges_move(coarse, fine))
+            edges = within and (coarse.get("punch") or _edges_move(coarse, fine))
             for change in _changes(coarse, fine, "refined"):
-                if edges or (change.quantity.endswith("area") and coarse.get("edges")):
+                if edges or (change.quantity.endswith("area") and within):
                     change = replace(change, causes=(EDGES,))
                 if finest and finest["code"] == 0 and change.name in finest["quantities"]:
                     change = _judged(change, coarse, fine, finest)
@@ -119,6 +120,12 @@ def wants_finest(rows: Iterable[Row]) -> bool:
     return any(
         not change.covered and (change.endless or change.bar) for change in refinements(rows)
     )
+
+
+def _edges_within(coarse: Row, fine: Row) -> bool:
+    """Whether a contact ends inside cells: also one so small that the coarse cells miss all of it."""
+    missed = fine.get("edges", False) and coarse["sizes"]["area"] == 0
+    return bool(coarse.get("edges") or missed)
 
 
 def _edges_move(coarse: Row, fine: Row) -> bool:

@@ -122,6 +122,16 @@ def test_edges_inside_cells_are_listed_by_themselves():
     assert not wrong(rows, listed=False)
 
 
+def test_a_contact_that_the_coarse_cells_miss_ends_inside_them():
+    sizes = SIZES | {"area": 0.0}
+    rows = refined(1, 0.0, 0.1, 10.0, sizes=sizes)
+    for each, area in zip(rows, (0.0, 0.6), strict=True):
+        each["quantities"]["contact_area"] = [[area], 0.2]
+    assert len(wrong(rows, listed=False)) == 1
+    rows[1]["edges"] = True
+    assert not wrong(rows, listed=False) and len(wrong(rows, listed=True)) == 1
+
+
 def test_a_section_takes_the_place_of_the_one_before(tmp_path):
     page = tmp_path / "page.md"
     page.write_text("# Bars\n\nall of them\n")
