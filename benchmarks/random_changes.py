@@ -123,7 +123,7 @@ def wants_finest(rows: Iterable[Row]) -> bool:
 
 
 def _edges_within(coarse: Row, fine: Row) -> bool:
-    """Whether a contact ends inside cells: also one so small that the coarse cells miss all of it."""
+    """Whether a contact ends inside cells, also one so small that the coarse cells miss it all."""
     missed = fine.get("edges", False) and coarse["sizes"]["area"] == 0
     return bool(coarse.get("edges") or missed)
 
