@@ -17,7 +17,8 @@ BARS, SHARE = 3.0, 0.01
 EDGES, SWINGS = "edges inside cells", "oscillates with the mesh"
 # Quantities below this share of the largest of their kind are nothing.
 _NOTHING = 1e-6
-_SIZES = {"force": "force", "area": "area", "energy": "energy", "work": "energy"}
+_SIZES = {"force": "force", "area": "area", "energy": "energy", "work": "energy", "slip": "slip"}
+_SLIPS = ("max_slip", "friction_work")
 _FORCES = ("force", "reaction", "vertical", "integral")
 # Made of others, for comparison with what is known.
 _DERIVED = ("vertical", "vertical_reaction")
@@ -89,13 +90,16 @@ def refinements(rows: Iterable[Row]) -> Iterator[Change]:
         fine = by_key.get((number, ranks, "fine"))
         if stage == "coarse" and fine and coarse["code"] == fine["code"] == 0:
             finest = by_key.get((number, ranks, "finest"))
-            within = _edges_within(coarse, fine)
+            finest = finest if finest and finest["code"] == 0 else None
+            # Also those of zones that coarse cells miss altogether.
+            within = coarse.get("edges") or fine.get("edges")
             # The edge of a punch stays where it is, in whichever cell that is.
-            edges = within and (coarse.get("punch") or _edges_move(coarse, fine))
+            edges = within and (coarse.get("punch") or _edges_move(coarse, finest or fine))
             for change in _changes(coarse, fine, "refined"):
-                if edges or (change.quantity.endswith("area") and within):
+                of_edges = change.quantity.endswith("area") or _slip_begins(change, coarse, fine)
+                if edges or (within and of_edges):
                     change = replace(change, causes=(EDGES,))
-                if finest and finest["code"] == 0 and change.name in finest["quantities"]:
+                if finest and change.name in finest["quantities"]:
                     change = _judged(change, coarse, fine, finest)
                 yield change
 
@@ -122,10 +126,13 @@ def wants_finest(rows: Iterable[Row]) -> bool:
     )
 
 
-def _edges_within(coarse: Row, fine: Row) -> bool:
-    """Whether a contact ends inside cells, also one so small that the coarse cells miss it all."""
-    missed = fine.get("edges", False) and coarse["sizes"]["area"] == 0
-    return bool(coarse.get("edges") or missed)
+def _slip_begins(change: Change, coarse: Row, fine: Row) -> bool:
+    """Whether slip is that of a zone which the coarse cells miss altogether."""
+    if change.quantity not in _SLIPS:
+        return False
+    area = change.name.removesuffix(change.quantity) + "slip_area"
+    found = [row["quantities"].get(area, [[0.0]])[0][0] for row in (coarse, fine)]
+    return found[0] == 0 < found[1]
 
 
 def _edges_move(coarse: Row, fine: Row) -> bool:
@@ -205,10 +212,12 @@ def size_of(coarse: Row, name: str, found: np.ndarray, expected: np.ndarray) -> 
     quantity = name.rsplit(".", 1)[-1]
     own = max(float(np.linalg.norm(found)), float(np.linalg.norm(expected)))
     sizes = coarse["sizes"]
+    if sizes["force"]:
+        sizes = {**sizes, "slip": sizes["energy"] / sizes["force"]}
     if quantity.endswith(_FORCES):
         return max(own, sizes["force"])
     kind = next((size for end, size in _SIZES.items() if quantity.endswith(end)), None)
-    return max(own, _NOTHING * sizes[kind]) if kind else own
+    return max(own, _NOTHING * sizes.get(kind, 0.0)) if kind else own
 
 
 def _is_endless(coarse: Row, name: str) -> str:
