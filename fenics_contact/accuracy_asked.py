@@ -6,9 +6,9 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 
 from fenics_contact.errors import InputError
-from fenics_contact.quantity_names import OF_CONTACTS
+from fenics_contact.quantity_names import OF_CONTACTS, OF_ONE_CONTACT
 from fenics_contact.relative_errors import Errors
-from fenics_contact.result import OF_ONE_CONTACT, Result
+from fenics_contact.result import Result
 from fenics_contact.scene import Scene
 from fenics_contact.scene_accuracy import Accuracy
 from fenics_contact.simulation import Run

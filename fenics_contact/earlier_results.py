@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fenics_contact.result import OF_ONE_CONTACT
+from fenics_contact.quantity_names import OF_ONE_CONTACT
 
 # What cannot be told from what was written.
 _NOT_KNOWN = ("pressure_integral", "contact_force", "max_slip")

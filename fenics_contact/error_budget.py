@@ -284,8 +284,9 @@ class _Estimates:
         for number, label in enumerate(labels):
             groups.setdefault(label, []).append(number)
         unknown = problem.shared_reactions.unknown
+        displacement = last.solution.displacement
         return {
-            Reaction(of): unknown(needed, last.solution, numbers) for of, numbers in groups.items()
+            Reaction(of): unknown(needed, displacement, numbers) for of, numbers in groups.items()
         }
 
     def _takes_history(self, source: str) -> bool:

@@ -129,3 +129,19 @@ def _along(where: str, moved: Array, force: Array, word: str, symbol: str) -> It
 
 def _varies(values: Array) -> bool:
     return bool(np.ptp(values, axis=0).max() > _STILL * np.abs(values).max())
+
+
+def step_line(number: int, step: dict[str, Any]) -> str:
+    """A load step in one line.
+
+    Args:
+        number: Counted from 1.
+        step: Its record, as in ``result.json``.
+    """
+    found = step["quantities"]
+    passes = step["outer_iterations"]
+    counted = f", {passes} pass{'es' if passes > 1 else ''}" if passes else ""
+    return (
+        f"step {number}: time {step['load_factor']:.6g}, {step['newton_iterations']} Newton steps"
+        f"{counted}, contact area {found['contact_area']:.4g}, sticking {found['stick_area']:.4g}"
+    )

@@ -19,6 +19,7 @@ from rich.progress import (
 )
 
 from fenics_contact import timings
+from fenics_contact.history import step_line
 from fenics_contact.scene import Steps
 from fenics_contact.terminal import Terminal
 
@@ -27,22 +28,6 @@ _BAR = 20
 _BESIDE = _BAR + len("  0:00:00 ")
 
 Announce = Callable[[int, dict[str, Any]], None]
-
-
-def step_line(number: int, step: dict[str, Any]) -> str:
-    """A load step in one line.
-
-    Args:
-        number: Counted from 1.
-        step: Its record, as in ``result.json``.
-    """
-    found = step["quantities"]
-    passes = step["outer_iterations"]
-    counted = f", {passes} pass{'es' if passes > 1 else ''}" if passes else ""
-    return (
-        f"step {number}: time {step['load_factor']:.6g}, {step['newton_iterations']} Newton steps"
-        f"{counted}, contact area {found['contact_area']:.4g}, sticking {found['stick_area']:.4g}"
-    )
 
 
 @contextmanager

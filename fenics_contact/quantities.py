@@ -15,7 +15,8 @@ from fenics_contact.contact_resultants import resultant, resultants
 from fenics_contact.contact_state import OPEN, SLIP, STICK, ContactState
 from fenics_contact.parallel import gather_rows, largest, total
 from fenics_contact.problem import Problem
-from fenics_contact.result import OF_ONE_CONTACT, ContactPoints
+from fenics_contact.quantity_names import OF_ONE_CONTACT
+from fenics_contact.result import ContactPoints
 from fenics_contact.solution import Solution
 
 Array = NDArray[np.float64]
@@ -104,7 +105,7 @@ def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
     reactions = np.zeros_like(needed)
     counted = np.zeros(len(needed), dtype=bool)
     rows: list[dict[str, Any]] = []
-    moved = problem.shared_reactions.moved(needed, forces.solution)
+    moved = problem.shared_reactions.moved(needed, forces.solution.displacement)
     for support, more in zip(problem.applied_supports, moved, strict=True):
         dofs = support.dofs[~counted[support.dofs]]
         reactions[dofs] = needed[dofs]

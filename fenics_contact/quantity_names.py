@@ -10,8 +10,13 @@ import difflib
 from collections.abc import Hashable
 from dataclasses import dataclass
 
-from fenics_contact.result import OF_ONE_CONTACT, VECTORS
 from fenics_contact.scene_values import AXES
+
+# Resultants of a contact, which several do not have together.
+OF_ONE_CONTACT = ("normal_force", "pressure_integral", "friction_force", "contact_force")
+
+# Those that have a component along each axis.
+VECTORS = ("friction_force", "contact_force", "reaction")
 
 OF_CONTACTS = (
     *OF_ONE_CONTACT,

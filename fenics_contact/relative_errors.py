@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from fenics_contact.quantity_names import QuantityName, QuantityNames
-from fenics_contact.result import OF_ONE_CONTACT, Result
+from fenics_contact.quantity_names import OF_ONE_CONTACT, QuantityName, QuantityNames
+from fenics_contact.result import Result
 
 # By quantity, then by source, with their total; None where it is not estimated.
 Errors = Mapping[str, Mapping[str, float | None]]

@@ -8,8 +8,8 @@ from typing import Any
 
 from fenics_contact.check_words import WORDS, compares, failure
 from fenics_contact.html_writing import Html, bar, element, joined, table
+from fenics_contact.quantity_names import OF_ONE_CONTACT
 from fenics_contact.result import (
-    OF_ONE_CONTACT,
     UNKNOWN,
     Check,
     error_bar,

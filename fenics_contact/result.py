@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.errors import StoppedError
+from fenics_contact.quantity_names import OF_ONE_CONTACT
 
 # Those that have a true value to be apart from; others count points, or say how a run went.
 QUANTITIES = (
@@ -32,12 +33,6 @@ QUANTITIES = (
     "friction_work",
     "penalty_energy",
 )
-
-# Resultants of a contact, which several do not have together.
-OF_ONE_CONTACT = ("normal_force", "pressure_integral", "friction_force", "contact_force")
-
-# Those that have a component along each axis.
-VECTORS = ("friction_force", "contact_force", "reaction")
 
 
 def has_true_value(name: str) -> bool:

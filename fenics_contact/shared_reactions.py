@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from fenics_contact import compat, form_cache
 from fenics_contact.bulk import ElasticBody
 from fenics_contact.parallel import largest, total
-from fenics_contact.solution import Solution
 from fenics_contact.spaces import Spaces
 from fenics_contact.supports import AppliedSupport
 
@@ -105,17 +104,17 @@ class SharedReactions:
         """Whether no rank has such dofs."""
         return all(form is None for form in self._forms)
 
-    def moved(self, needed: Array, solution: Solution) -> Array:
+    def moved(self, needed: Array, displacement: Array) -> Array:
         """What each support's reaction is beyond that of dofs which count to the first.
 
         Args:
             needed: What the bulk needs at each dof of this rank, (dofs,) (force).
-            solution: That needs it.
+            displacement: That needs it, (nodes, components).
 
         Returns:
             (supports, components) (force).
         """
-        parts, left = self._parts(needed, solution)
+        parts, left = self._parts(needed, displacement)
         holders = self._holds.sum(axis=0)
         parts = np.where(self._holds, parts + left / np.maximum(holders, 1), 0.0)
         if len(self._dofs):
@@ -123,25 +122,25 @@ class SharedReactions:
             parts[first, np.arange(len(self._dofs))] -= needed[self._dofs]
         return self._summed(parts)
 
-    def unknown(self, needed: Array, solution: Solution, supports: Collection[int]) -> float:
+    def unknown(self, needed: Array, displacement: Array, supports: Collection[int]) -> float:
         """What is not known of the part of some supports in what they share with others (force).
 
         Args:
             needed: As of ``moved``.
-            solution: Likewise.
+            displacement: That needs it, (nodes, components).
             supports: Their numbers.
         """
         if self.are_none:
             return 0.0
-        _, left = self._parts(needed, solution)
+        _, left = self._parts(needed, displacement)
         own = np.isin(np.arange(len(self._holds)), list(supports))
         between = self._holds[own].any(axis=0) & self._holds[~own].any(axis=0)
         unknown = self._summed(np.abs(left[between])[None], between)
         return _SAFETY * float(np.linalg.norm(unknown))
 
-    def _parts(self, needed: Array, solution: Solution) -> tuple[Array, Array]:
+    def _parts(self, needed: Array, displacement: Array) -> tuple[Array, Array]:
         """Of each support at each shared dof, and what is left of the force there."""
-        self._moved.x.array[:] = solution.displacement.reshape(-1)
+        self._moved.x.array[:] = displacement.reshape(-1)
         parts = np.zeros(self._holds.shape)
         for number, form in enumerate(self._forms):
             if form is not None:

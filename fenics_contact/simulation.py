@@ -20,6 +20,7 @@ from fenics_contact.error_budget import ErrorBudget, error_budget
 from fenics_contact.errors import InputError, NotConvergedError, StoppedError
 from fenics_contact.faults import failing_together
 from fenics_contact.gmsh_files import load_body
+from fenics_contact.history import step_line
 from fenics_contact.linear_range import LinearRange, linear_range
 from fenics_contact.load_steps import History, solve
 from fenics_contact.mesh import Body
@@ -27,7 +28,6 @@ from fenics_contact.model_words import parameters_of, regularisation_of, sides_o
 from fenics_contact.other_answers import OtherAnswers, look_around
 from fenics_contact.parallel import total
 from fenics_contact.problem import Problem
-from fenics_contact.progress import step_line
 from fenics_contact.quantities import (
     contact_points,
     contact_quantities,

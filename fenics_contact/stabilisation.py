@@ -12,10 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.bulk_forces import BulkForces
 from fenics_contact.parallel import largest, total
 from fenics_contact.problem import Problem
-from fenics_contact.result import Check
 from fenics_contact.rigid import RigidMotions
 from fenics_contact.spaces import Spaces
 from fenics_contact.supports import AppliedSupport
@@ -27,7 +25,6 @@ Flags = NDArray[np.bool_]
 _EQUAL = 1e-6
 # Of the work of the loads: what is less is round-off.
 _PUSHES = 1e-10
-_ROUND_OFF = 1e-9
 
 
 def stabilise(
@@ -122,19 +119,3 @@ def _place(spaces: Spaces, dof: int | np.integer[Any]) -> tuple[float, ...]:
     parts = spaces.parts
     part = int(parts.of_node[node])
     return (part, *np.round(parts.arms[node] / parts.sizes[part], 9).tolist(), axis)
-
-
-def stabilisation(forces: BulkForces) -> Check | None:
-    """Largest force where motions that nothing resists are held, over all forces applied.
-
-    It vanishes, but for what is left out of balance elsewhere, whose lever is no longer.
-    """
-    problem = forces.problem
-    if not problem.stabilisation:
-        return None
-    held = np.concatenate([support.dofs for support in problem.stabilisation])
-    owned = problem.spaces.owned_nodes
-    applied = np.abs(problem.load[:owned]).sum() + np.abs(forces.contacts[:owned]).sum()
-    size = total(problem.comm, float(applied)) or 1.0
-    value = largest(problem.comm, np.abs(forces.unbalanced.reshape(-1)[held])) / size
-    return Check(value, _ROUND_OFF + 2 * forces.solution.imbalance_limit / size)

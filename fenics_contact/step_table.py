@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fenics_contact.plain_text import one_line
-from fenics_contact.result import VECTORS
+from fenics_contact.quantity_names import VECTORS
 from fenics_contact.scene_values import AXES
 from fenics_contact.writing import append, replace_file
 

@@ -13,8 +13,8 @@ from rich.table import Table
 from fenics_contact.accuracy_words import level_rows
 from fenics_contact.check_words import compares
 from fenics_contact.plain_text import one_line
+from fenics_contact.quantity_names import OF_ONE_CONTACT
 from fenics_contact.result import (
-    OF_ONE_CONTACT,
     QUANTITIES,
     Check,
     Result,

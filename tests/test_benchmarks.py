@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fenics_contact.parallel import largest
 from fenics_contact.problem import Problem
-
-from .conftest import COMM
+from tests.conftest import COMM
 
 # Its files find each other as where they are run: beside the program.
-sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
+from tests.scenes import ROOT
+
+sys.path.append(str(ROOT / "benchmarks"))
 
 from cost_cases import PAIRS, Case, body_of, quick_runs, scene_of
 from cost_measure import limit_of, measure

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.scenes import ROOT
+
 pytestmark = pytest.mark.serial
 
-PROJECT = Path(__file__).resolve().parents[1]
 # all that the search itself calls, and no Python or package manager among it
 SEARCH_TOOLS = (
     *("cat", "cksum", "date", "dirname", "env", "find", "grep", "head", "id", "mkdir", "mktemp"),
@@ -25,7 +26,7 @@ MPI_VARIABLES = ("OMPI_", "PMIX_", "PRTE_", "PMI", "MPI", "HYD")
 def copy_project(folder: Path) -> Path:
     folder.mkdir(parents=True)
     for name in ("bootstrap", "pyproject.toml"):
-        shutil.copy(PROJECT / name, folder)
+        shutil.copy(ROOT / name, folder)
     return folder
 
 

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.scenes import ROOT
+
 pytestmark = pytest.mark.serial
 
-PROJECT = Path(__file__).resolve().parents[1]
-DOCKERFILE = re.sub(r"\\\n\s*", " ", (PROJECT / "Dockerfile").read_text())
+DOCKERFILE = re.sub(r"\\\n\s*", " ", (ROOT / "Dockerfile").read_text())
 PYTEST = "-m pytest -p no:cacheprovider"
 # Says how it was called, and from where; fails if its name is in $FAIL.
 STUB = r"""#!/bin/sh
@@ -41,11 +42,11 @@ class Image:
         for made in (self.project / "docker", folder / "bin", self.caller, self.warm / "fenics"):
             made.mkdir(parents=True)
         (self.warm / "fenics/form.so").write_text("compiled")
-        source = (PROJECT / "docker/entrypoint").read_text()
+        source = (ROOT / "docker/entrypoint").read_text()
         assert "=/var/cache/fenics_contact\n" in source
         script = self.project / "docker/entrypoint"
         script.write_text(source.replace("=/var/cache/fenics_contact\n", f"={self.warm}\n"))
-        shutil.copymode(PROJECT / "docker/entrypoint", script)
+        shutil.copymode(ROOT / "docker/entrypoint", script)
         for name in ("python3", "mpirun"):
             stub = folder / "bin" / name
             stub.write_text(STUB)
@@ -82,7 +83,7 @@ def image(tmp_path: Path) -> Image:
 
 
 def test_image_has_the_packages_that_bootstrap_installs() -> None:
-    bootstrap = re.search(r"^debian_packages='([^']*)'", (PROJECT / "bootstrap").read_text(), re.M)
+    bootstrap = re.search(r"^debian_packages='([^']*)'", (ROOT / "bootstrap").read_text(), re.M)
     installed = re.search(r"apt-get install ([^&]*)&&", DOCKERFILE)
     assert bootstrap and installed
     packages = {word for word in installed[1].split() if not word.startswith("-")}
@@ -91,7 +92,7 @@ def test_image_has_the_packages_that_bootstrap_installs() -> None:
 
 def test_nothing_that_git_ignores_gets_into_the_image() -> None:
     def patterns(name: str) -> set[str]:
-        lines = (PROJECT / name).read_text().split()
+        lines = (ROOT / name).read_text().split()
         return {line.removeprefix("**/").strip("/") for line in lines}
 
     assert patterns(".gitignore") | {".git"} <= patterns(".dockerignore")
@@ -101,7 +102,7 @@ def test_entry_script_is_where_the_image_looks_for_it() -> None:
     folder = instruction("WORKDIR")
     assert instruction("ENTRYPOINT") == f'["{folder}/docker/entrypoint"]'
     assert f" PYTHONPATH={folder} " in instruction("ENV")
-    assert os.access(PROJECT / "docker/entrypoint", os.X_OK)
+    assert os.access(ROOT / "docker/entrypoint", os.X_OK)
 
 
 @pytest.mark.parametrize("arguments", [(), ("demo",), ("demo", "--quiet")])

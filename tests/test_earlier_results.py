@@ -3,7 +3,6 @@
 import csv
 import json
 import shutil
-from pathlib import Path
 
 import pytest
 from mpi4py import MPI
@@ -15,9 +14,10 @@ from fenics_contact.history_pictures import draw_forces
 from fenics_contact.parallel import on_root
 from fenics_contact.report import write_report
 from fenics_contact.result_file import read_result
+from tests.scenes import ROOT
 
 COMM = MPI.COMM_WORLD
-BEFORE = Path(__file__).parent / "data" / "written_before"
+BEFORE = ROOT / "tests" / "data" / "written_before"
 NOT_KNOWN = ("pressure_integral", "contact_force", "max_slip")
 
 

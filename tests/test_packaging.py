@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 
-PROJECT = Path(__file__).resolve().parents[1]
+from tests.scenes import ROOT
 
 
 def test_every_package_is_installed() -> None:
-    settings = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     listed = settings["tool"]["setuptools"]["packages"]
-    folders = {path.parent for path in (PROJECT / "fenics_contact").rglob("*.py")}
-    found = {".".join(folder.relative_to(PROJECT).parts) for folder in folders}
+    folders = {path.parent for path in (ROOT / "fenics_contact").rglob("*.py")}
+    found = {".".join(folder.relative_to(ROOT).parts) for folder in folders}
     assert set(listed) - {"fenics_contact.meshes"} == found
 
 
@@ -27,10 +27,10 @@ def test_wheel_has_types_templates_and_meshes(tmp_path: Path) -> None:
     project = tmp_path / "project"
     project.mkdir()
     for name in ("pyproject.toml", "README.md", "COPYING", "COPYING.LESSER"):
-        shutil.copy(PROJECT / name, project)
+        shutil.copy(ROOT / name, project)
     compiled = shutil.ignore_patterns("__pycache__")
     for name in ("fenics_contact", "meshes"):
-        shutil.copytree(PROJECT / name, project / name, ignore=compiled)
+        shutil.copytree(ROOT / name, project / name, ignore=compiled)
     build = "from setuptools.build_meta import build_wheel; build_wheel('dist')"
     done = subprocess.run(
         [sys.executable, "-c", build], cwd=project, capture_output=True, text=True, timeout=120
@@ -38,17 +38,17 @@ def test_wheel_has_types_templates_and_meshes(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     (wheel,) = (project / "dist").glob("*.whl")
     files = set(zipfile.ZipFile(wheel).namelist())
-    sources = (PROJECT / "fenics_contact").rglob("*.*")
-    wanted = {path.relative_to(PROJECT) for path in sources if path.suffix != ".pyc"}
+    sources = (ROOT / "fenics_contact").rglob("*.*")
+    wanted = {path.relative_to(ROOT) for path in sources if path.suffix != ".pyc"}
     assert len(wanted) > 100 and "fenics_contact/py.typed" in files
     assert {path.as_posix() for path in wanted} <= files
-    for geometry in (PROJECT / "meshes").glob("*.geo"):
+    for geometry in (ROOT / "meshes").glob("*.geo"):
         assert f"fenics_contact/meshes/{geometry.name}" in files
 
 
 def test_every_other_file_of_the_package_is_installed() -> None:
-    settings = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     patterns = settings["tool"]["setuptools"]["package-data"]["fenics_contact"]
-    files = {path for path in (PROJECT / "fenics_contact").rglob("*.*") if path.is_file()}
-    kept = {path for pattern in patterns for path in (PROJECT / "fenics_contact").glob(pattern)}
+    files = {path for path in (ROOT / "fenics_contact").rglob("*.*") if path.is_file()}
+    kept = {path for pattern in patterns for path in (ROOT / "fenics_contact").glob(pattern)}
     assert {path.name for path in files - kept if path.suffix not in (".py", ".pyc")} == set()

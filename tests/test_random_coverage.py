@@ -4,11 +4,12 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
+from tests.scenes import ROOT
+
+sys.path.append(str(ROOT / "benchmarks"))
 
 import random_pool
 from random_changes import EDGES, SWINGS, independent, refinements, wants_finest
@@ -18,7 +19,7 @@ from random_summary import section, wrong
 
 from fenics_contact.verification.bars.bar_table import kept
 
-PROGRAM = Path(__file__).parents[1] / "benchmarks" / "random_scenes.py"
+PROGRAM = ROOT / "benchmarks" / "random_scenes.py"
 pytestmark = pytest.mark.serial
 SIZES = {"force": 100.0, "area": 1.0, "energy": 1.0}
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 import dataclasses
 import math
 import sys
-from pathlib import Path
 
 import pytest
 
-from .conftest import COMM
+from tests.conftest import COMM
 
 # Its files find each other as where they are run: beside the program.
-sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
+from tests.scenes import ROOT
+
+sys.path.append(str(ROOT / "benchmarks"))
 
 from precision_cases import ACCURACIES, ADAPTIVE, CASES, METHODS, radius, value_and_bar
 from work_precision import measured, plot, reached, select

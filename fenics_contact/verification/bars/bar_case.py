@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from fenics_contact.mesh import Body
-from fenics_contact.result import VECTORS
+from fenics_contact.quantity_names import VECTORS
 from fenics_contact.scene import Discretisation, Scene
 
 Quantities = Mapping[str, Any]
