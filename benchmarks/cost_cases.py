@@ -20,9 +20,9 @@ from fenics_contact import (
     SolverSettings,
     Steps,
     Support,
-    compat,
 )
-from fenics_contact.scene_values import Path as LoadPath
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.scene.values import Path as LoadPath
 
 # isort: split
 import dolfinx

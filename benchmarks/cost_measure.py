@@ -14,11 +14,11 @@ from typing import Any, TypeVar
 from cost_cases import Case, body_of, scene_of
 from cost_solves import GAMG, LU, frictional_solve, linear_seconds
 
-from fenics_contact.parallel import total
-from fenics_contact.problem import Problem
-from fenics_contact.quantities import contact_quantities
-from fenics_contact.solution import Solution
-from fenics_contact.solver_choice import contact_unknowns, unknowns
+from fenics_contact.common.parallel import total
+from fenics_contact.evaluate.quantities import contact_quantities
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.solver_choice import contact_unknowns, unknowns
 
 # isort: split
 from mpi4py import MPI

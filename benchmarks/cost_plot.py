@@ -10,8 +10,8 @@ from typing import Any
 
 from cost_measure import is_wide, limit_of
 
-from fenics_contact.figures import new_figure, save_png, style
-from fenics_contact.picture_style import DOUBLE, LINES
+from fenics_contact.report.drawing.figures import new_figure, save_png, style
+from fenics_contact.report.drawing.style import DOUBLE, LINES
 
 MARKERS = {"Q2": "o", "P1 tets": "^", "P2 tets": "v", "Q1 hexes": "s", "Q2 hexes": "D"}
 COLOURS = dict(zip(MARKERS, (colour for colour, _ in LINES), strict=False))

@@ -7,15 +7,19 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from fenics_contact.bulk_forces import BulkForces
-from fenics_contact.load_steps import History
-from fenics_contact.newton import Newton
-from fenics_contact.parallel import largest
-from fenics_contact.problem import Problem
-from fenics_contact.quantities import contact_quantities, global_quantities, support_reactions
-from fenics_contact.solution import Solution
-from fenics_contact.solver_choice import choose_solver, create_system
-from fenics_contact.timings import Timings
+from fenics_contact.common.parallel import largest
+from fenics_contact.common.timings import Timings
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.evaluate.quantities import (
+    contact_quantities,
+    global_quantities,
+    support_reactions,
+)
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.newton.newton import Newton
+from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.solver_choice import choose_solver, create_system
 
 # isort: split
 import numpy as np

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from fenics_contact import Result
-from fenics_contact.result import QUANTITIES
-from tests.random_outcomes import Outcome
-from tests.random_scenes import RandomScene
+from fenics_contact.results.result import QUANTITIES
+from tests.random.outcomes import Outcome
+from tests.random.scenes import RandomScene
 
 # What the automatic penalty leaves differs from mesh to mesh.
 _OF_THE_PENALTY = {"max_penetration", "penalty_energy"}

@@ -9,7 +9,7 @@ interrupted run (Ctrl-C) goes on where it stopped when it is started again with 
 ``--refine`` solves each answered scene again with cells of half the size, and where bars are too
 short, in plane models, on a third mesh; ``--table docs/error_bars.md`` writes there what bars
 cover. ``--only N`` solves the scene of this number alone. Scenes of a number and seed stay the same
-with the same sources (those of ``tests.random_scenes``, one in four: and the same hypothesis).
+with the same sources (those of ``tests.random.scenes``, one in four: and the same hypothesis).
 """
 
 from __future__ import annotations

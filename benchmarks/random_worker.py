@@ -24,10 +24,10 @@ from random_changes import wants_finest
 from random_rows import row_of
 
 from fenics_contact import Result
-from tests.random_kinds import draw_any
-from tests.random_outcomes import ANSWERED, Outcome, outcome_of
-from tests.random_scenes import RandomScene
-from tests.variational_inequality import normal_force
+from tests.problem.existence.variational_inequality import normal_force
+from tests.random.kinds import draw_any
+from tests.random.outcomes import ANSWERED, Outcome, outcome_of
+from tests.random.scenes import RandomScene
 
 from mpi4py import MPI  # isort: skip  (FEniCSx comes first)
 

@@ -12,17 +12,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from fenics_contact import (
-    Contact,
-    HalfSpace,
-    Material,
-    MeshSource,
-    Obstacle,
-    Run,
-    Scene,
-    files,
-    report,
-)
+from fenics_contact import Contact, HalfSpace, Material, MeshSource, Obstacle, Run, Scene
+from fenics_contact.report import report
+from fenics_contact.simulation.output import run_folder as files
 
 ROOT = Path(__file__).resolve().parent.parent
 CELLS = {False: (8, 8), True: (4, 4)}  # along a side of the fine cube, and outside of it

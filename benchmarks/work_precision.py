@@ -19,8 +19,8 @@ from rich.console import Console
 from rich.table import Table
 
 from fenics_contact import Result, Scene, run
-from fenics_contact.figures import new_figure, save_png, style
-from fenics_contact.picture_style import DOUBLE, LINES
+from fenics_contact.report.drawing.figures import new_figure, save_png, style
+from fenics_contact.report.drawing.style import DOUBLE, LINES
 
 COLOURS = {
     ADAPTIVE: LINES[0][0],

@@ -16,16 +16,7 @@ Run it with ``python demos/demo_incline.py`` or ``mpirun -n 2 python demos/demo_
 import sys
 from pathlib import Path
 
-from fenics_contact import (
-    Contact,
-    Load,
-    Material,
-    MeshSource,
-    Scene,
-    Steps,
-    Support,
-    run_script,
-)
+from fenics_contact import Contact, Load, Material, MeshSource, Scene, Steps, Support, run_script
 from fenics_contact import Path as LoadPath
 
 GEOMETRY = str(Path(__file__).resolve().parent.parent / "meshes" / "sloped_block.geo")

@@ -83,11 +83,20 @@ nitpick_ignore_regex = [
     (r"py:.*", r"(argparse|collections|pathlib|types)\..*"),
 ]
 _INNER = (
-    *("accepted_step.Unknowns", "condensed_system.CondensedSystem", "contact.ContactSurface"),
-    *("facet_mesh.FacetMesh", "problem.Problem", "quantity_names.QuantityNames"),
-    *("solution.Solution", "spaces.Spaces"),
-    *("state_file.SavedRun", "state_file.StateFile", "supports.Supports", "system.System"),
-    *("timings.Timings", "trace.Trace"),
+    "solve.load_steps.accepted_step.Unknowns",
+    "solve.condensed.condensed_system.CondensedSystem",
+    "contact.contact_surface.ContactSurface",
+    "contact.mortar.facet_mesh.FacetMesh",
+    "problem.problem.Problem",
+    "scene.quantity_names.QuantityNames",
+    "solve.newton.solution.Solution",
+    "body.spaces.Spaces",
+    "simulation.restart.state_file.SavedRun",
+    "simulation.restart.state_file.StateFile",
+    "body.supports.Supports",
+    "solve.systems.system.System",
+    "common.timings.Timings",
+    "contact.surface.trace.Trace",
 )
 nitpick_ignore = [("py:class", f"fenics_contact.{name}") for name in _INNER]
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.contact_table import ContactTable
-from fenics_contact.verification import formulas
+from fenics_contact.analytic import contact as formulas
+from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.verification.case import Finding
 
 PAPER = "L. T. Campos, J. T. Oden, N. Kikuchi, Comput. Methods Appl. Mech. Engrg. 34 (1982) 821-845"

@@ -13,16 +13,17 @@ from typing import Any
 
 import numpy as np
 
-from fenics_contact import Run, files
-from fenics_contact.animation import Film, draw_film
-from fenics_contact.body_fields import read_series, times_of_fields
-from fenics_contact.contact_table import ContactTable
-from fenics_contact.figures import new_figure, save_png, style
-from fenics_contact.picture_style import COLOURS, DOUBLE, FORMULA
-from fenics_contact.result_file import read_result
-from fenics_contact.scene_file import load_scene
-from fenics_contact.surface_line import SurfaceLine
-from fenics_contact.verification import formulas
+from fenics_contact import Run
+from fenics_contact.analytic import contact as formulas
+from fenics_contact.report.contacts.film import Film, draw_film
+from fenics_contact.report.contacts.line import SurfaceLine
+from fenics_contact.report.drawing.fields import read_series, times_of_fields
+from fenics_contact.report.drawing.figures import new_figure, save_png, style
+from fenics_contact.report.drawing.style import COLOURS, DOUBLE, FORMULA
+from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.result_file import read_result
+from fenics_contact.scene.reading import load_scene
+from fenics_contact.simulation.output import run_folder as files
 
 DOCS = Path(__file__).resolve().parent
 PRESSED = 1  # steps of the demos before anything moves sideways

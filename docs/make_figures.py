@@ -15,16 +15,17 @@ from typing import Any
 
 import numpy as np
 
-from fenics_contact import Run, Scene, files
-from fenics_contact.axis_stress import AxisStress
-from fenics_contact.body_fields import read_body
-from fenics_contact.contact_table import ContactTable
-from fenics_contact.curves import cut_peaks
-from fenics_contact.figures import new_figure, save_png, style
-from fenics_contact.picture_style import COLUMN, DOUBLE, LINES
-from fenics_contact.scene_file import load_scene
-from fenics_contact.surface_displacement import SurfaceDisplacement
-from fenics_contact.verification import formulas
+from fenics_contact import Run, Scene
+from fenics_contact.analytic import contact as formulas
+from fenics_contact.report.contacts.axis_stress import AxisStress
+from fenics_contact.report.contacts.curves import cut_peaks
+from fenics_contact.report.contacts.displacement import SurfaceDisplacement
+from fenics_contact.report.drawing.fields import read_body
+from fenics_contact.report.drawing.figures import new_figure, save_png, style
+from fenics_contact.report.drawing.style import COLUMN, DOUBLE, LINES
+from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.scene.reading import load_scene
+from fenics_contact.simulation.output import run_folder as files
 
 DOCS = Path(__file__).resolve().parent
 NAMES = {

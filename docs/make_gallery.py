@@ -19,9 +19,9 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from fenics_contact.contact_table import ContactTable
-from fenics_contact.report import write_report
-from fenics_contact.result import error_bar
+from fenics_contact.report.report import write_report
+from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.result import error_bar
 from fenics_contact.verification.case import Finding
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from make_figures import Solved, draw_cells, picture
 
-from fenics_contact.figures import new_figure, style
-from fenics_contact.picture_style import COLOURS, DOUBLE, FORMULA
-from fenics_contact.verification import formulas
+from fenics_contact.analytic import contact as formulas
+from fenics_contact.report.drawing.figures import new_figure, style
+from fenics_contact.report.drawing.style import COLOURS, DOUBLE, FORMULA
 
 TITLES = {
     "cylinders": "Two cylinders pressed together and shifted",

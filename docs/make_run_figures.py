@@ -13,8 +13,8 @@ import shutil
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from fenics_contact.cli import main
-from fenics_contact.pictures import draw_pictures
+from fenics_contact.cli.program import main
+from fenics_contact.report.gallery import draw_pictures
 
 DOCS = Path(__file__).resolve().parent
 DEMOS = DOCS.parent / "demos"

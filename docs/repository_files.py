@@ -1,7 +1,8 @@
 """Sphinx: links to the repository's files lead to pages that show them, with definitions marked.
 
-A link such as ``[`smoothed_norm`](../fenics_contact/friction.py)`` works in the repository as it
-stands. In the built pages it leads to the definition that its text names, if it names one.
+A link such as ``[`smoothed_norm`](../fenics_contact/contact/laws/energies.py)`` works in the
+repository as it stands. In the built pages it leads to the definition that its text names, if it
+names one.
 """
 
 from __future__ import annotations

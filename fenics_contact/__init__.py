@@ -13,24 +13,24 @@ if find_spec("dolfinx_solver") is not None:  # the PyPI wheel: it must come befo
     import dolfinx_solver  # noqa: F401
 
 if TYPE_CHECKING:
-    from fenics_contact.adaptivity import run
-    from fenics_contact.cli import main, run_script
-    from fenics_contact.errors import (
+    from fenics_contact.cli.program import main, run_script
+    from fenics_contact.common.errors import (
         FenicsContactError,
         InputError,
         NoEquilibriumError,
         NotConvergedError,
     )
-    from fenics_contact.mesh import Body, Group
-    from fenics_contact.result import Check, ContactPoints, Result
-    from fenics_contact.scene import Discretisation, Load, MeshSource, Point, Scene, Support
-    from fenics_contact.scene_accuracy import Accuracy
-    from fenics_contact.scene_contact import Contact, HalfSpace, Obstacle
-    from fenics_contact.scene_file import load_scene
-    from fenics_contact.scene_material import Material
-    from fenics_contact.scene_steps import SolverSettings, Steps
-    from fenics_contact.scene_values import Path, Profile
-    from fenics_contact.simulation import Run
+    from fenics_contact.mesh.tagged_mesh import Body, Group
+    from fenics_contact.results.result import Check, ContactPoints, Result
+    from fenics_contact.scene.accuracy import Accuracy
+    from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
+    from fenics_contact.scene.material import Material
+    from fenics_contact.scene.reading import load_scene
+    from fenics_contact.scene.scene import Discretisation, Load, MeshSource, Point, Scene, Support
+    from fenics_contact.scene.steps import SolverSettings, Steps
+    from fenics_contact.scene.values import Path, Profile
+    from fenics_contact.simulation.adaptive.levels import run
+    from fenics_contact.simulation.scene_run import Run
 
 __all__ = [
     "Accuracy",
@@ -66,19 +66,24 @@ __all__ = [
 
 # Where each of them is; a test compares this with the imports above.
 _MODULES = {
-    "adaptivity": ("run",),
-    "cli": ("main", "run_script"),
-    "errors": ("FenicsContactError", "InputError", "NoEquilibriumError", "NotConvergedError"),
-    "mesh": ("Body", "Group"),
-    "result": ("Check", "ContactPoints", "Result"),
-    "scene": ("Discretisation", "Load", "MeshSource", "Point", "Scene", "Support"),
-    "scene_accuracy": ("Accuracy",),
-    "scene_contact": ("Contact", "HalfSpace", "Obstacle"),
-    "scene_file": ("load_scene",),
-    "scene_material": ("Material",),
-    "scene_steps": ("SolverSettings", "Steps"),
-    "scene_values": ("Path", "Profile"),
-    "simulation": ("Run",),
+    "simulation.adaptive.levels": ("run",),
+    "cli.program": ("main", "run_script"),
+    "common.errors": (
+        "FenicsContactError",
+        "InputError",
+        "NoEquilibriumError",
+        "NotConvergedError",
+    ),
+    "mesh.tagged_mesh": ("Body", "Group"),
+    "results.result": ("Check", "ContactPoints", "Result"),
+    "scene.scene": ("Discretisation", "Load", "MeshSource", "Point", "Scene", "Support"),
+    "scene.accuracy": ("Accuracy",),
+    "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
+    "scene.reading": ("load_scene",),
+    "scene.material": ("Material",),
+    "scene.steps": ("SolverSettings", "Steps"),
+    "scene.values": ("Path", "Profile"),
+    "simulation.scene_run": ("Run",),
 }
 
 

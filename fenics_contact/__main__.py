@@ -2,6 +2,6 @@
 
 import sys
 
-from fenics_contact.cli import main
+from fenics_contact.cli.program import main
 
 sys.exit(main())

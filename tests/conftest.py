@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from fenics_contact import simulation  # loads FEniCSx in the right order
-from fenics_contact.error_budget import ErrorBudget
+from fenics_contact.simulation import scene_run as simulation  # loads FEniCSx in the right order
+from fenics_contact.trust.error_estimates.budget import ErrorBudget
 
 from mpi4py import MPI  # isort: skip
 from petsc4py import PETSc  # isort: skip

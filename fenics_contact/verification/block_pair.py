@@ -8,14 +8,14 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.mesh import Body
-from fenics_contact.own_files import mesh_file
-from fenics_contact.result import Result
-from fenics_contact.scene import Load, MeshSource, Scene, Support
-from fenics_contact.scene_contact import Contact
-from fenics_contact.scene_material import Material
-from fenics_contact.scene_values import AxisName, Value
-from fenics_contact.simulation import Run
+from fenics_contact.common.resources import mesh_file
+from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.results.result import Result
+from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.material import Material
+from fenics_contact.scene.scene import Load, MeshSource, Scene, Support
+from fenics_contact.scene.values import AxisName, Value
+from fenics_contact.simulation.scene_run import Run
 from fenics_contact.verification.case import UntrustedError
 
 LOWER, UPPER = "lower", "upper"

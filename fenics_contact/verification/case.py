@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from fenics_contact.adaptivity import run
-from fenics_contact.errors import FenicsContactError
-from fenics_contact.result import Result
-from fenics_contact.scene import Scene
+from fenics_contact.common.errors import FenicsContactError
+from fenics_contact.results.result import Result
+from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.adaptive.levels import run
 
 
 @dataclass(frozen=True)

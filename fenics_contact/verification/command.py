@@ -15,12 +15,12 @@ from mpi4py import MPI
 from rich.markup import escape
 from rich.table import Table
 
-from fenics_contact.errors import FenicsContactError, InputError
-from fenics_contact.parallel import on_root
-from fenics_contact.terminal import Terminal
+from fenics_contact.common.atomic_files import replace_file
+from fenics_contact.common.errors import FenicsContactError, InputError
+from fenics_contact.common.parallel import on_root
+from fenics_contact.common.terminal import Terminal
 from fenics_contact.verification import CASES
 from fenics_contact.verification.case import Case, Finding, Outcome, no_value
-from fenics_contact.writing import replace_file
 
 FAILED = 4
 

@@ -15,7 +15,7 @@ SITE = ROOT / "docs" / "_build" / "html"
 REQUIRED = os.environ.get("FENICS_CONTACT_BROWSER") == "required"
 PHONE, DESKTOP = 390, 1440
 # Sources are many and alike: one of them stands for all.
-SOURCE = "files/fenics_contact/friction.py.html"
+SOURCE = "files/fenics_contact/contact/laws/energies.py.html"
 
 
 def pages():
@@ -140,7 +140,7 @@ def test_every_link_leads_to_a_page_and_a_place(links):
 
 def test_method_page_leads_to_definitions(links):
     targets = links["method.html"].targets
-    assert "files/fenics_contact/friction.py.html#smoothed_norm" in targets
+    assert "files/fenics_contact/contact/laws/energies.py.html#smoothed_norm" in targets
     assert sum(target.startswith("files/") for target in targets) > 80
 
 

@@ -8,17 +8,18 @@ import pytest
 from mpi4py import MPI
 from PIL import Image
 
-from fenics_contact import Obstacle, Run, files
-from fenics_contact.contact_table import ContactTable
-from fenics_contact.field_files import whole_body
-from fenics_contact.report import write_report
-from fenics_contact.report_page import Content, page
-from fenics_contact.result_file import read_result
-from fenics_contact.view_3d import make_view, view_html
+from fenics_contact import Obstacle, Run
+from fenics_contact.report.drawing.field_files import whole_body
+from fenics_contact.report.page.page import Content, page
+from fenics_contact.report.report import write_report
+from fenics_contact.report.view.view_3d import make_view, view_html
+from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.result_file import read_result
+from fenics_contact.simulation.output import run_folder as files
 from tests.browser.conftest import WINDOW
-from tests.pages import page_of
+from tests.report.page.pages import page_of
+from tests.report.test_gallery import pressed
 from tests.scenes import PULLED_BLOCK, box_body, slab
-from tests.test_pictures import pressed
 
 pytestmark = pytest.mark.serial
 

@@ -6,9 +6,9 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from fenics_contact import Run
-from fenics_contact.parallel import total
-from tests.matrices import product
+from fenics_contact.common.parallel import total
 from tests.scenes import slab
+from tests.solve.matrices import product
 
 COMM = MPI.COMM_WORLD
 BOUND = 90 * 8  # ∫ g

@@ -6,21 +6,12 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import (
-    Contact,
-    Material,
-    Obstacle,
-    Run,
-    Scene,
-    SolverSettings,
-    Support,
-    run,
-)
-from fenics_contact.scene import Steps
-from fenics_contact.verification.friction_cases import with_friction
-from fenics_contact.verification.point_cases import half_space_scene
+from fenics_contact import Contact, Material, Obstacle, Run, Scene, SolverSettings, Support, run
+from fenics_contact.scene.scene import Steps
+from fenics_contact.verification.published.friction import with_friction
+from fenics_contact.verification.published.point import half_space_scene
+from tests.common.test_parallel import assert_same
 from tests.scenes import box_body, with_solver
-from tests.test_ranks import assert_same
 
 COMM = MPI.COMM_WORLD
 STRATEGIES = {

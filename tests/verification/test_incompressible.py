@@ -7,10 +7,11 @@ import pytest
 from dolfinx.mesh import CellType
 from mpi4py import MPI
 
-from fenics_contact import Contact, Discretisation, Load, Material, Run, Scene, Support, material
-from fenics_contact.fields import NodalStress
+from fenics_contact import Contact, Discretisation, Load, Material, Run, Scene, Support
+from fenics_contact.body import materials as material
+from fenics_contact.simulation.output.fields import NodalStress
+from tests.body.test_materials import bimaterial
 from tests.scenes import box_body
-from tests.test_material import bimaterial
 
 COMM = MPI.COMM_WORLD
 E, NU = 1e3, 0.4999

@@ -9,8 +9,8 @@ from dolfinx.mesh import CellType
 from mpi4py import MPI
 
 from fenics_contact import Contact, Discretisation, Load, Material, Run, Scene, Support, run
-from fenics_contact.friction_checks import recovered_friction
-from fenics_contact.parallel import total
+from fenics_contact.common.parallel import total
+from fenics_contact.trust.checks.friction import recovered_friction
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD

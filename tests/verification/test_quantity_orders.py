@@ -11,8 +11,10 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Run
-from fenics_contact.verification.bars import body_cases, flat_cases, round_cases
-from fenics_contact.verification.bars.bar_case import Parameters, size_of, with_parameters
+from fenics_contact.verification.error_bars import bodies as body_cases
+from fenics_contact.verification.error_bars import flat as flat_cases
+from fenics_contact.verification.error_bars import round as round_cases
+from fenics_contact.verification.error_bars.case import Parameters, size_of, with_parameters
 
 COMM = MPI.COMM_WORLD
 # It adds less than the finest mesh's error, and round-off over it adds less, too.

@@ -7,7 +7,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Contact, Material, Profile, Run, Scene, Support, run
-from fenics_contact.parallel import total
+from fenics_contact.common.parallel import total
 from tests.scenes import box_body, slab
 
 COMM = MPI.COMM_WORLD

@@ -4,7 +4,8 @@ Each is solved rightly, or ends in words that name the reason. A module of cases
 ends with a tuple ``CASES``; the one below lists them all.
 """
 
-from fenics_contact.verification.hard import (
+from fenics_contact.verification.hard.case import HardCase, HardOutcome, Trials
+from fenics_contact.verification.hard.cases import (
     branches,
     coefficients,
     corners,
@@ -17,7 +18,6 @@ from fenics_contact.verification.hard import (
     separation,
     units,
 )
-from fenics_contact.verification.hard.hard_case import HardCase, HardOutcome, Trials
 
 CASES: tuple[HardCase, ...] = (
     *incompressible.CASES,

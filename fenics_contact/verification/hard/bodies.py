@@ -9,7 +9,7 @@ from dolfinx import mesh
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fenics_contact.mesh import Body, Group
+from fenics_contact.mesh.tagged_mesh import Body, Group
 
 Points = NDArray[np.float64]
 Move = Callable[[Points], Points]

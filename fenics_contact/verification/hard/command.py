@@ -9,12 +9,12 @@ from pathlib import Path
 from mpi4py import MPI
 from rich.markup import escape
 
-from fenics_contact.parallel import on_root
-from fenics_contact.terminal import Terminal
+from fenics_contact.common.atomic_files import replace_file
+from fenics_contact.common.parallel import on_root
+from fenics_contact.common.terminal import Terminal
 from fenics_contact.verification.command import FAILED, chosen, require_folder
 from fenics_contact.verification.hard import CASES, table
-from fenics_contact.verification.hard.hard_case import HardCase, HardOutcome, run_hard_case
-from fenics_contact.writing import replace_file
+from fenics_contact.verification.hard.case import HardCase, HardOutcome, run_hard_case
 
 
 def verify_hard(

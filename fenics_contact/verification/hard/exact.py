@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from fenics_contact.mesh import Body
-from fenics_contact.parallel import on_root
-from fenics_contact.problem import Problem
-from fenics_contact.result import Result
-from fenics_contact.scene import Scene
-from fenics_contact.verification.hard.hard_case import ReferenceFailedError
+from fenics_contact.common.parallel import on_root
+from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.problem.problem import Problem
+from fenics_contact.results.result import Result
+from fenics_contact.scene.scene import Scene
+from fenics_contact.verification.hard.case import ReferenceFailedError
 
 Array = NDArray[np.float64]
 Statuses = NDArray[np.int64]

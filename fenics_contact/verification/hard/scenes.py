@@ -10,11 +10,11 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fenics_contact.mesh import Body
-from fenics_contact.result import Result
-from fenics_contact.scene import Load, Scene, Support
-from fenics_contact.scene_contact import Contact, Obstacle
-from fenics_contact.scene_material import Material
+from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.results.result import Result
+from fenics_contact.scene.contact import Contact, Obstacle
+from fenics_contact.scene.material import Material
+from fenics_contact.scene.scene import Load, Scene, Support
 from fenics_contact.verification.case import Finding
 from fenics_contact.verification.hard.bodies import box
 from fenics_contact.verification.hard.exact import ExactAnswer, turned

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from fenics_contact.verification.hard.hard_case import HardOutcome
+from fenics_contact.verification.hard.case import HardOutcome
 
 _INTRODUCTION = """\
 # Hard cases

@@ -1,0 +1,5 @@
+"""Formulas that results are compared with or built on, in NumPy alone.
+
+Half-spaces under forces (Boussinesq, Cerruti, Flamant), contact of round and flat bodies (Hertz,
+Cattaneo, Mindlin, punches), plane stress functions (Airy). Each function names its source.
+"""

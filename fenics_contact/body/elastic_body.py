@@ -1,0 +1,145 @@
+"""The body's elastic energy, discretised so that ν → ½ neither locks nor ruins pressures.
+
+From ν = .49 (not in plane stress, where the thickness gives way) the mean stress becomes an
+unknown of its own, s = K tr(e), in a space that suits the displacement's: continuous of
+degree 1 on simplices of degree 2 (Taylor and Hood), discontinuous of degree 1 on Q2 and of
+degree 0 on Q1. On simplices of degree 1 it is continuous of degree 1, stabilised by its
+difference from the mean of each cell (C. R. Dohrmann and P. B. Bochev, Int. J. Numer. Meth.
+Fluids 46 (2004) 183-201). Between several materials the mean stress jumps: there it is constant
+in each cell on simplices of degree 2; on those of degree 1 it stays continuous, and converges
+only at first order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from fenics_contact.body import materials as material
+from fenics_contact.body.elasticity import Isotropic, strain, strain_energy
+from fenics_contact.body.materials import Elasticities
+from fenics_contact.body.reference_moduli import Moduli
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common import form_cache
+from fenics_contact.common.parallel import total
+from fenics_contact.scene.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class MixedForms:
+    """Compiled forms that couple the displacement u with the mean stress s.
+
+    Attributes:
+        gradient: ∫ s tr(e(v)).
+        divergence: ∫ t tr(e(u)).
+        compressibility: ∫ s t / K, and the stabilisation where there is one.
+        mean_stress: The second unknown, a dolfinx function (stress).
+    """
+
+    gradient: Any
+    divergence: Any
+    compressibility: Any
+    mean_stress: Any
+
+
+class ElasticBody:
+    """½ a(v, v) and its forms.
+
+    Attributes:
+        name: What is modelled, in words.
+        stiffness: Compiled bilinear form: a(·, ·), or its deviatoric part if mixed.
+        mixed: The forms of a mean stress, or None.
+        reference_modulus: Largest stiffness of the body (stress).
+    """
+
+    def __init__(self, scene: Scene, spaces: Spaces, displacement: Any) -> None:
+        self._spaces = spaces
+        self._displacement = displacement
+        elasticities = Elasticities(scene, spaces)
+        self.law = elasticities.law
+        self.reference_modulus = elasticities.reference_modulus
+        self._moduli = elasticities.moduli
+        self.name = "elastic energy"
+        self.mixed: MixedForms | None = None
+        e = self.strain(displacement)
+        stress = self.law.stress(e)
+        nearly = elasticities.largest_poissons_ratio >= material.NEARLY_INCOMPRESSIBLE
+        if nearly and scene.kinematics != "plane stress":
+            assert isinstance(self.law, Isotropic)
+            self.name = "elastic energy, nearly incompressible: mean stress as a second unknown"
+            self.mixed = self._mixed_forms(self.law, several=len(scene.material) > 1)
+            stress = self.law.deviatoric_stress(e)
+        energy = strain_energy(e, stress, spaces.weight, spaces.bulk)
+        residual = ufl.derivative(energy, displacement)
+        self.stiffness = form_cache.form(ufl.derivative(residual, displacement))
+
+    def moduli_behind(self, nodes: NDArray[np.int32]) -> Moduli:
+        """Those of the stiffest of the parts that nodes of this rank belong to; collective."""
+        parts = self._spaces.parts
+        present = np.zeros(parts.count)
+        present[parts.of_node[nodes]] = 1.0
+        reached = np.flatnonzero(total(self._spaces.comm, present))
+        return max((self._moduli[part] for part in reached), key=lambda found: found.reference)
+
+    @property
+    def forms(self) -> tuple[Any, ...]:
+        """All compiled forms."""
+        if self.mixed is None:
+            return (self.stiffness,)
+        mixed = self.mixed
+        return (self.stiffness, mixed.gradient, mixed.divergence, mixed.compressibility)
+
+    def strain(self, displacement: Any) -> Any:
+        """Strain of a displacement, shape (3, 3)."""
+        spaces = self._spaces
+        return strain(displacement, spaces.kinematics, spaces.position, self.law)
+
+    def stress(self) -> Any:
+        """Cauchy stress of the solution as a UFL expression, shape (3, 3)."""
+        e = self.strain(self._displacement)
+        if self.mixed is None:
+            return self.law.stress(e)
+        assert isinstance(self.law, Isotropic)
+        return self.law.deviatoric_stress(e) + self.mixed.mean_stress * ufl.Identity(3)
+
+    def _mixed_forms(self, law: Isotropic, several: bool) -> MixedForms:
+        spaces = self._spaces
+        tensor = compat.is_tensor_cell(spaces.body.mesh)
+        family = {1: ("DG", 0), 2: ("DPC", 1)}[spaces.degree] if tensor else ("Lagrange", 1)
+        if several and not tensor and spaces.degree == 2:
+            family = ("DG", 0)  # the mean stress jumps from one material to the next
+        space = fem.functionspace(spaces.body.mesh, family)
+        s, t = ufl.TrialFunction(space), ufl.TestFunction(space)
+        u = ufl.TrialFunction(spaces.displacement_space)
+        v = ufl.TestFunction(spaces.displacement_space)
+        weight, bulk = spaces.weight, spaces.bulk
+        compressibility = weight / law.bulk_modulus * s * t * bulk
+        if not tensor and spaces.degree == 1:
+            difference = _cell_covariance(spaces.body.mesh, s, t)
+            compressibility += weight / law.shear_modulus * difference * bulk
+        return MixedForms(
+            gradient=form_cache.form(weight * s * ufl.tr(self.strain(v)) * bulk),
+            divergence=form_cache.form(weight * t * ufl.tr(self.strain(u)) * bulk),
+            compressibility=form_cache.form(compressibility),
+            mean_stress=fem.Function(space, name="mean_stress"),
+        )
+
+
+def _cell_covariance(mesh: Any, s: Any, t: Any) -> Any:
+    """Mean of (s − Πs)(t − Πt) over a simplex, s and t linear and Π the mean of the cell.
+
+    By the covariance of the reference simplex's coordinates: constants drop out exactly,
+    whatever the weight, so a uniform mean stress is left alone.
+    """
+    dimension = mesh.topology.dim
+    scale = (dimension + 1) ** 2 * (dimension + 2)
+    covariance = ((dimension + 1) * np.eye(dimension) - np.ones((dimension, dimension))) / scale
+    jacobian = ufl.Jacobian(mesh)
+    slopes = [jacobian.T * ufl.grad(function) for function in (s, t)]
+    return ufl.dot(slopes[0], ufl.dot(ufl.as_matrix(covariance.tolist()), slopes[1]))

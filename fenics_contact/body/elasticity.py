@@ -1,0 +1,130 @@
+"""Linear elasticity: the paper's ½ a(v, v) (Section 2.1).
+
+Strains are kept as 3 × 3 tensors for every kinematics, so that one formula
+serves all; UFL drops the zeros.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import ufl
+
+from fenics_contact.scene.values import VOIGT, Kinematics
+
+
+class Law(Protocol):
+    """Hooke's law of a material."""
+
+    def stress(self, strain_tensor: Any) -> Any:
+        """Cauchy stress (3, 3) of a strain (3, 3)."""
+
+    def thickness_strain(self, xx: Any, yy: Any, xy: Any) -> Any:
+        """The e_zz that makes σ_zz vanish (plane stress), from the strains in the plane."""
+
+    def with_values(self, value_of: Callable[[Any], Any]) -> Law:
+        """The same law with other things, such as numbers, in place of its coefficients."""
+
+
+@dataclass(frozen=True)
+class Isotropic:
+    """σ = λ tr(e) 1 + 2 G e, with UFL coefficients.
+
+    Attributes:
+        youngs_modulus: E (stress).
+        poissons_ratio: ν.
+    """
+
+    youngs_modulus: Any
+    poissons_ratio: Any
+
+    @property
+    def shear_modulus(self) -> Any:
+        """G = E / (2 (1 + ν))."""
+        return self.youngs_modulus / (2 * (1 + self.poissons_ratio))
+
+    @property
+    def bulk_modulus(self) -> Any:
+        """K = E / (3 (1 − 2ν))."""
+        return self.youngs_modulus / (3 * (1 - 2 * self.poissons_ratio))
+
+    def stress(self, strain_tensor: Any) -> Any:
+        """Cauchy stress (3, 3) of a strain (3, 3)."""
+        lame_lambda = self.bulk_modulus - 2 * self.shear_modulus / 3
+        volumetric = lame_lambda * ufl.tr(strain_tensor) * ufl.Identity(3)
+        return volumetric + 2 * self.shear_modulus * strain_tensor
+
+    def deviatoric_stress(self, strain_tensor: Any) -> Any:
+        """2 G (e − tr(e)/3 1), shape (3, 3): the part that no volume change makes."""
+        mean = ufl.tr(strain_tensor) / 3 * ufl.Identity(3)
+        return 2 * self.shear_modulus * (strain_tensor - mean)
+
+    def thickness_strain(self, xx: Any, yy: Any, xy: Any) -> Any:
+        """−ν/(1−ν) (e_xx + e_yy)."""
+        return -self.poissons_ratio / (1 - self.poissons_ratio) * (xx + yy)
+
+    def with_values(self, value_of: Callable[[Any], Any]) -> Isotropic:
+        """The same law of what a function makes of its coefficients."""
+        return Isotropic(value_of(self.youngs_modulus), value_of(self.poissons_ratio))
+
+
+@dataclass(frozen=True)
+class Anisotropic:
+    """σ_ij = E_ijkl e_kl (paper, (1.1)).
+
+    Attributes:
+        entries: (row, column) of the 6 × 6 matrix → UFL coefficient; zeros are left out.
+    """
+
+    entries: dict[tuple[int, int], Any]
+
+    def stress(self, strain_tensor: Any) -> Any:
+        """Cauchy stress (3, 3) of a strain (3, 3)."""
+        components: list[Any] = [0] * 6
+        for (row, column), entry in self.entries.items():
+            i, j = VOIGT[column]
+            factor = 1 if i == j else 2  # e_ij and e_ji both count
+            components[row] += factor * entry * strain_tensor[i, j]
+        xx, yy, zz, yz, xz, xy = components
+        return ufl.as_tensor([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+    def thickness_strain(self, xx: Any, yy: Any, xy: Any) -> Any:
+        """−(E_zzxx e_xx + E_zzyy e_yy + 2 E_zzxy e_xy) / E_zzzz."""
+        entry = self.entries.get
+        in_plane = entry((2, 0), 0) * xx + entry((2, 1), 0) * yy + 2 * entry((2, 5), 0) * xy
+        return -in_plane / self.entries[2, 2]
+
+    def with_values(self, value_of: Callable[[Any], Any]) -> Anisotropic:
+        """The same law of what a function makes of its coefficients."""
+        return Anisotropic({place: value_of(entry) for place, entry in self.entries.items()})
+
+
+def measure_weight(kinematics: Kinematics, position: Any, thickness: Any = None) -> Any:
+    """Factor of every integral: 2πr for a full revolution, a thickness, or 1."""
+    if kinematics == "axisymmetric":
+        return 2 * ufl.pi * position[0]
+    return ufl.as_ufl(1.0) if thickness is None else thickness
+
+
+def strain(displacement: Any, kinematics: Kinematics, position: Any, law: Law) -> Any:
+    """Infinitesimal strain, shape (3, 3).
+
+    Out of plane: 0 (plane strain), the value that makes the stress vanish
+    (plane stress), u_r / r (axisymmetric).
+    """
+    e = ufl.sym(ufl.grad(displacement))
+    if kinematics == "3D":
+        return e
+    out_of_plane: Any = 0
+    if kinematics == "plane stress":
+        out_of_plane = law.thickness_strain(e[0, 0], e[1, 1], e[0, 1])
+    elif kinematics == "axisymmetric":
+        out_of_plane = displacement[0] / position[0]
+    return ufl.as_tensor([[e[0, 0], e[0, 1], 0], [e[1, 0], e[1, 1], 0], [0, 0, out_of_plane]])
+
+
+def strain_energy(strain_tensor: Any, stress_tensor: Any, weight: Any, measure: Any) -> Any:
+    """½ a(v, v) = ½ ∫ σ : e (paper, (2.1))."""
+    return 0.5 * weight * ufl.inner(stress_tensor, strain_tensor) * measure

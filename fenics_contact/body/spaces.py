@@ -1,0 +1,204 @@
+"""The finite element space and the measures on named groups (paper, Section 3).
+
+Every measure carries the subdomain id 1 and its own entities, so that compiled
+code does not depend on tags: two contacts, or two scenes, share it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem, la
+from numpy.typing import NDArray
+
+from fenics_contact.body.connected_parts import Parts
+from fenics_contact.body.elasticity import measure_weight
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.errors import FenicsContactError, InputError
+from fenics_contact.common.parallel import largest, raise_together, smallest
+from fenics_contact.mesh.tagged_mesh import Body, Group
+from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.values import Value
+
+
+class Spaces:
+    """Displacement space, its nodes, and measures.
+
+    Attributes:
+        displacement_space: Blocked Lagrange space of the scene's degree.
+        components: Displacement components a node (2 or 3).
+        coordinates: Nodes of this rank, owned then ghost, shape (nodes, 3).
+        owned_nodes: How many of them this rank owns.
+        parts: The connected parts of the body.
+        weight: UFL factor of every integral (2πr where axisymmetric).
+        thickness: As the scene says.
+    """
+
+    def __init__(self, scene: Scene, body: Body) -> None:
+        self.body = body
+        self.comm = body.mesh.comm
+        self.kinematics = scene.kinematics
+        self.degree = scene.discretisation.degree
+        if body.dimension != scene.dimension:
+            raise InputError(
+                f"kinematics = '{scene.kinematics}' needs cells of dimension {scene.dimension}; "
+                f"those of {body.source} have {body.dimension}"
+            )
+        if scene.kinematics == "axisymmetric":
+            body.require_radii()
+        self.components = scene.dimension
+        self.displacement_space = fem.functionspace(
+            body.mesh, ("Lagrange", self.degree, (self.components,))
+        )
+        self.coordinates = self.displacement_space.tabulate_dof_coordinates()
+        self.owned_nodes = self.displacement_space.dofmap.index_map.size_local
+        self.parts = Parts(body, self.displacement_space)
+        self.position = ufl.SpatialCoordinate(body.mesh)
+        self._scalar: tuple[Any, NDArray[np.int64]] | None = None
+        self.weight = measure_weight(scene.kinematics, self.position, self._thickness(scene))
+        body.mesh.topology.create_connectivity(body.dimension - 1, body.dimension)
+        body.mesh.topology.create_connectivity(body.dimension, body.dimension - 1)
+        body.mesh.topology.create_connectivity(body.dimension, body.dimension)
+
+    @property
+    def bulk(self) -> Any:
+        """Measure of the whole body, exact for the stiffness of undistorted cells."""
+        metadata = {"quadrature_degree": self.bulk_degree}
+        return ufl.Measure("dx", domain=self.body.mesh, metadata=metadata)
+
+    @property
+    def bulk_degree(self) -> int:
+        """Quadrature degree of integrals over the body.
+
+        Distorted cells have rational integrands, which this rule does not integrate exactly: it
+        changes the solution by less than a hundredth of the discretisation error.
+        """
+        return 2 * self.degree + 2 * (self.geometry_order - 1) + self._extra_degree
+
+    @property
+    def geometry_order(self) -> int:
+        """Order of the cells' geometry."""
+        return int(self.body.mesh.ufl_domain().ufl_coordinate_element().degree)
+
+    @property
+    def _extra_degree(self) -> int:
+        """What the weight, 2πr or a varying thickness, adds to an integrand."""
+        if self.kinematics == "axisymmetric":
+            return 1
+        return self.degree if callable(self.thickness) else 0
+
+    def _thickness(self, scene: Scene) -> Any:
+        """The scene's thickness as a coefficient, or None."""
+        self.thickness = scene.thickness
+        if scene.thickness is None:
+            return None
+        nodes = np.arange(len(self.coordinates), dtype=np.int32)
+        values = self.evaluate(scene.thickness, nodes, "thickness")
+        if smallest(self.comm, values) <= 0:
+            raise InputError(
+                f"thickness: its smallest value is {smallest(self.comm, values):g}, "
+                "but it must be greater than 0"
+            )
+        return self.coefficient(values, nodes)
+
+    def part(self, group: Group) -> Any:
+        """Measure of a group of cells."""
+        cells = self.body.entities(group)
+        owned = cells[cells < self.body.mesh.topology.index_map(self.body.dimension).size_local]
+        return ufl.Measure("dx", domain=self.body.mesh, subdomain_data=[(1, owned)])(1)
+
+    def boundary(self, group: Group, metadata: dict[str, Any] | None = None) -> Any:
+        """Measure of a group of boundary facets."""
+        entities = compat.boundary_entities(self.body.mesh.topology, self.body.entities(group))
+        return ufl.Measure(
+            "ds", domain=self.body.mesh, subdomain_data=[(1, entities)], metadata=metadata
+        )(1)
+
+    def facets(self, group: Group) -> NDArray[np.int32]:
+        """(cell, local facet) of this rank's facets of a boundary group, shape (facets, 2)."""
+        found = compat.boundary_entities(self.body.mesh.topology, self.body.entities(group))
+        return np.asarray(found).reshape(-1, 2)
+
+    def nodes(self, group: Group) -> NDArray[np.int32]:
+        """Local indices (owned and ghost) of the nodes on a group; collective."""
+        entities = self.body.entities(group)
+        return np.sort(
+            fem.locate_dofs_topological(self.displacement_space, group.dimension, entities)
+        )
+
+    def evaluate(self, value: Value, nodes: NDArray[np.int32], key: str) -> NDArray[np.float64]:
+        """A scene's value at nodes, shape (nodes,); collective (see ``evaluate_at``)."""
+        return self.evaluate_at(value, self.coordinates[nodes].T, key)
+
+    def evaluate_at(
+        self, value: Value, points: NDArray[np.float64], key: str
+    ) -> NDArray[np.float64]:
+        """A scene's value at points of shape (3, n), shape (n,); collective.
+
+        Raises:
+            InputError: On every rank, if a function fails or gives what is not finite.
+        """
+        error: FenicsContactError | None = None
+        values = np.zeros(points.shape[1])
+        try:
+            found = value(points) if callable(value) else value
+            values[:] = np.broadcast_to(np.asarray(found, dtype=np.float64), values.shape)
+            if not np.isfinite(values).all():
+                error = InputError(f"{key}: its function gives values that are not finite")
+        except Exception as caught:  # whatever a user's function raises
+            said = " ".join(str(caught).split())
+            error = InputError(f"{key}: its function fails: {type(caught).__name__}: {said}")
+        raise_together(self.comm, error)
+        return values
+
+    def coefficient(self, values: NDArray[np.float64], nodes: NDArray[np.int32]) -> Any:
+        """Nodal values as a UFL coefficient: a constant where they are, else a function.
+
+        Args:
+            values: Scalars of shape (nodes,), or vectors of shape (nodes, components).
+            nodes: The nodes that hold them; the coefficient is used only there.
+        """
+        columns = values.T if values.ndim == 2 else [values]
+        least = [smallest(self.comm, column) for column in columns]
+        if least == [largest(self.comm, column) for column in columns]:
+            constant = np.array(least) if values.ndim == 2 else least[0]
+            return fem.Constant(self.body.mesh, constant)
+        if values.ndim == 2:
+            function = fem.Function(self.displacement_space)
+            function.x.array.reshape(-1, self.components)[nodes] = values
+            return function
+        space, scalar_of_node = self._scalar_space()
+        function = fem.Function(space)
+        function.x.array[scalar_of_node[nodes]] = values
+        return function
+
+    def _scalar_space(self) -> tuple[Any, NDArray[np.int64]]:
+        """The space of one component, and its dof at every node."""
+        if self._scalar is None:
+            space = fem.functionspace(self.body.mesh, ("Lagrange", self.degree))
+            scalar_of_node = np.empty(len(self.coordinates), dtype=np.int64)
+            scalar_of_node[self.displacement_space.dofmap.list] = space.dofmap.list
+            self._scalar = (space, scalar_of_node)
+        return self._scalar
+
+    def summed(self, nodal: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Contributions of all ranks added up at shared nodes, (nodes, columns); collective."""
+        return summed_over_ranks(self.displacement_space.dofmap.index_map, nodal)
+
+    def assemble(self, form: Any) -> NDArray[np.float64]:
+        """A compiled linear form as nodal values, shape (nodes, components); collective."""
+        vector = fem.assemble_vector(form)
+        vector.scatter_reverse(la.InsertMode.add)
+        vector.scatter_forward()
+        return np.asarray(vector.array.reshape(-1, self.components).copy())
+
+
+def summed_over_ranks(index_map: Any, nodal: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Contributions of all ranks, first axis nodes, added up at shared ones; collective."""
+    vector = la.vector(index_map, int(np.prod(nodal.shape[1:])))
+    vector.array[:] = nodal.reshape(-1)
+    vector.scatter_reverse(la.InsertMode.add)
+    vector.scatter_forward()
+    return np.array(vector.array).reshape(nodal.shape)

@@ -1,0 +1,235 @@
+"""What the commands of ``fenics-contact`` do."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from mpi4py import MPI
+
+from fenics_contact.cli import new_scene
+from fenics_contact.cli.progress import Announce, activity
+from fenics_contact.cli.summary import print_model, print_result
+from fenics_contact.common import citation, petsc_options
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.failures import READER_LEFT, drop_output, explain, failing_together, say
+from fenics_contact.common.interrupts import Interrupts
+from fenics_contact.common.parallel import on_root
+from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.terminal import PlainFormatter
+from fenics_contact.results.result import Result
+from fenics_contact.scene.reading import load_scene
+from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.adaptive.levels import adaptive_plan
+from fenics_contact.simulation.output import run_folder as files
+from fenics_contact.simulation.restart.state_file import StateFile
+from fenics_contact.simulation.scene_run import Run
+
+logger = logging.getLogger(__name__)
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Do what a command line asks for, and return the exit code; collective.
+
+    Args:
+        options: As ``cli_options.parse`` finds them.
+    """
+    if options.version:
+        return guarded(lambda: on_root(MPI.COMM_WORLD, _print_versions))
+    _log_to_terminal(options, logging.WARNING if options.command == "verify" else logging.INFO)
+    action = {
+        "check": lambda: _check(options),
+        "new": lambda: on_root(MPI.COMM_WORLD, lambda: _new(options)),
+        "report": lambda: on_root(MPI.COMM_WORLD, lambda: _report(options.folder, options.quiet)),
+        "run": lambda: _run(options),
+        "verify": lambda: _verify(options),
+    }[options.command]
+    return guarded(action)
+
+
+def execute_script(scene: Scene, options: argparse.Namespace) -> int:
+    """Do with a scene what a script's command line asks for; collective.
+
+    Args:
+        scene: What to solve.
+        options: As ``cli_options.parse_script`` finds them.
+    """
+    _log_to_terminal(options, logging.INFO)
+    return guarded(lambda: _solve(scene, options.out, options, not options.no_pictures))
+
+
+def guarded(action: Callable[[], int], comm: MPI.Comm = MPI.COMM_WORLD) -> int:
+    """Run an action; turn what goes wrong into words and an exit code; collective.
+
+    What goes wrong on one rank alone ends them all (``failing_together``).
+    """
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # PETSc would call it a crash
+    try:
+        with failing_together(comm):
+            code = action()
+            sys.stdout.flush()
+            comm.Barrier()  # a launcher ends the other ranks at the first that fails
+            return code
+    except SystemExit as error:
+        if isinstance(error.__context__, BrokenPipeError):  # rich's answer to it
+            return READER_LEFT
+        raise
+    except (Exception, KeyboardInterrupt) as error:
+        found = comm.allgather(explain(error))
+    if comm.rank == 0:
+        for said in dict(reversed(found)).values():  # the first rank's of every code
+            say(said)
+        if found[0][0] == READER_LEFT:
+            drop_output()
+    comm.Barrier()
+    return int(found[0][0])
+
+
+def _load(options: argparse.Namespace) -> Scene:
+    return on_root(MPI.COMM_WORLD, lambda: load_scene(options.scene, options.overrides))
+
+
+def _check(options: argparse.Namespace) -> int:
+    comm = MPI.COMM_WORLD
+    scene = _load(options)
+    with activity(scene.steps, comm, options.quiet):
+        prepared = Run(scene, comm)
+        model = prepared.model
+        plan = adaptive_plan(prepared)
+    if comm.rank == 0 and not options.quiet:
+        groups = prepared.problem.body.known_groups()
+        print_model(scene, model, groups, prepared.contacts(), plan)
+    return 0
+
+
+def _run(options: argparse.Namespace) -> int:
+    scene = _load(options)
+    folder = options.out or Path("results") / options.scene.stem
+    return _solve(scene, folder, options, pictures=False)
+
+
+def _solve(scene: Scene, folder: Path, options: argparse.Namespace, pictures: bool) -> int:
+    comm = MPI.COMM_WORLD
+    settings = petsc_options.parse(options.petsc)
+    files.require_writable(folder, comm)
+    with petsc_options.given(settings, comm):
+        with activity(scene.steps, comm, options.quiet) as announce:
+            prepared = Run(scene, comm)
+            solve = _solve_steps if scene.accuracy is None else _solve_levels
+            result = solve(prepared, folder, options.resume, announce)
+        if isinstance(result, int):
+            return result
+    if comm.rank == 0 and (not options.quiet or not result.passed):
+        print_result(result, folder)
+    if pictures:
+        on_root(comm, lambda: _draw(folder, options.quiet))
+    return result.exit_code
+
+
+def _solve_steps(
+    prepared: Run, folder: Path, resume: bool, announce: Announce | None
+) -> Result | int:
+    """The load steps of a scene; the exit code alone where an earlier run has done them all."""
+    state = StateFile(folder, prepared.problem)
+    saved = state.load() if resume else None
+    if not resume:
+        state.remove()
+    if saved is not None and saved.is_done(prepared.scene):
+        logger.info("'%s' holds a finished run: nothing to resume", folder)
+        return saved.exit_code or 0
+    if saved is not None:
+        logger.info("resuming after time %g", saved.last.unknowns.time)
+    elif resume:
+        logger.info("there is no '%s' to resume from: beginning at the start", state.path)
+    with Interrupts() as interrupts:
+        asked = interrupts.requested
+        result = files.solve_and_write(prepared, folder, state, saved, asked, announce)
+    if result.converged:
+        state.finish(result.exit_code)
+    return result
+
+
+def _solve_levels(prepared: Run, folder: Path, resume: bool, announce: Announce | None) -> Result:
+    """The meshes of a scene that asks for an accuracy."""
+    if resume:
+        raise InputError("--resume: a scene with accuracy begins at its first mesh; leave it out")
+    StateFile(folder, prepared.problem).remove()
+    with Interrupts() as interrupts:
+        return files.solve_levels_and_write(prepared, folder, interrupts.requested, announce)
+
+
+def _draw(folder: Path, quiet: bool) -> None:
+    """Pictures after a run: the answer stands without them."""
+    try:
+        _report(folder, quiet)
+    except InputError as error:
+        logger.warning("no pictures: %s", error)
+
+
+def _report(folder: Path, quiet: bool) -> int:
+    from fenics_contact.report.report import PAGE, write_report
+
+    written = [*(picture.path for picture in write_report(folder)), folder / PAGE]
+    for path in [] if quiet else written:
+        print(f"  {one_line(str(path))}")
+    return 0
+
+
+def _new(options: argparse.Namespace) -> int:
+    said = new_scene.listed() if options.list else new_scene.write(options.name, options.out)
+    if not options.quiet:
+        print(said)
+    return 0
+
+
+def _print_versions() -> int:
+    from petsc4py import PETSc
+
+    found = compat.versions()
+    mpi = " ".join(found["mpi"].split(",")[0].replace("Version:", "").split())
+    print(
+        f"fenics-contact {citation.VERSION}, with dolfinx {found['dolfinx']}, PETSc "
+        f"{'.'.join(map(str, PETSc.Sys.getVersion()))}, Python {found['python']}, {mpi}"
+    )
+    print(f"To cite it: {citation.how_to_cite()}")
+    return 0
+
+
+def _verify(options: argparse.Namespace) -> int:
+    if options.hard and options.errors:
+        raise InputError("verify: give either --hard or --errors")
+    if options.errors:
+        from fenics_contact.verification.error_bars.command import verify_errors
+
+        return verify_errors(
+            options.names, options.quick, options.json, options.table, quiet=options.quiet
+        )
+    if options.hard:
+        from fenics_contact.verification.hard.command import verify_hard
+
+        if options.quick:
+            raise InputError("verify --hard has no --quick: name the cases to run")
+        return verify_hard(options.names, options.json, options.table, quiet=options.quiet)
+    if options.table is not None:
+        raise InputError("verify --table: there is none of these; add --hard or --errors")
+    from fenics_contact.verification.command import verify
+
+    return verify(options.names, options.quick, options.json, quiet=options.quiet)
+
+
+def _log_to_terminal(options: argparse.Namespace, level: int) -> None:
+    """Messages of rank 0 to the terminal; libraries stay silent about their own steps."""
+    level = logging.WARNING if options.quiet else level
+    level = logging.DEBUG if options.verbose else level
+    logger = logging.getLogger("fenics_contact")
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(PlainFormatter("%(message)s"))
+    handler.addFilter(lambda record: MPI.COMM_WORLD.rank == 0)
+    handler.setLevel(level)
+    logger.handlers = [handler]
+    logger.setLevel(level)

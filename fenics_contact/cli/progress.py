@@ -1,0 +1,131 @@
+"""How far a run is: a line that changes on a terminal, a line a load step elsewhere."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from mpi4py import MPI
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
+
+from fenics_contact.common import timings
+from fenics_contact.common.terminal import Terminal
+from fenics_contact.results.load_history import step_line
+from fenics_contact.scene.scene import Steps
+
+# Characters of the bar; and of all that stands beside the words.
+_BAR = 20
+_BESIDE = _BAR + len("  0:00:00 ")
+
+Announce = Callable[[int, dict[str, Any]], None]
+
+
+@contextmanager
+def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Announce | None]:
+    """What a run is doing, on the terminal of rank 0; collective.
+
+    How far the load steps are, phases, and Newton steps; it vanishes at the end. Without a
+    terminal, or on one that cannot move its cursor, there is nothing but lines for load steps,
+    which are logged.
+
+    Args:
+        steps: Of the scene.
+        comm: Communicator.
+        quiet: Whether to show nothing.
+
+    Yields:
+        What to call with number and record of every load step, or None where they are logged.
+    """
+    console = Terminal(stderr=True)
+    shows = console.is_terminal and not console.is_dumb_terminal and not quiet
+    if not comm.bcast(shows):
+        yield None
+        return
+    if comm.rank > 0:
+        yield lambda number, step: None
+        return
+    with Progress(*_columns(steps), console=console, transient=True) as progress:
+        task = progress.add_task("", total=steps.last)
+        where = ""
+
+        def announce(number: int, step: dict[str, Any]) -> None:
+            nonlocal where
+            if steps.several:
+                line = step_line(number, step)
+                where = line.partition(", ")[0] + ", "
+                progress.update(task, completed=step["load_factor"], description=cut(line))
+
+        def tell(message: str) -> None:
+            progress.update(task, description=cut(where + message))
+
+        def cut(line: str) -> str:
+            room = max(console.width - _BESIDE, 1)  # rich would cut the bar as well
+            return line if len(line) <= room else f"{line[: room - 1]}…"
+
+        with _logging_above(), _listening(tell):
+            yield announce
+
+
+def _columns(steps: Steps) -> tuple[ProgressColumn, ...]:
+    """A bar where there are several load steps; the time; and words."""
+    bar = BarColumn(_BAR) if steps.several else SpinnerColumn()
+    return bar, TimeElapsedColumn(), TextColumn("{task.description}", markup=False)
+
+
+class _Listener(logging.Handler):
+    """Passes messages of all levels on; those of solves for estimates say what they are for."""
+
+    def __init__(self, tell: Callable[[str], None]) -> None:
+        super().__init__(logging.DEBUG)
+        self._tell = tell
+        self._phase = ""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        words = record.getMessage().strip()
+        if record.name == timings.__name__:
+            self._phase = words
+        elif self._phase == timings.ESTIMATING:
+            words = f"{self._phase}: {words}"
+        self._tell(words)
+
+
+@contextmanager
+def _listening(tell: Callable[[str], None]) -> Iterator[None]:
+    """Have all messages of the program told, whatever its other handlers leave out."""
+    logger = logging.getLogger("fenics_contact")
+    listener, level = _Listener(tell), logger.level
+    logger.addHandler(listener)
+    logger.setLevel(logging.DEBUG)
+    try:
+        yield
+    finally:
+        logger.removeHandler(listener)
+        logger.setLevel(level)
+
+
+@contextmanager
+def _logging_above() -> Iterator[None]:
+    """Let messages go where the bar makes room for them."""
+    handlers = logging.getLogger("fenics_contact").handlers
+    streams = [
+        handler
+        for handler in handlers
+        if isinstance(handler, logging.StreamHandler) and not handler.stream.closed
+    ]
+    before = [handler.setStream(sys.stderr) for handler in streams]
+    try:
+        yield
+    finally:
+        for handler, stream in zip(streams, before, strict=True):
+            if stream is not None:
+                handler.setStream(stream)

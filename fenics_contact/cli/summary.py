@@ -1,0 +1,254 @@
+"""What the terminal shows: the model before, the numbers and checks after."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.terminal import Terminal
+from fenics_contact.results.accuracy_messages import level_rows
+from fenics_contact.results.check_messages import compares
+from fenics_contact.results.result import (
+    QUANTITIES,
+    Check,
+    Result,
+    branch_rows,
+    error_bar,
+    idle_quantities,
+    motion_words,
+    share_words,
+    without_value,
+)
+from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
+from fenics_contact.scene.scene import Scene
+
+# Keys of the model whose names alone say little.
+_IN_WORDS = {
+    "dofs": "displacement unknowns",
+    "solver_memory_mb": "memory of the solver (MB)",
+    "scalar_unknowns": "other unknowns",
+    "free_rigid_motions": "motions left to friction",
+}
+# Those that say something only where there are motions that supports leave to friction.
+_OF_FREE_MOTIONS = ("free_rigid_motions", "used_share_of_limit_load")
+# Quantities in the order shown; the others are in the files.
+_HIDDEN = ("pressure_integral", "contact_force", "external_work", "penalty_energy")
+_SHOWN = [name for name in QUANTITIES if name not in _HIDDEN]
+# Parameters of a contact, in the order of its line; those that do not apply are zero or missing.
+_PARAMETERS = (
+    "pressure",
+    "foundation_stiffness",
+    "penalty_parameter",
+    "friction_coefficient",
+    "regularisation_parameter",
+    "force",
+)
+
+
+def print_model(
+    scene: Scene,
+    model: Mapping[str, Any],
+    groups: str,
+    contacts: list[dict[str, Any]],
+    plan: str = "",
+) -> None:
+    """Say what would be modelled: ``fenics-contact check``.
+
+    Args:
+        scene: The scene.
+        model: ``model`` of ``result.json``.
+        groups: Names of the mesh's groups.
+        contacts: ``contacts`` of ``result.json``.
+        plan: What is said of an accuracy that is asked for.
+    """
+    console = Terminal()
+    table = _table("", "")
+    hidden = {"terms", "rigid_motions", *([] if model["free_rigid_motions"] else _OF_FREE_MOTIONS)}
+    for key, value in model.items():
+        if key not in hidden and value != []:
+            words = share_words(value) if key == "used_share_of_limit_load" else _written(value)
+            table.add_row(_IN_WORDS.get(key, key.replace("_", " ")), escape(words))
+    table.add_row("groups of the mesh", escape(groups))
+    console.print(f"\n[bold]{escape(one_line(scene.title or 'Scene'))}[/bold]")
+    console.print(table)
+    console.print("Energy terms modelled:")
+    for term in model["terms"]:
+        console.print(f"  {term}", markup=False)
+    _print_motions(console, model["rigid_motions"])
+    for line in _conditions(scene):
+        console.print(one_line(line), markup=False, highlight=False, soft_wrap=True)
+    _print_contacts(console, contacts)
+    if plan:
+        console.print(plan, markup=False, highlight=False, soft_wrap=True)
+    console.print("The scene can be run: supports and contacts can hold the loads.")
+
+
+def _conditions(scene: Scene) -> list[str]:
+    """A line for each support and each load, as they were understood."""
+    lines = []
+    for support in scene.support:
+        held = [f"{axis} = {_given(value)}" for axis, value in support.displacement.items()]
+        on = f" on '{support.on}'" if support.label != support.on else ""
+        lines.append(f"Support '{support.label}'{on}: {', '.join(held)}")
+    for load in scene.load:
+        kinds = ("traction", "pressure", "body_force")
+        kind = next(kind for kind in kinds if getattr(load, kind) is not None)
+        lines.append(f"Load '{load.on}': {kind.replace('_', ' ')} {_given(getattr(load, kind))}")
+    return lines
+
+
+def _given(value: Any) -> str:
+    """A value of a scene, or that it varies."""
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_given, value))})"
+    return f"{value:.6g}" if isinstance(value, float | int) else "varying"
+
+
+def _print_motions(console: Terminal, motions: list[dict[str, Any]]) -> None:
+    """A line for each rigid motion that supports leave free, and what may resist it."""
+    if motions:
+        console.print("Rigid motions that the supports leave free, before contact:")
+    for motion in motions:
+        words = one_line(f"  {motion_words(motion)}")
+        console.print(words, markup=False, highlight=False, soft_wrap=True)
+
+
+def print_result(result: Result, folder: Path) -> None:
+    """Say what came out and whether to trust it."""
+    console = Terminal()
+    console.print(f"\n[bold]{escape(one_line(result.title or 'Result'))}[/bold]", highlight=False)
+    if result.converged:
+        bars = ("±",) if result.errors else ()
+        quantities = _table("quantity", "value", *bars)
+        for key in _shown(result):
+            _add_quantity(quantities, result, key)
+            if key == "reaction":
+                _add_reactions(quantities, result)
+        console.print(quantities)
+        for note in result.error_notes:
+            console.print(one_line(note), markup=False, highlight=False, soft_wrap=True)
+        _print_contacts(console, result.contacts)
+        _print_checks(console, result.checks)
+        _print_branches(console, result)
+        _print_levels(console, result)
+    console.print(one_line(result.verdict), markup=False, highlight=False)
+    took = f"{result.timings['total']:.2f} s"
+    if result.steps:  # it may have been interrupted before the first
+        took += f", {result.steps[-1]['newton_iterations']} Newton steps"
+    console.print(
+        f"{took}. Files in {folder}/",
+        markup=False,
+        highlight=False,
+    )
+
+
+def _print_checks(console: Terminal, checks: Mapping[str, Check]) -> None:
+    """The trust report: every check, and what the failed ones compare."""
+    table = _table("check", "value", "limit", "")
+    failed = [name for name, check in checks.items() if not check.passed]
+    for name, check in checks.items():
+        parts = check.parts if name in failed else ()
+        rows = [(name.replace("_", " "), check), *((f"  of {part.part}", part) for part in parts)]
+        for words, shown in rows:
+            verdict = "ok" if shown.passed else "[bold red]FAILED[/bold red]"
+            numbers = f"{shown.value:.2e}", f"{shown.limit:.2e}"
+            table.add_row(escape(one_line(words)), *numbers, verdict)
+    console.print(table)
+    for name in failed:
+        words = f"{name.replace('_', ' ')}: {compares(name)}"
+        console.print(words, markup=False, highlight=False, soft_wrap=True)
+
+
+def _print_branches(console: Terminal, result: Result) -> None:
+    """All answers that were found, where there are several."""
+    rows = branch_rows(result.branches)
+    if rows:
+        table = _table(*rows[0])
+        for row in rows[1:]:
+            table.add_row(*(_written(cell) for cell in row))
+        console.print(table)
+
+
+def _print_levels(console: Terminal, result: Result) -> None:
+    """Meshes and estimated errors on the way to an accuracy."""
+    rows = level_rows(result.levels, result.accuracy)
+    if rows:
+        table = _table(*map(escape, rows[0]))
+        for row in rows[1:]:
+            table.add_row(*row)
+        console.print(table)
+
+
+def _add_quantity(quantities: Table, result: Result, key: str) -> None:
+    """A row with its error bar; of a resultant, a row of each contact where there are several."""
+    words = key.replace("_", " ")
+    rows: list[tuple[str, Any, Any]] = [(words, result.quantities, result.errors)]
+    if key in OF_ONE_CONTACT and len(result.contacts) > 1:
+        rows = [
+            (f"{words} of {one['name']}", one["quantities"], one.get("errors", {}))
+            for one in result.contacts
+        ]
+    for name, found, errors in rows:
+        value, bar = without_value(key, found), ""
+        if found[key] is not None:
+            value, bar = _written(found[key]), error_bar(errors.get(key))
+        quantities.add_row(escape(one_line(name)), value, *([bar] if result.errors else []))
+
+
+def _add_reactions(quantities: Table, result: Result) -> None:
+    """Those of each name, where there are several."""
+    for name, found in result.reactions.items() if len(result.reactions) > 1 else ():
+        bars = [error_bar(found.get("errors", {}).get("reaction"))] if result.errors else []
+        quantities.add_row(f"  of {escape(one_line(name))}", _written(found["reaction"]), *bars)
+
+
+def _shown(result: Result) -> list[str]:
+    """The quantities that say something about the contacts of a result."""
+    hidden = idle_quantities(result.contacts)
+    points = [key for key in result.quantities if key.startswith("displacement_")]
+    shown = [key for key in _SHOWN if key in result.quantities and key not in hidden]
+    if any(contact["quantities"]["normal_force"] is None for contact in result.contacts):
+        shown.insert(1, "pressure_integral")
+    return shown + points
+
+
+def _print_contacts(console: Terminal, contacts: list[dict[str, Any]]) -> None:
+    """A line a contact: its kind, its law, and the parameters that apply."""
+    for contact in contacts:
+        words = [contact["contact"]]
+        words.append(
+            "no friction" if contact["law"] == "none" else f"friction law {contact['law']}"
+        )
+        for name in _PARAMETERS:
+            value = contact["parameters"].get(name)
+            if value:
+                written = f"{value:.3g}" if isinstance(value, float) else str(value)
+                words.append(f"{name.replace('_', ' ')} {written}")
+        if "slave" in contact:
+            words.append(
+                f"slave '{contact['slave']}' ({contact['slave_reason']}), master "
+                f"'{contact['master']}'"
+            )
+        line = f"Contact '{contact['name']}': {', '.join(words)}"
+        console.print(one_line(line), markup=False, highlight=False, soft_wrap=True)
+
+
+def _table(*headers: str) -> Table:
+    table = Table(box=box.SIMPLE, show_header=any(headers), pad_edge=False)
+    for header in headers:
+        table.add_column(header)
+    return table
+
+
+def _written(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list | tuple):
+        return ", ".join(_written(entry) for entry in value)
+    return "none" if value is None else str(value)

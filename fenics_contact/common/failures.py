@@ -1,0 +1,144 @@
+"""What went wrong, in words and as an exit code; and that no rank waits for one that failed.
+
+Errors that all ranks raise together are Python's ordinary ones. One that hits a rank alone leaves
+the others in a collective call for ever, so it ends them all, with its message.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fenics_contact.common.errors import FenicsContactError, MachineError, StoppedError
+from fenics_contact.common.form_cache import COMPILER_SAID
+from fenics_contact.common.plain_text import printable
+
+# Seconds in which all ranks come to an error that they share.
+_PATIENCE = 4.0
+_PAUSE = 0.01
+
+BUG = 1
+READER_LEFT = 128 + signal.SIGPIPE  # as the shell has it
+_NO_MEMORY = 55  # PETSC_ERR_MEM
+_NO_MEMORY_SAID = "PETSc error code is: 55,"  # by dolfinx, in a plain RuntimeError
+_LONGEST = 200  # of what a compiler said
+
+LESS_MEMORY = "use a coarser mesh, a lower degree, or more machines"
+
+
+def explain(error: BaseException) -> tuple[int, str]:
+    """Exit code and what to say of an error: a sentence or, of a bug, where it is.
+
+    Args:
+        error: As it was raised.
+    """
+    error = original(error)
+    if isinstance(error, FenicsContactError):
+        return error.exit_code, str(error)
+    if isinstance(error, KeyboardInterrupt):
+        return StoppedError.exit_code, "interrupted"
+    if _is_want_of_memory(error):
+        said = f": {error}" if isinstance(error, MemoryError) and str(error) else ""
+        return MachineError.exit_code, f"the machine failed: out of memory{said}; {LESS_MEMORY}"
+    if _is_of_compiler(error):
+        said = " ".join(str(error).split())[:_LONGEST]
+        return MachineError.exit_code, (
+            f"the machine failed: a form could not be compiled: {said}; is there a C compiler, and "
+            "room in the cache of FEniCSx (XDG_CACHE_HOME, else ~/.cache)?"
+        )
+    if isinstance(error, BrokenPipeError) or _is_of_printing(error):
+        return READER_LEFT, "nobody reads the output any more"
+    if isinstance(error, OSError):
+        return MachineError.exit_code, f"the machine failed: {error}"
+    lines = "".join(traceback.format_exception(error)).rstrip()
+    return BUG, f"a fault of the program, or of a function passed to it:\n{lines}"
+
+
+def original(error: BaseException) -> BaseException:
+    """The error of a callback in place of PETSc's, through which it came."""
+    while isinstance(error, PETSc.Error) and error.__cause__ is not None:
+        error = error.__cause__
+    return error
+
+
+def _is_want_of_memory(error: BaseException) -> bool:
+    if isinstance(error, PETSc.Error):
+        return bool(getattr(error, "ierr", 0) == _NO_MEMORY)
+    is_said = isinstance(error, RuntimeError) and _NO_MEMORY_SAID in str(error)
+    return is_said or isinstance(error, MemoryError)
+
+
+def _is_of_printing(error: BaseException) -> bool:
+    """Of PETSc, as it monitored a solve to a reader that has left."""
+    return isinstance(error, PETSc.Error) and "Broken pipe" in str(error)
+
+
+def _is_of_compiler(error: BaseException) -> bool:
+    by_name = type(error).__name__ == "VerificationError"  # cffi's, on one rank
+    return by_name or (isinstance(error, RuntimeError) and bool(COMPILER_SAID.search(str(error))))
+
+
+def say(text: str) -> None:
+    """Tell the user, after all that was said before."""
+    for stream, what in ((sys.stdout, ""), (sys.stderr, f"fenics-contact: {printable(text)}\n")):
+        with suppress(OSError):  # who does not read it, or has no room for it, has the exit code
+            stream.write(what)
+            stream.flush()
+
+
+def drop_output() -> None:
+    """Let what is still to be printed go nowhere, as its reader has left."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)
+
+
+@contextmanager
+def failing_together(comm: MPI.Comm) -> Iterator[None]:
+    """Let an error pass if every rank has one; else end all ranks with it; collective.
+
+    A rank that has an error waits some seconds for the others to have one, too. If they do not,
+    they wait for it in a collective call, or will in the next one: then it says what happened
+    and calls ``MPI_Abort`` with the error's exit code. On one rank nothing is done.
+
+    Args:
+        comm: Communicator of those that work together.
+    """
+    if comm.size == 1:
+        yield
+        return
+    watch = comm.Dup()  # where ranks wait here, no call of the work itself can answer
+    try:
+        yield
+    except BaseException as error:
+        if not _all_come(watch):
+            _end_all(watch, error)
+        raise
+    finally:
+        watch.Free()
+
+
+def _all_come(watch: MPI.Comm) -> bool:
+    """Whether every rank comes here in time."""
+    request = watch.Ibarrier()
+    end = time.monotonic() + _PATIENCE
+    while not request.Test():
+        if time.monotonic() > end:
+            return False
+        time.sleep(_PAUSE)
+    return True
+
+
+def _end_all(comm: MPI.Comm, error: BaseException) -> None:
+    code, said = explain(error)
+    say(f"rank {comm.rank} of {comm.size} failed, and with it the run: {said}")
+    comm.Abort(code)
+    os._exit(code)  # some MPIs come back from it

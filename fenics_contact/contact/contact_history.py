@@ -1,0 +1,104 @@
+"""What a contact keeps of its last load step: for the work of friction along the path."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact.state import OPEN, SLIP, STICK, ContactState
+
+Array = NDArray[np.float64]
+
+_KINDS = (OPEN, STICK, SLIP)
+
+
+class ContactHistory:
+    """The last load step that was accepted, at the contact points.
+
+    Attributes:
+        last: What happened there at its end; the body at rest before the first step.
+        gap: Then, of what stands opposite, before the body deforms; before the first step an
+            overlap is none yet (length).
+        dissipated: Work of friction in the load steps that are done (force × length).
+        left_open: Work of pressures, where a gap was measured anew between steps (likewise).
+    """
+
+    def __init__(self, at_rest: ContactState, gap: Array) -> None:
+        self.last = at_rest
+        self.gap = gap
+        self.dissipated, self.left_open = 0.0, 0.0
+        self._names = [field.name for field in fields(at_rest)]
+
+    def changed(self, state: ContactState) -> NDArray[np.bool_]:
+        """At which points the status changed in the step, if only in between, as in slip back."""
+        turned = np.einsum("ij,ij->i", self.last.friction_traction, state.friction_traction) < 0
+        return np.asarray((state.status != self.last.status) | (turned & (state.status == SLIP)))
+
+    def dissipation(self, state: ContactState, slip: Array) -> Array:
+        """Work of friction in a step (energy/area).
+
+        By the trapezoidal rule; by the traction at the end where the status changed: a point
+        that begins to slip does so under the friction that it ends with.
+
+        Args:
+            state: At the end of the step.
+            slip: In the step, (points, components) (length).
+        """
+        ends = self.changed(state)[:, None]
+        traction = state.friction_traction
+        mean = np.where(ends, traction, 0.5 * (self.last.friction_traction + traction))
+        return np.asarray(0.0 - np.einsum("ij,ij->i", mean, slip))
+
+    def open_friction(self, state: ContactState, slip: Array) -> Array:
+        """How far ``dissipation`` is from the trapezoidal rule everywhere (energy/area)."""
+        beyond = 0.5 * (state.friction_traction - self.last.friction_traction)
+        return np.where(self.changed(state), np.abs(np.einsum("ij,ij->i", beyond, slip)), 0.0)
+
+    def open_pressing(self, state: ContactState) -> Array:
+        """Work of pressures across gaps that close or open within a step (energy/area).
+
+        The trapezoidal rule has it; in truth there is no pressure before they are closed.
+        """
+        before, after = (
+            np.where(np.isfinite(s.gap), np.maximum(s.gap, 0.0), 0.0) for s in (self.last, state)
+        )
+        across = state.contact_pressure * before + self.last.contact_pressure * after
+        return np.asarray(0.5 * across)
+
+    def advance(self, state: ContactState, gap: Array, work: float) -> None:
+        """A step is accepted.
+
+        Args:
+            state: At its end.
+            gap: Of what stands opposite, before the body deforms (length).
+            work: Of friction in it (force × length).
+        """
+        self.last, self.gap = state, gap
+        self.dissipated += work
+
+    def measured_anew(self, gap: Array) -> Array:
+        """Work that is open when it was found anew, after a step, what faces what (energy/area).
+
+        Args:
+            gap: Of the body as the step left it, in the new measure (length).
+        """
+        both = np.isfinite(gap) & np.isfinite(self.last.gap)
+        jump = np.where(both, gap, 0.0) - np.where(both, self.last.gap, 0.0)
+        return np.asarray(self.last.contact_pressure * np.abs(jump))
+
+    def at_points(self) -> dict[str, Array]:
+        """Numbers at the points, (points,) or (points, components), to be given to ``restore``."""
+        last = {name: getattr(self.last, name) for name in self._names}
+        code = np.select([last["status"] == kind for kind in _KINDS], range(len(_KINDS)))
+        return last | {"status": code.astype(np.float64), "obstacle_gap": self.gap}
+
+    def restore(self, at_points: Mapping[str, Array], dissipated: float, left_open: float) -> None:
+        """Go on from where another history was left."""
+        status = np.array(_KINDS)[at_points["status"].astype(np.int64)]
+        last = {name: at_points[name] for name in self._names} | {"status": status}
+        self.last = type(self.last)(**last)
+        self.gap = at_points["obstacle_gap"]
+        self.dissipated, self.left_open = dissipated, left_open

@@ -1,0 +1,58 @@
+"""What drives a contact at a pseudo-time: a pressure, a force, or how its obstacle moves."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.errors import InputError
+from fenics_contact.scene.contact import Contact, Obstacle
+from fenics_contact.scene.load_paths import KeyedPath
+
+
+class ContactPaths:
+    """The load paths of a contact.
+
+    Args:
+        contact: Of the scene.
+        key: Where it is there, for messages.
+    """
+
+    def __init__(self, contact: Contact, key: str) -> None:
+        self._is_glued = contact.kind == "bonded"
+        self._obstacle = obstacle = contact.obstacle or Obstacle()
+        self._pressure = KeyedPath(contact.pressure_path, f"{key}.pressure_path")
+        self._drive = KeyedPath(obstacle.path, f"{key}.obstacle.path")
+        where = f"{key}.obstacle.displacement_path"
+        self._displacement = KeyedPath(obstacle.displacement_path, where)
+
+    def pressure_factor(self, time: float) -> float:
+        """Share of a given pressure that acts, ≥ 0."""
+        return self._not_negative(self._pressure, time, "it must be ≥ 0")
+
+    def force(self, time: float) -> float | None:
+        """On the obstacle, ≥ 0 unless it is glued on; None where no force drives it (force)."""
+        force = self._obstacle.force
+        if force is None:
+            return None
+        if self._is_glued:
+            return force * self._drive(time)
+        why = "a force on an obstacle that the body may leave must be ≥ 0"
+        return force * self._not_negative(self._drive, time, why)
+
+    def indentation(self, time: float) -> float:
+        """How far the obstacle is driven where no force drives it (length)."""
+        return (self._obstacle.indentation or 0.0) * self._drive(time)
+
+    def displacement(self, time: float) -> NDArray[np.float64] | None:
+        """How far the obstacle has moved besides, (components,); None if it does not (length)."""
+        if self._obstacle.displacement is None:
+            return None
+        return self._displacement(time) * np.array(self._obstacle.displacement)
+
+    @staticmethod
+    def _not_negative(path: KeyedPath, time: float, why: str) -> float:
+        factor = path(time)
+        if factor < 0:
+            raise InputError(f"{path.key}: {factor:g} at time {time:g}, but {why}")
+        return factor

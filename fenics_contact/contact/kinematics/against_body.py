@@ -1,0 +1,124 @@
+"""A contact surface against another deformable body, or another surface of the same one.
+
+The jump is w = u − P u' with the displacement u' opposite, projected onto this surface (see
+``pairing``). Gap and slip are along and across the mean normal n̄ ∝ n − n' of both surfaces: with
+either's own normal, closing would turn into slip. What faces what is found on the bodies as they
+are meshed, or as they stand after a load step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.parallel import largest, smallest
+from fenics_contact.contact.kinematics.jump import ContactKinematics, require_smooth
+from fenics_contact.contact.mortar.pairing import Pairing
+from fenics_contact.contact.surface.trace import Trace
+
+Array = NDArray[np.float64]
+
+
+class BodyKinematics(ContactKinematics):
+    """The jump w = u − P u' of the slave surface.
+
+    Args:
+        trace: The slave's contact points, whose normals become the mean ones.
+        opposite: The master's.
+        constrained: Dofs that supports hold (local indices, owned and ghost).
+        key: Where the scene describes the contact, for messages.
+
+    Raises:
+        InputError: The surfaces do not face each other.
+    """
+
+    pairing: Pairing
+
+    def __init__(
+        self, trace: Trace, opposite: Trace, constrained: NDArray[np.int64], key: str
+    ) -> None:
+        super().__init__(trace)
+        self._opposite = opposite
+        self.pairing = Pairing(trace, opposite, constrained)
+        self._face()
+        self._require_reached(
+            self.reached,
+            f"{key}.against: the two surfaces do not face each other: no outward normal of one "
+            "meets the other",
+        )
+
+    def _face(self) -> None:
+        pairing = self.pairing
+        self.trace.turn(pairing.normals, pairing.centre_normals)
+        counts = self.trace.count(pairing.shares)
+        gap = np.where(counts, pairing.gaps, np.inf)
+        self.gap = self.without_round_off(gap, self.trace.farthest())
+        self._first_jump = self.jump_at_points()
+
+    def require_one_sided(self, key: str) -> None:
+        """Refuse surfaces with a sharp edge.
+
+        Raises:
+            InputError: On every rank.
+        """
+        super().require_one_sided(key)
+        require_smooth(self._opposite, f"{key}.against")
+
+    def pair_anew(self, displacement: Array | None) -> None:
+        """Find what faces what on the displaced bodies; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components); None as meshed
+                (length).
+        """
+        self.pairing.update(displacement)
+        self.paired_at = displacement
+        none = np.zeros((len(self._spaces.coordinates), self._spaces.components))
+        present = none if displacement is None else displacement
+        moved = self.trace.at_points(present[self.trace.all_nodes])
+        self._places = self.trace.coordinates.copy()
+        self._places[:, : moved.shape[1]] += moved
+        self.move(self.relative(present))
+        self._face()
+
+    def slid_share(self, closed: NDArray[np.bool_]) -> float:
+        """Slip since it was found what faces what, over the size of the contact; collective.
+
+        Args:
+            closed: Which points are in contact.
+        """
+        comm, points = self._spaces.comm, self.trace.coordinates[closed].T
+        slip = self.tangential(self.jump_at_points() - self._first_jump)[closed]
+        extent = np.linalg.norm([largest(comm, x) - smallest(comm, x) for x in points])
+        facet = self.trace.relative_facet_size() * self.trace.extent()
+        return largest(comm, np.linalg.norm(slip, axis=1)) / max(float(extent), facet)
+
+    @property
+    def sagitta(self) -> float:
+        """How far the facets of both surfaces are from smooth ones, about (length)."""
+        return self.pairing.sagitta
+
+    def missed(self) -> Array:
+        """By how much gaps are too wide for what facets of both surfaces miss; collective.
+
+        At the points, < 0 where they are too narrow (length).
+        """
+        return super().missed() + self.pairing.missed_opposite(self._places, self.trace.normals)
+
+    def relative(self, displacement: Array) -> Array:
+        """U − P u' at all nodes of the surface, (nodes, components, ...); collective."""
+        return displacement[self.trace.all_nodes] - self.pairing.opposite(displacement)
+
+    def on_body(self, force: Array) -> Array:
+        """Forces on the surface, and their reaction opposite, at the body's nodes; collective."""
+        return self.trace.surface.on_body(force) + self.pairing.on_master(force)
+
+    def reaches(self, flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """The nodes themselves, and all opposite where there are any; collective."""
+        found = self.trace.surface.on_body(flags.astype(np.float64)) > 0
+        if self._spaces.comm.allreduce(int(flags.sum())):
+            found |= self.pairing.master_nodes()
+        return found
+
+    def _gap(self, points: Array, normals: Array) -> Array:
+        return self.pairing.distances_from(points, normals)

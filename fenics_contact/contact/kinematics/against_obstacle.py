@@ -1,0 +1,149 @@
+"""A contact surface against a rigid obstacle, or against nothing where the pressure is given."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.errors import FenicsContactError, InputError
+from fenics_contact.common.parallel import gather_rows, raise_together, smallest
+from fenics_contact.contact.kinematics.jump import ContactKinematics
+from fenics_contact.contact.kinematics.rigid_obstacle import RigidObstacle
+from fenics_contact.contact.surface.trace import Trace
+from fenics_contact.scene.contact import Obstacle
+
+Array = NDArray[np.float64]
+
+
+class ObstacleKinematics(ContactKinematics):
+    """The jump w = u − d m against a rigid obstacle, or w = u against nothing.
+
+    Args:
+        trace: The contact points.
+        obstacle: The scene's obstacle; None where there is none.
+        key: Where the scene describes it, for messages.
+
+    Raises:
+        InputError: The obstacle does not fit the model, or misses the surface.
+    """
+
+    def __init__(self, trace: Trace, obstacle: Obstacle | None, key: str) -> None:
+        super().__init__(trace)
+        self._left_out = np.zeros(len(trace.weights), dtype=bool)
+        self._has_shape = obstacle is not None and obstacle.shape is not None
+        self._measured = self.gap
+        if obstacle is not None:
+            self._place(obstacle, key)
+
+    def _place(self, obstacle: Obstacle, key: str) -> None:
+        trace, comm = self.trace, self._spaces.comm
+        normals = gather_rows(comm, trace.normals[trace.owned])
+        self._obstacle = RigidObstacle(obstacle, self._spaces.kinematics, normals, key)
+        self.direction = self._obstacle.direction
+        if self._obstacle.has_axis:
+            self.axis = self.direction
+        error: FenicsContactError | None = None
+        try:
+            self._measured = self._gap(trace.coordinates, trace.normals)
+        except InputError as caught:
+            error = caught
+        raise_together(comm, error)
+        self._size = trace.farthest() + self._obstacle.size
+        self.stand()
+        self._require_in_its_way(self.reached, key)
+
+    def _require_in_its_way(self, points: NDArray[np.bool_], key: str) -> None:
+        self._require_reached(
+            points,
+            f"{key}: no point of the surface lies in its way; see its position, normal and "
+            "direction",
+        )
+
+    def require_one_sided(self, key: str) -> None:
+        """Refuse an obstacle that is driven away from the surface, and a sharp edge in that.
+
+        Raises:
+            InputError: On every rank.
+        """
+        if self.direction.any():
+            self._require_in_its_way(self.reached & (self.facing > 0), f"{key}.obstacle")
+        super().require_one_sided(key)
+
+    def leave_out(self, points: NDArray[np.bool_]) -> None:
+        """Take points out of the obstacle's reach."""
+        self._left_out = points
+        self._measured = np.where(points, np.inf, self._measured)
+        self.stand()
+
+    def whole_gap(self) -> Array:
+        """The gap as the obstacle stands, also at points left out of its reach (length)."""
+        gap = self._gap(self.trace.coordinates, self.trace.normals)
+        return gap - self.brought_up * self.facing
+
+    def _gap(self, points: Array, normals: Array) -> Array:
+        aside = self.displacement - (normals @ self.displacement)[:, None] * normals
+        moved = points.copy()
+        moved[:, : normals.shape[1]] -= aside
+        return self._obstacle.gap(moved, normals, self._spaces.position)
+
+    def depths_of_slid(self, distance: float) -> Array:
+        """How deep points that slid farther than a distance are in an obstacle with a shape.
+
+        Where they are now, along the normals of the undeformed surface; −∞ where it is not before
+        them (length).
+        """
+        if not self._has_shape:
+            return np.zeros(0)
+        jump = self.jump_at_points() - self.brought_up * self.direction
+        aside = self.tangential(jump)
+        slid = (np.linalg.norm(aside, axis=1) > distance) & ~self._left_out
+        moved, normals = self.trace.coordinates[slid], self.trace.normals[slid]
+        moved[:, : normals.shape[1]] += aside[slid]
+        gap = self._obstacle.gap(moved, normals, self._spaces.position)
+        return np.asarray(self.normal(jump)[slid] - gap)
+
+    def displace(self, displacement: Array) -> None:
+        """Move the obstacle, and its gap with it.
+
+        The part along a normal closes the gap through the jump; the gap itself is that of
+        the obstacle moved by the part along the surface.
+
+        Args:
+            displacement: From where it stood at first, (components,) (length).
+        """
+        self.displacement = displacement
+        self._measured = np.where(self._left_out, np.inf, self.whole_gap())
+        self.stand()
+
+    def stand(self) -> None:
+        """Take the gap of the obstacle as it stands now, after it was driven or moved."""
+        self.gap = self.without_round_off(self._measured, self._size)
+
+    def bring_up(self) -> None:
+        """Take the obstacle to where it first touches the undeformed surface; collective."""
+        ahead = self.reached & (self.facing > 0)
+        distance = self.gap[ahead] / self.facing[ahead]
+        self.brought_up = smallest(self._spaces.comm, distance)
+        self._measured = self._measured - self.brought_up * self.facing
+        self.stand()
+
+    def relative(self, displacement: Array) -> Array:
+        """Displacement at all nodes of the surface: the obstacle's own is no unknown here."""
+        return displacement[self.trace.all_nodes]
+
+    def on_body(self, force: Array) -> Array:
+        """Forces at the nodes of the surface, at the body's nodes; collective."""
+        return self.trace.surface.on_body(force)
+
+    def reaches(self, flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """The same nodes by the body's numbers; collective."""
+        return self.trace.surface.on_body(flags.astype(np.float64)) > 0
+
+    def touch(self) -> None:
+        """Drive the obstacle until it just touches the body; collective."""
+        ahead = self.reached & (self.facing > 0)
+        normal = self.normal(self.jump_at_points())
+        distance = (self.gap - normal)[ahead] / self.facing[ahead]
+        nearest = smallest(self._spaces.comm, distance)
+        jump = self.jump.x.array.reshape(-1, self._spaces.components)
+        self.move(jump + self.motion, self.indentation + nearest)

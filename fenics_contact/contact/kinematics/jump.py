@@ -1,0 +1,207 @@
+"""Contact kinematics: the jump across a contact, its gap and slip.
+
+What stands opposite is known here and in the modules that complete it, for a rigid obstacle and
+for a second deformable body, and nowhere else.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.parallel import on_root, total
+from fenics_contact.contact.mortar.facet_mesh import reference_nodes
+from fenics_contact.contact.mortar.pairing import Pairing, gathered
+from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
+from fenics_contact.contact.surface.trace import Trace
+
+Array = NDArray[np.float64]
+
+# Of the lengths that a gap is a difference of: an overlap of no more is round-off.
+_ROUND_OFF = 32 * float(np.finfo(float).eps)
+# Of an obstacle's motion: what rounding may leave between it and the gap that it has closed.
+_HAIR = 8 * float(np.finfo(float).eps)
+
+
+class ContactKinematics(ABC):
+    """The jump w of a surface: its displacement relative to what stands opposite.
+
+    Attributes:
+        trace: The contact points.
+        jump: w, a dolfinx function that energies see.
+        gap: At the points, before anything moves; infinite where nothing stands (length).
+        direction: Unit vector m along which an obstacle is driven, (components,); 0 without.
+        indentation: How far d the obstacle is driven at present, from where it has been
+            brought up to (length).
+        brought_up: How far it was brought up to the surface beforehand, under a force: so
+            that depths are no differences of long distances (length).
+        displacement: How far it has moved besides, (components,) (length).
+        pairing: The deformable body opposite, None against an obstacle.
+        axis: The obstacle's own, ``direction``; None where it has none but the surface's.
+        paired_at: Displacement at which it was found what faces what, at the body's nodes of
+            this rank; None as meshed (length).
+    """
+
+    pairing: Pairing | None = None
+    axis: Array | None = None
+    paired_at: Array | None = None
+
+    def __init__(self, trace: Trace) -> None:
+        self.trace = trace
+        self._spaces = trace.spaces
+        self.jump = fem.Function(trace.surface.space)
+        self.indentation = 0.0
+        self.brought_up = 0.0
+        self.displacement = np.zeros(self._spaces.components)
+        self.direction = np.zeros(self._spaces.components)
+        self.gap = np.zeros(len(trace.weights))
+        self._places = trace.coordinates
+
+    @abstractmethod
+    def relative(self, displacement: Array) -> Array:
+        """Displacement relative to a body opposite, at all nodes of the surface; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components, ...) (length).
+        """
+
+    @abstractmethod
+    def on_body(self, force: Array) -> Array:
+        """Forces at all nodes of the surface, and what they do opposite, at the body's nodes.
+
+        Collective.
+
+        Args:
+            force: (nodes of the surface, components) (force).
+        """
+
+    @abstractmethod
+    def reaches(self, flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """The body's nodes that forces on some nodes of the surface reach; collective."""
+
+    @abstractmethod
+    def _gap(self, points: Array, normals: Array) -> Array:
+        """Gap from points (points, 3) along normals (points, components)."""
+
+    def missed(self) -> Array:
+        """By how much gaps are too wide for what facets miss of curved surfaces; collective.
+
+        At the points, < 0 where they are too narrow (length).
+        """
+        trace, whole = self.trace, gathered(self.trace)
+        smooth = SmoothSurface(whole)
+
+        def find() -> tuple[Array, Array]:
+            facets = np.arange(0 if trace.nodal else len(whole.nodes))
+            middle = reference_nodes(whole.shape, 1).mean(axis=0)
+            return smooth.at_nodes(), smooth.offsets(facets, np.tile(middle, (len(facets), 1)))
+
+        at_nodes, at_centres = on_root(self._spaces.comm, find)
+        counts = self._spaces.comm.allgather(len(trace.centres))
+        first = sum(counts[: self._spaces.comm.rank])
+        mine = at_centres[first : first + len(trace.centres)]
+        return np.concatenate([at_nodes[trace.surface.numbers][trace.numbers], mine])
+
+    def require_one_sided(self, key: str) -> None:
+        """Refuse a surface with a sharp edge.
+
+        Raises:
+            InputError: On every rank.
+        """
+        require_smooth(self.trace, f"{key}.on")
+
+    @property
+    def reached(self) -> NDArray[np.bool_]:
+        """Which of the points have something before them."""
+        return np.isfinite(self.gap)
+
+    @property
+    def facing(self) -> Array:
+        """How squarely the obstacle is driven onto each point, −m·n."""
+        return np.asarray(-self.trace.normals @ self.direction)
+
+    def move(self, relative: Array, indentation: float | None = None) -> None:
+        """Set the jump.
+
+        Args:
+            relative: As found by ``relative``, (nodes, components) (length).
+            indentation: How far the obstacle is driven; by default as before (length).
+        """
+        if indentation is not None:
+            self.indentation = indentation
+        jump = relative - self.motion
+        self.jump.x.array[:] = jump.reshape(-1)
+
+    def jump_at_points(self) -> Array:
+        """The present jump, shape (points, components) (length)."""
+        return self.trace.at_points(self.jump.x.array.reshape(-1, self._spaces.components))
+
+    def normal(self, vectors: Array) -> Array:
+        """Normal part of vectors given at the contact points, or at their nodes."""
+        return np.asarray(np.einsum("ij,ij->i", vectors, self.trace.normals[: len(vectors)]))
+
+    def tangential(self, vectors: Array) -> Array:
+        """Tangential part of vectors given at the contact points, or at their nodes."""
+        normals = self.trace.normals[: len(vectors)]
+        return vectors - self.normal(vectors)[:, None] * normals
+
+    @property
+    def motion(self) -> Array:
+        """How far what stands opposite has moved by itself, (components,) (length)."""
+        return self.indentation * self.direction + self.displacement
+
+    def without_round_off(self, gap: Array, size: float) -> Array:
+        """Gaps of which an overlap that is round-off is none: bodies as drawn just touch there.
+
+        Else such overlaps, of 1e-16 between turned blocks, would press, each as luck will have it.
+
+        Args:
+            gap: At the points, before anything moves (length).
+            size: Largest of the lengths that it is a difference of, but for ``motion`` (length).
+        """
+        motion = self.motion
+        moved = float(np.linalg.norm(motion))
+        across = self.trace.normals @ motion
+        overlap = -across - gap
+        touches = (overlap > 0) & (overlap <= _ROUND_OFF * (size + moved))
+        return np.where(touches, _HAIR * moved - across, gap)
+
+    def end_of_obstacle(self, reached: NDArray[np.int64], beyond: NDArray[np.int64]) -> Array:
+        """How far what stands opposite goes, from points before it to others beyond it (0 … 1).
+
+        Args:
+            reached: Numbers of the points.
+            beyond: Those of the others.
+        """
+        starts, ends = self._places[reached], self._places[beyond]
+        normals = self.trace.normals[reached]
+        low, high = np.zeros(len(starts)), np.ones(len(starts))
+        for _ in range(40):
+            middle = 0.5 * (low + high)
+            points = starts + middle[:, None] * (ends - starts)
+            inside = np.isfinite(self._gap(points, normals))
+            low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+        return low
+
+    def _require_reached(self, points: NDArray[np.bool_], refusal: str) -> None:
+        if total(self._spaces.comm, points.sum()) == 0:
+            raise InputError(refusal)
+
+
+def require_smooth(trace: Trace, key: str) -> None:
+    """Refuse a surface with a sharp edge, where no normal is its own.
+
+    Raises:
+        InputError: On every rank.
+    """
+    corner = trace.sharp_corner()
+    if corner is not None:
+        where = ", ".join(f"{x:.4g}" for x in corner[: trace.spaces.components])
+        raise InputError(
+            f"{key}: the surface has a sharp edge, at ({where}), where no normal is its "
+            "own; give each side a contact of its own"
+        )

@@ -1,0 +1,226 @@
+"""Rigid obstacles: the gap from a point of the body to them, along a given direction.
+
+The gap is that of linear kinematics: it is measured once, along the outward normal of
+the undeformed surface. Points whose normal misses the obstacle have an infinite gap.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+
+from fenics_contact.common.errors import InputError
+from fenics_contact.scene.contact import Obstacle
+from fenics_contact.scene.values import Kinematics, Profile
+
+Array = NDArray[np.float64]
+
+_SHAPES = {
+    "plane strain": ("plane", "parabola", "cylinder", "flat punch"),
+    "plane stress": ("plane", "parabola", "cylinder", "flat punch"),
+    "axisymmetric": ("plane", "paraboloid", "sphere", "flat punch", "annular punch"),
+}
+# Normals that all point one way to this accuracy are those of a flat surface.
+_FLAT = 1e-6
+# A point counts as opposite the edge of a punch within this share of its radius.
+_EDGE = 1e-6
+
+
+class RigidObstacle:
+    """A rigid obstacle as the scene describes it.
+
+    Attributes:
+        direction: Unit vector along which it is driven, towards the body, (components,).
+        has_axis: Whether the scene says which way it faces; else it faces the surface, as a wall
+            all around a body does.
+
+    Args:
+        obstacle: The scene's description.
+        kinematics: That of the model.
+        surface_normals: Outward unit normals of the contact surface, at all of its points
+            on all ranks, shape (points, components); they give the default orientation.
+        key: Where the scene describes it, for messages.
+
+    Raises:
+        InputError: The shape does not fit the kinematics, or a direction is missing.
+    """
+
+    def __init__(
+        self, obstacle: Obstacle, kinematics: Kinematics, surface_normals: Array, key: str
+    ) -> None:
+        self._obstacle = obstacle
+        self._kinematics = kinematics
+        self._key = key
+        self._require_shape()
+        says = (obstacle.shape, obstacle.normal, obstacle.direction)
+        self.has_axis = any(key is not None for key in says)
+        given = self._unit(obstacle.normal)
+        self._normal: Array = self._facing(surface_normals) if given is None else given
+        self._along = self._unit(obstacle.along)
+        if self._along is not None and abs(self._along @ self._normal) > _FLAT:
+            raise InputError(f"{key}.along: must be at a right angle to the normal")
+        self._apex = _three(obstacle.position or (0.0,))
+        direction = self._unit(obstacle.direction)
+        direction = self._normal if direction is None else direction
+        self.direction: Array = direction[: surface_normals.shape[1]]
+        self._require_axis()
+
+    @property
+    def size(self) -> float:
+        """Largest of the lengths that place it (length)."""
+        return float(np.linalg.norm(self._apex)) + (self._obstacle.radius or 0.0)
+
+    def gap(self, points: Array, normals: Array, position: Any) -> Array:
+        """Gap s along the normals, before the obstacle is driven, shape (points,) (length).
+
+        Args:
+            points: Of the undeformed surface, shape (points, 3) (length).
+            normals: Outward unit normals there, shape (points, components).
+            position: x in UFL, for gaps given as functions of it.
+
+        Raises:
+            InputError: The user's function fails.
+        """
+        obstacle = self._obstacle
+        if isinstance(obstacle.gap, Profile):
+            return obstacle.gap(points.T)
+        if callable(obstacle.gap):
+            return self._gap_function(obstacle.gap, points, position)
+        if obstacle.gap is not None or obstacle.shape is None:
+            return np.full(len(points), float(obstacle.gap or 0.0))
+        rays = np.zeros((len(points), 3))
+        rays[:, : normals.shape[1]] = normals
+        offsets = points - self._apex
+        if self._along is not None:  # nothing changes along the lines of a cylinder
+            across = np.eye(3) - np.outer(self._along, self._along)
+            offsets, rays = offsets @ across, rays @ across
+        if obstacle.shape in ("parabola", "paraboloid"):
+            return self._to_paraboloid(offsets, rays)
+        if obstacle.shape in ("cylinder", "sphere"):
+            return self._to_sphere(offsets, rays)
+        return self._to_plane(offsets, rays)
+
+    def _to_plane(self, offsets: Array, rays: Array) -> Array:
+        facing = -rays @ self._normal
+        gap = np.full(len(rays), np.inf)
+        towards = facing > 1e-9
+        gap[towards] = (offsets @ self._normal)[towards] / facing[towards]
+        radius = self._obstacle.radius
+        if radius is not None:  # a punch, which ends at its edge
+            reached = offsets + np.where(towards, gap, 0.0)[:, None] * rays
+            aside = reached - np.outer(reached @ self._normal, self._normal)
+            distance = np.linalg.norm(aside, axis=1)
+            inner = self._obstacle.inner_radius or 0.0
+            margin = _EDGE * radius
+            gap[(distance > radius + margin) | (distance < inner - margin)] = np.inf
+        return gap
+
+    def _to_paraboloid(self, offsets: Array, rays: Array) -> Array:
+        """First entry into height ≤ −ρ²/2R: smaller root of A s² + B s + C."""
+        radius = self._obstacle.radius
+        assert radius is not None
+        height, rise = offsets @ self._normal, rays @ self._normal
+        across = np.einsum("ij,ij->i", offsets, rays) - height * rise
+        a = (np.einsum("ij,ij->i", rays, rays) - rise**2) / (2 * radius)
+        b = rise + across / radius
+        c = height + (np.einsum("ij,ij->i", offsets, offsets) - height**2) / (2 * radius)
+        discriminant = b**2 - 4 * a * c
+        towards = (rise < -1e-9) & (discriminant >= 0)
+        divisor = -b + np.sqrt(np.where(towards, discriminant, 0.0))
+        towards &= divisor > 0
+        return np.where(towards, 2 * c / np.where(towards, divisor, 1.0), np.inf)
+
+    def _to_sphere(self, offsets: Array, rays: Array) -> Array:
+        """First entry into |x − centre| ≤ R; overlaps deeper than R are no contact."""
+        radius = self._obstacle.radius
+        assert radius is not None
+        to_centre = -radius * self._normal - offsets
+        along = np.einsum("ij,ij->i", to_centre, rays)
+        lengths = np.einsum("ij,ij->i", rays, rays)
+        outside = np.einsum("ij,ij->i", to_centre, to_centre) - radius**2
+        discriminant = along**2 - lengths * outside
+        hit = (discriminant >= 0) & (along > 0)
+        # The stable form of (along − √discriminant) / lengths.
+        divisor = along + np.sqrt(np.where(hit, discriminant, 0.0))
+        gap = np.where(hit, outside / np.where(hit, divisor, 1.0), np.inf)
+        return np.where(gap < -radius, np.inf, gap)
+
+    def _gap_function(self, function: Any, points: Array, position: Any) -> Array:
+        """Values of a user's UFL expression in x, point by point."""
+        try:
+            expression = ufl.as_ufl(function(position))
+            values = [float(expression(tuple(point))) for point in points]
+        except Exception as caught:  # whatever a user's function raises
+            said = " ".join(str(caught).split())
+            raise InputError(
+                f"{self._key}.gap: its function fails: {type(caught).__name__}: {said}; it takes "
+                "x and returns a UFL expression (ufl.sqrt, not numpy's)"
+            ) from None
+        if np.isnan(values).any():
+            raise InputError(f"{self._key}.gap: its function gives values that are not a number")
+        return np.array(values, dtype=np.float64)
+
+    def _require_shape(self) -> None:
+        shape, kinematics = self._obstacle.shape, self._kinematics
+        accepted = _SHAPES.get(kinematics)
+        if shape is None:
+            return
+        if accepted and shape not in accepted:
+            raise InputError(
+                f"{self._key}.shape = '{shape}': a {kinematics} model has {', '.join(accepted)}"
+            )
+        lines = shape in ("parabola", "cylinder") and kinematics == "3D"
+        if lines != (self._obstacle.along is not None):
+            raise InputError(
+                f"{self._key}.along: needed for a parabola or cylinder in 3D, and only there"
+            )
+
+    def _require_axis(self) -> None:
+        """In an axisymmetric model the obstacle stands on the axis, and moves along it.
+
+        One without a shape that nothing drives, as the wall of a bore, may face any way.
+        """
+        if self._kinematics != "axisymmetric":
+            return
+        if self._apex[0] != 0:
+            raise InputError(f"{self._key}.position: must lie on the axis, x = 0")
+        tilted = self._obstacle.shape is not None and abs(self._normal[0]) > _FLAT
+        moved = (self._obstacle.displacement or (0.0,))[0] != 0
+        if tilted or moved or (self._driven() and abs(self.direction[0]) > _FLAT):
+            raise InputError(
+                f"{self._key}: an axisymmetric obstacle can be neither tilted nor driven aside"
+            )
+
+    def _facing(self, surface_normals: Array) -> Array:
+        """Against the normal of a flat contact surface."""
+        obstacle = self._obstacle
+        mean = surface_normals.mean(axis=0)
+        size = float(np.linalg.norm(mean))
+        if size > _FLAT:
+            mean = mean / size
+            if np.abs(surface_normals - mean).max(initial=0.0) <= _FLAT:
+                return _three(-mean)
+        if obstacle.shape is None and obstacle.direction is not None:
+            return _three(obstacle.direction) / np.linalg.norm(obstacle.direction)
+        if obstacle.shape is None and not self._driven():
+            return _three(-mean) if size > _FLAT else np.zeros(3)
+        raise InputError(
+            f"{self._key}.normal is missing: the contact surface is curved, so say which way "
+            "the obstacle faces (or, without a shape, its direction)"
+        )
+
+    def _driven(self) -> bool:
+        return bool(self._obstacle.indentation) or self._obstacle.force is not None
+
+    def _unit(self, vector: tuple[float, ...] | None) -> Array | None:
+        return None if vector is None else _three(vector) / np.linalg.norm(vector)
+
+
+def _three(vector: Any) -> Array:
+    """A vector padded to three components."""
+    padded = np.zeros(3)
+    padded[: len(vector)] = vector
+    return padded

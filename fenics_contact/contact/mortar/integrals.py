@@ -1,0 +1,132 @@
+"""Mortar coupling of two contact surfaces whose meshes do not match."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_array, csr_matrix, diags_array
+from scipy.sparse.linalg import splu
+
+from fenics_contact.contact.mortar.facet_mesh import Array, BoolArray, FacetMesh, IntArray
+from fenics_contact.contact.mortar.overlap import Overlap
+from fenics_contact.contact.mortar.polygon_overlap import polygon_overlaps
+from fenics_contact.contact.mortar.segment_overlap import segment_overlap
+
+_COLUMNS = 50  # solved for at a time: they stay in the processor's cache
+
+
+@dataclass(frozen=True, eq=False)
+class MortarIntegrals:
+    """Integrals over the part of the slave that faces the master.
+
+    Both matrices come from the same quadrature points, so that mass⁻¹ coupling reproduces
+    constants, and on flat surfaces all functions that lie in both spaces.
+
+    Attributes:
+        mass: ∫ N_i N_j of the slave's shape functions, (slave nodes, slave nodes) (area).
+        coupling: ∫ N_i(x) N_j(y(x)), the second one the master's, at the point y that faces x,
+            (slave nodes, master nodes) (area).
+        coverage: Share of each slave facet's area that faces the master, 0 to 1, without the
+            weight of rings, (slave facets,).
+    """
+
+    mass: csr_matrix
+    coupling: csr_matrix
+    coverage: Array
+
+
+def integrate(
+    slave: FacetMesh, master: FacetMesh, mean_normals: Array, is_axisymmetric: bool
+) -> MortarIntegrals:
+    """The mortar integrals.
+
+    Args:
+        slave: The surface whose shape functions are the mortar space.
+        master: The other surface.
+        mean_normals: Directions of rays to the master at the slave's nodes, (nodes, dimension).
+        is_axisymmetric: Whether integrals are over rings, with the weight 2πr.
+    """
+    degree = _quadrature_degree(slave, master)
+    cells: Iterable[Overlap]
+    if slave.dimension == 2:
+        cells = [segment_overlap(slave, master, mean_normals, degree)]
+    else:
+        cells = polygon_overlaps(slave, master, mean_normals, degree)
+    mass = csr_matrix((slave.node_count, slave.node_count))
+    coupling = csr_matrix((slave.node_count, master.node_count))
+    coverage = np.zeros(len(slave.nodes))
+    for overlap in cells:
+        coverage += np.bincount(overlap.slave, overlap.shares, minlength=len(coverage))
+        ours = _values(slave, overlap.slave_reference)
+        theirs = _values(master, overlap.master_reference)
+        weighted = ours * _weights(slave, overlap, is_axisymmetric)[:, :, None]
+        rows = slave.nodes[overlap.slave]
+        mass += _assembled(weighted, ours, rows, rows, mass.shape)
+        columns = master.nodes[overlap.master]
+        coupling += _assembled(weighted, theirs, rows, columns, coupling.shape)
+    return MortarIntegrals(mass, coupling, np.minimum(coverage, 1.0))
+
+
+def projection(integrals: MortarIntegrals, fixed: BoolArray) -> Array:
+    """Values at the slave's nodes of functions on the master, mass⁻¹ coupling.
+
+    Rows of nodes without a part that faces the master are 0.
+
+    Args:
+        integrals: The mortar integrals.
+        fixed: Nodes taken out of the mortar space, where the projection is 0, (slave nodes,).
+
+    Returns:
+        The matrix (slave nodes, master nodes).
+    """
+    diagonal = integrals.mass.diagonal()
+    active = np.flatnonzero((diagonal > 0) & ~fixed)
+    found = np.zeros(integrals.coupling.shape)
+    if len(active) == 0:
+        return found
+    # Nodes at the border of the covered part have little mass.
+    scale = 1 / np.sqrt(diagonal[active])
+    scaling = diags_array(scale)
+    scaled = scaling @ integrals.mass[active][:, active] @ scaling
+    factors = splu(csc_array(scaled), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    coupling = csc_array(scaling @ integrals.coupling[active])
+    for begin in range(0, found.shape[1], _COLUMNS):
+        part = slice(begin, begin + _COLUMNS)
+        found[active, part] = factors.solve(coupling[:, part].toarray()) * scale[:, None]
+    return found
+
+
+def _quadrature_degree(slave: FacetMesh, master: FacetMesh) -> int:
+    """That products of shape functions need on flat facets that are not distorted."""
+    degree = slave.degree + max(slave.degree, master.degree)
+    if slave.dimension == 2:
+        return degree + 2  # the radius of rings is of the geometry's order
+    return degree * (2 if "quadrilateral" in (slave.shape, master.shape) else 1)
+
+
+def _values(mesh: FacetMesh, reference: Array) -> Array:
+    """Shape functions at the points of cells, (cells, points, nodes of a facet)."""
+    flat = mesh.shape_functions(reference.reshape(-1, reference.shape[2]))
+    return flat.reshape(*reference.shape[:2], mesh.nodes.shape[1])
+
+
+def _weights(slave: FacetMesh, overlap: Overlap, is_axisymmetric: bool) -> Array:
+    """Weights of the integrals, (cells, points)."""
+    if not is_axisymmetric:
+        return overlap.weights
+    reference = overlap.slave_reference
+    facets = np.repeat(overlap.slave, reference.shape[1])
+    radii = slave.positions(facets, reference.reshape(-1, reference.shape[2]))[:, 0]
+    return 2 * np.pi * radii.reshape(overlap.weights.shape) * overlap.weights
+
+
+def _assembled(
+    weighted: Array, values: Array, rows: IntArray, columns: IntArray, shape: tuple[int, int]
+) -> csr_matrix:
+    """Σ over points of products of shape functions, summed over cells."""
+    local = weighted.transpose(0, 2, 1) @ values
+    row = np.broadcast_to(rows[:, :, None], local.shape)
+    column = np.broadcast_to(columns[:, None, :], local.shape)
+    return csr_matrix((local.ravel(), (row.ravel(), column.ravel())), shape=shape)

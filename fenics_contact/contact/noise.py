@@ -1,0 +1,64 @@
+"""Pressures of a contact that are of no account: what the solver accepts, what round-off makes.
+
+A body that has been unloaded to nothing keeps some, each as luck will have it; so have bodies that
+came together exactly so far as to touch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fenics_contact.contact.contact_surface import ContactSurface
+
+# Of the accepted imbalance: a contact that carries no more is off by a hundredth of that or more.
+_TELLING = 100.0
+# Of the forces that would strain a body by its motion: forces of less strain nothing.
+_STRAINLESS = 1e-6
+# 1-norm of the forces at the nodes of a contact, friction included, over ∫ p: at the most about.
+_OF_COMPONENTS = 4.0
+
+
+def carries_more_than(contact: ContactSurface, imbalance: float) -> bool:
+    """Whether its pressure is more than what solver and round-off leave; collective.
+
+    Args:
+        contact: Any.
+        imbalance: That was accepted (force).
+    """
+    carried = float(contact.trace.integral(np.abs(contact.pressure())))
+    return carried > max(_TELLING * imbalance, round_off(contact))
+
+
+def round_off(contact: ContactSurface) -> float:
+    """20 × machine epsilon × ∫ k (|w| + |m|), of what is pressed: round-off (force); collective.
+
+    Of the jump w and of the obstacle's motion m that is taken off in it, which the body's
+    displacement and its forces know nothing of.
+    """
+    if contact.normal is None:
+        return 0.0
+    lengths = np.linalg.norm(contact.kinematics.jump_at_points(), axis=1)
+    lengths += float(np.linalg.norm(contact.kinematics.motion))
+    pressed = np.where(contact.pressure() > 0, contact.normal.stiffness, 0.0)
+    return 20 * float(np.finfo(float).eps) * float(contact.trace.integral(pressed * lengths))
+
+
+def all_round_off(contacts: Sequence[ContactSurface], forces: float) -> bool:
+    """Whether contacts that a body was moved along touch by round-off, and nothing else acts.
+
+    Args:
+        contacts: All of a problem; others than one-sided ones are no excuse for a force.
+        forces: 1-norm of all forces on the bodies (force).
+    """
+    pushing = [contact for contact in contacts if contact.is_one_sided]
+    left = sum([min(round_off(contact), _strainless(contact)) for contact in pushing])
+    return forces <= _OF_COMPONENTS * left
+
+
+def _strainless(contact: ContactSurface) -> float:
+    """Much less than what it would take to press its jump into the bodies (force); collective."""
+    lengths = np.linalg.norm(contact.kinematics.jump_at_points(), axis=1)
+    stiffness = contact.moduli.combined / contact.trace.extent()
+    return _STRAINLESS * stiffness * float(contact.trace.integral(lengths))

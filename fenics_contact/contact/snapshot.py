@@ -1,0 +1,78 @@
+"""What a contact remembers of load steps that are done: to go back to, and to go on from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.kinematics.against_body import BodyKinematics
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ContactMemory:
+    """The state of a contact beside the displacement, when a load step has been solved.
+
+    Attributes:
+        indentation: Of its obstacle (length).
+        dissipated: By friction, in the steps before (force × length).
+        left_open: Work of pressures, where a gap was measured anew (force × length).
+        regularisation_parameter: ε as chosen (length).
+        is_scaled: Whether ε has been set.
+        reference: Where slip counts from, at the points, (points, components) (length).
+        bound: Friction bound at the points, (points,) (stress).
+        before: What happened at the points at the end of the step before, by name.
+        paired_at: Displacement at which two bodies were paired; None as meshed (length).
+    """
+
+    indentation: float
+    dissipated: float
+    left_open: float
+    regularisation_parameter: float
+    is_scaled: bool
+    reference: Array
+    bound: Array
+    before: dict[str, Array]
+    paired_at: Array | None
+
+
+def remember(contact: ContactSurface) -> ContactMemory:
+    """The present state of a contact."""
+    kinematics, friction = contact.kinematics, contact.friction
+    slipless = np.zeros_like(contact.trace.normals)
+    return ContactMemory(
+        indentation=kinematics.indentation,
+        dissipated=contact.history.dissipated,
+        left_open=contact.history.left_open,
+        regularisation_parameter=1.0 if friction is None else friction.chosen_parameter,
+        is_scaled=contact.is_scaled,
+        reference=slipless if friction is None else friction.reference.copy(),
+        bound=contact.friction_bound.copy(),
+        before=contact.history.at_points(),
+        paired_at=kinematics.paired_at if isinstance(kinematics, BodyKinematics) else None,
+    )
+
+
+def recall_pairing(contact: ContactSurface, memory: ContactMemory) -> bool:
+    """Pair two bodies as they were; whether they were paired otherwise; collective."""
+    kinematics = contact.kinematics
+    if not isinstance(kinematics, BodyKinematics) or kinematics.paired_at is memory.paired_at:
+        return False
+    contact.pair_anew(memory.paired_at)
+    return True
+
+
+def recall(contact: ContactSurface, memory: ContactMemory) -> None:
+    """Go back to a remembered state, bodies being paired as they were."""
+    contact.kinematics.indentation = memory.indentation
+    contact.history.restore(memory.before, memory.dissipated, memory.left_open)
+    contact.is_scaled = memory.is_scaled
+    if contact.normal is not None:
+        contact.normal.release()
+    if contact.friction is not None:
+        contact.friction.regularisation_parameter = memory.regularisation_parameter
+        contact.friction.recall(memory.reference, memory.bound)

@@ -1,0 +1,190 @@
+"""Areas in contact and sticking, with the edge of the zone found inside the elements.
+
+The surface is cut into segments or triangles between contact points. Where one end of
+a segment is inside the zone and the other outside, the edge lies in between. On soft
+foundations it is where the depth, which is linear there, vanishes; on stiff ones the
+asymptotic fields of a smooth edge tell (K. L. Johnson, Contact Mechanics, Cambridge 1985,
+chapters 4, 7 and appendix 1): at distance δ from it the pressure is C √δ inside and the gap
+4C/(3E*) δ^(3/2) outside; likewise what friction could carry more, g − |σ_T|, where it sticks,
+and the slip where it slips.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.parallel import total
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import OPEN, STICK, ContactState
+
+Array = NDArray[np.float64]
+
+# Foundations softer than this × E*/h let the depth be linear across the edge.
+_SOFT = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Zone:
+    """Points inside a zone, and what tells how far its edge is from them.
+
+    Attributes:
+        inside: Which points.
+        stress: C √δ of each point inside (stress).
+        distance: 4C/(3E*) δ^(3/2) of each outside; infinite where that is not known (length).
+        depth: Of points inside that is linear across the edge, in place of the stress (length);
+            0 where there is none.
+    """
+
+    inside: NDArray[np.bool_]
+    stress: Array
+    distance: Array
+    depth: Array
+
+
+def contact_area(contact: ContactSurface, state: ContactState) -> float:
+    """Area in contact (full revolution, per thickness, … like all areas); collective."""
+    return _area(contact, state.status != OPEN, contact_zone(contact, state))
+
+
+def contact_zone(contact: ContactSurface, state: ContactState) -> Zone | None:
+    """Where a contact touches; None where its edge is not found inside the elements."""
+    if not _may_open(contact):
+        return None
+    closed = state.status != OPEN
+    depth = np.where(closed, -state.gap, 0.0)
+    return Zone(closed, state.contact_pressure, state.gap, depth)
+
+
+def _may_open(contact: ContactSurface) -> bool:
+    return contact.contact.kind not in ("prescribed", "bonded") and contact.normal is not None
+
+
+def cut_areas(contact: ContactSurface, state: ContactState) -> tuple[float, float]:
+    """Areas of the pieces that the edges of contact and of stick pass through; collective."""
+    pieces = contact.trace.pieces
+    areas = pieces.areas * pieces.weights.mean(axis=1)
+    cut = [areas[found].sum() for found in _cut_pieces(contact, state)]
+    touching, sticking = total(contact.trace.spaces.comm, np.array(cut))
+    return float(touching), float(sticking)
+
+
+def edges(contact: ContactSurface, state: ContactState) -> list[Array]:
+    """Where this rank's edges of contact and of stick are, and how large facets are there.
+
+    Returns:
+        Of either, rows of x, y, z and the length of a facet's side (length).
+    """
+    pieces = contact.trace.pieces
+    dimension = contact.trace.spaces.components
+    sides = (pieces.areas * (1 if dimension == 2 else 2)) ** (1 / (dimension - 1))
+    rows = np.column_stack([pieces.corners.mean(axis=1), sides * contact.trace.spaces.degree])
+    return [rows[found] for found in _cut_pieces(contact, state)]
+
+
+def _cut_pieces(contact: ContactSurface, state: ContactState) -> list[NDArray[np.bool_]]:
+    """Which pieces of this rank the edges of contact and of stick pass through."""
+    zones = [state.status != OPEN, state.status == STICK]
+    zones[0] = zones[0] if _may_open(contact) else np.ones_like(zones[0])
+    zones[1] = zones[1] if contact.friction is not None else np.ones_like(zones[1])
+    inside = [zone[contact.trace.pieces.points] for zone in zones]
+    return [found.any(axis=1) & ~found.all(axis=1) for found in inside]
+
+
+def stick_area(contact: ContactSurface, state: ContactState) -> float:
+    """Area that sticks; collective."""
+    return _area(contact, state.status == STICK, stick_zone(contact, state))
+
+
+def stick_zone(contact: ContactSurface, state: ContactState) -> Zone | None:
+    """Where it sticks, as ``contact_zone``."""
+    if contact.friction is None or contact.contact.kind == "prescribed":
+        return None
+    carried = np.linalg.norm(state.friction_traction, axis=1)
+    slip = np.linalg.norm(contact.friction.counted(state.slip), axis=1)
+    beyond = np.maximum(slip - contact.regularisation_parameter, 0.0)
+    beyond = np.where(state.status == OPEN, np.inf, beyond)
+    spare = np.maximum(contact.friction_bound - carried, 0.0)
+    return Zone(state.status == STICK, spare, beyond, np.zeros_like(slip))
+
+
+def _area(contact: ContactSurface, inside: NDArray[np.bool_], zone: Zone | None) -> float:
+    """That of a zone; without one, what the points inside stand for."""
+    trace = contact.trace
+    if zone is None:
+        return float(trace.integral(np.where(inside, 1.0, 0.0)))
+    pieces = trace.pieces
+    inside = zone.inside[pieces.points]
+    areas = pieces.areas * pieces.weights.mean(axis=1)
+    counted = np.where(inside.all(axis=1), areas, 0.0)
+    edge = np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1))
+    counted[edge] = _parts_inside(contact, zone, edge)
+    # Relative to what the pieces have in all: these are flat, and the surface may not be.
+    found, every = total(trace.spaces.comm, np.array([counted.sum(), areas.sum()]))
+    return trace.area * float(found / every)
+
+
+def _parts_inside(contact: ContactSurface, zone: Zone, chosen: NDArray[np.int64]) -> Array:
+    """Weighted areas of the parts of segments or triangles that lie in the zone."""
+    pieces = contact.trace.pieces
+    points, corners, weights = (a[chosen] for a in (pieces.points, pieces.corners, pieces.weights))
+    inside, rows, count = zone.inside[points], np.arange(len(chosen)), points.shape[1]
+    alone = inside.sum(axis=1) == 1  # one corner is inside, else one is outside
+    corner = np.where(alone[:, None], inside, ~inside).argmax(axis=1)
+    share, density = np.ones(len(chosen)), weights[rows, corner]
+    for step in range(1, count):
+        other = (corner + step) % count
+        inner, outer = np.where(alone, corner, other), np.where(alone, other, corner)
+        ends = corners[rows, inner], corners[rows, outer]
+        reach = edge_places(contact, zone, points[rows, inner], points[rows, outer], ends)
+        reach = np.where(alone, reach, 1.0 - reach)
+        share *= reach
+        density += (weights[rows, other] - weights[rows, corner]) * reach / count
+    cut = pieces.areas[chosen] * share * density
+    return np.asarray(np.where(alone, cut, pieces.areas[chosen] * weights.mean(axis=1) - cut))
+
+
+def edge_places(
+    contact: ContactSurface,
+    zone: Zone,
+    inner: NDArray[np.int64],
+    outer: NDArray[np.int64],
+    ends: tuple[Array, Array],
+) -> Array:
+    """Where the edge lies between points inside and points outside, 0 … 1 of the way out.
+
+    Args:
+        contact: The contact.
+        zone: Inside of which.
+        inner: Numbers of the points inside.
+        outer: Those of the points outside.
+        ends: Coordinates of either, (pairs, 3) (length).
+    """
+    assert contact.normal is not None
+    distance, depth = zone.distance[outer], zone.depth[inner]
+    length = np.linalg.norm(ends[1] - ends[0], axis=1)
+    modulus = contact.moduli.plane_strain
+    found = np.full(len(inner), 0.5)  # where nothing pushes outside, as a foundation that ends
+    beyond = ~np.isfinite(distance)
+    if beyond.any():
+        found[beyond] = contact.kinematics.end_of_obstacle(inner[beyond], outer[beyond])
+    pushed = ~beyond & (distance > 0)
+    soft = pushed & (depth > 0) & (contact.normal.stiffness[inner] * length < _SOFT * modulus)
+    found[soft] = depth[soft] / (depth[soft] + distance[soft])
+    stiff = pushed & ~soft
+    stress = zone.stress[inner][stiff]
+    found[stiff] = _asymptotic_edges(stress, distance[stiff], modulus, length[stiff])
+    return found
+
+
+def _asymptotic_edges(stress: Array, distance: Array, modulus: float, length: Array) -> Array:
+    """Solve stress² = C² δ and (3 E* distance / 4C)^(2/3) = L − δ for δ/L.
+
+    A cubic in t = (δ/L)^(1/3), t³ + κ t = 1, with one real root.
+    """
+    carries = stress > 0
+    kappa = (0.75 * modulus * distance / (np.where(carries, stress, 1.0) * length)) ** (2 / 3)
+    root = 2 * np.sqrt(kappa / 3) * np.sinh(np.arcsinh(1.5 / kappa * np.sqrt(3 / kappa)) / 3)
+    return np.where(carries, root**3, 0.0)

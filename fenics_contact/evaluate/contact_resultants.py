@@ -1,0 +1,69 @@
+"""What a contact does to the body of its surface `on`: resultants of pressure and friction.
+
+Of two bodies they are found on the slave. What acts there, and its opposite on the master, balance,
+so that the choice of slave changes nothing.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.common.parallel import total
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import ContactState
+
+Array = NDArray[np.float64]
+
+
+def resultants(
+    contact: ContactSurface, state: ContactState, friction_force: Array
+) -> dict[str, float | list[float] | None]:
+    """Forces of a contact; collective.
+
+    Args:
+        contact: The contact.
+        state: What happens at its points.
+        friction_force: Of the friction law on the slave, at the nodes (force).
+
+    Returns:
+        By the interface's names; the normal force is None where the contact has no axis.
+    """
+    trace, sign = contact.trace, contact.sides.on_sign
+    of_pressure = -sign * trace.integral(state.contact_pressure[:, None] * trace.normals)
+    of_friction = sign * _friction(contact, state, friction_force)
+    if contact.spaces.kinematics == "axisymmetric":
+        of_pressure[0] = 0.0
+    axis = contact.axis
+    return {
+        "normal_force": None if axis is None else float(of_pressure @ axis),
+        "pressure_integral": float(trace.integral(state.contact_pressure)),
+        "friction_force": (of_friction + 0.0).tolist(),  # no −0
+        "contact_force": (of_pressure + of_friction + 0.0).tolist(),
+    }
+
+
+def _friction(contact: ContactSurface, state: ContactState, force: Array) -> Array:
+    """On the slave: of the law at the nodes; of glue, of its traction."""
+    if contact.friction is not None:
+        return resultant(contact.spaces, force[contact.owned_nodes])
+    friction = np.asarray(contact.trace.integral(state.friction_traction))
+    if contact.spaces.kinematics == "axisymmetric":
+        friction[0] = 0.0
+    return friction
+
+
+def resultant(spaces: Spaces, forces: Array) -> Array:
+    """Global sum of forces at owned points; over a revolution, radial ones cancel; collective.
+
+    Args:
+        spaces: Those of the body.
+        forces: At points, (points, components) (force).
+    """
+    summed: Any = total(spaces.comm, forces.sum(axis=0))
+    if spaces.kinematics == "axisymmetric":
+        summed[0] = 0.0
+    return np.asarray(summed)

@@ -1,0 +1,187 @@
+"""Work and energies along the load steps, and whether they balance.
+
+The work of every force is counted by the trapezoidal rule. The bulk is linear, so what loads,
+supports and contacts together do to it is its change of strain energy exactly: a defect is what
+contacts made of the path within their steps, or a wrong answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.parallel import largest, total
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import ContactState
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.problem.problem import Problem
+from fenics_contact.results.result import Check
+from fenics_contact.solve.newton.solution import Solution
+
+Array = NDArray[np.float64]
+
+# Round-off of sums.
+_ROUND_OFF = 1e-9
+# Of the work done: what a contact may do to the balance besides what is known to be left open.
+_SHARE = 0.02
+
+_AT_NODES = ("displacement", "load", "reactions")
+_OF_OBSTACLES = ("forces", "motions")
+_SUMS = ("work", "done", "round_off", "left_open", "changed")
+
+
+class EnergyBook:
+    """External work, summed over the load steps that were accepted.
+
+    Attributes:
+        work: External work so far (energy).
+        done: The same without regard to signs: of loads, supports and each obstacle in every
+            step (energy).
+        round_off: What the accepted imbalance may leave of the balance (energy).
+        left_open: What the steps leave open of the work, where points began to touch, to slip,
+            to stick or to slip back within one (energy).
+        changed: Whether any contact point's status changed since the start.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self.work, self.done, self.round_off = 0.0, 0.0, 0.0
+        self.left_open = 0.0
+        self.changed = False
+        shape = (len(problem.contacts), problem.spaces.components)
+        self._last = {name: np.zeros_like(problem.load) for name in _AT_NODES}
+        self._last |= {name: np.zeros(shape) for name in _OF_OBSTACLES}
+
+    def count(self, forces: BulkForces, reactions: Array) -> None:
+        """Count a step that was accepted, before slip is counted anew; collective.
+
+        Args:
+            forces: Of its solution.
+            reactions: Of its supports at the nodes, (nodes, components) (force).
+        """
+        problem, solution = self._problem, forces.solution
+        owned = slice(0, problem.spaces.owned_nodes)
+        last = self._last
+        moved_here = solution.displacement - last["displacement"]
+        moved = moved_here[owned]
+        done = [
+            0.5 * total(problem.comm, np.sum((before + after)[owned] * moved))
+            for before, after in ((last["load"], problem.load), (last["reactions"], reactions))
+        ]
+        motions = last["motions"].copy()
+        done += [self._work_of_obstacle(i, solution) for i in range(len(problem.contacts))]
+        motions = last["motions"] - motions
+        self.work += float(sum(done))
+        self.done += float(np.abs(done).sum())
+        self.round_off += solution.imbalance_limit * largest(problem.comm, np.abs(moved))
+        pairs = zip(problem.contacts, solution.states, strict=True)
+        for (contact, state), motion in zip(pairs, motions, strict=True):
+            self.left_open += contact.open_work(state)
+            self.left_open += _work_at_edges(contact, state, moved_here, motion)
+            changed = contact.history.changed(state) & contact.trace.owned
+            self.changed |= total(problem.comm, changed.sum()) > 0
+            self.changed |= contact.history.left_open > 0
+        last["displacement"] = solution.displacement.copy()
+        last["load"], last["reactions"] = problem.load, reactions
+
+    def _work_of_obstacle(self, number: int, solution: Solution) -> float:
+        """In a step, of what stands opposite; it becomes the last step's; collective."""
+        contact = self._problem.contacts[number]
+        kinematics, state, history = contact.kinematics, solution.states[number], contact.history
+        pushed = solution.contact_force[number][contact.owned_nodes].sum(axis=0)
+        force = np.asarray(total(contact.spaces.comm, pushed))
+        motion = kinematics.motion
+        forces, motions = self._last["forces"], self._last["motions"]
+        work = float(0.5 * (forces[number] + force) @ (motion - motions[number]))
+        forces[number], motions[number] = force, motion
+        if kinematics.paired_at is None:
+            # A curved obstacle that moves along the surface pushes the gap before it; and what
+            # overlaps as drawn pushes the overlap out in the first step.
+            stays = np.isfinite(history.gap) & np.isfinite(kinematics.gap)
+            pushed_in = np.zeros(len(stays))
+            pushed_in[stays] = history.gap[stays] - kinematics.gap[stays]
+            pressure = 0.5 * (history.last.contact_pressure + state.contact_pressure)
+            work += float(contact.trace.integral(pressure * pushed_in))
+        return work
+
+    @property
+    def sums(self) -> list[float]:
+        """What has been summed up so far, to be given to ``resume``."""
+        return [float(getattr(self, name)) for name in _SUMS]
+
+    def resume(self, sums: Sequence[float], forces: BulkForces, reactions: Array) -> None:
+        """Go on from the last load step of another run; collective.
+
+        Args:
+            sums: Of its book.
+            forces: Of that step's solution.
+            reactions: Of its supports at the nodes, (nodes, components) (force).
+        """
+        self.count(forces, reactions)  # for the last forces and motions
+        for name, value in zip(_SUMS, sums, strict=True):
+            setattr(self, name, type(getattr(self, name))(value))
+
+    @property
+    def applies(self) -> bool:
+        """Whether there is a path to count along: the static law of friction has none."""
+        static = any(contact.law == "static" for contact in self._problem.contacts)
+        return self._problem.scene.steps.several and not static
+
+    @property
+    def open_share(self) -> float:
+        """``left_open``, in steps and between them, over the work done; 0 without a path."""
+        between = sum(contact.history.left_open for contact in self._problem.contacts)
+        return (self.left_open + between) / self.done if self.applies and self.done > 0 else 0.0
+
+    def quantities(self, quantities: Mapping[str, Any]) -> dict[str, float]:
+        """``external_work`` along the steps, and the ``energy_defect`` that it leaves.
+
+        Args:
+            quantities: The other ones at the end of the step that was counted last.
+        """
+        if not self._problem.scene.steps.several:
+            return {}  # of a single step, the work of the final forces is given
+        kept = ("strain_energy", "penalty_energy", "friction_work")
+        defect = self.work - sum(float(quantities[key]) for key in kept)
+        balance = {"energy_defect": defect} if self.applies else {}
+        return {"external_work": self.work, **balance}
+
+    def check(self, quantities: Mapping[str, Any]) -> Check | None:
+        """|defect| over the work done; None without a path.
+
+        Args:
+            quantities: Of the last step.
+        """
+        if not self.applies or self.done == 0:
+            return None
+        limit = _ROUND_OFF + self.round_off / self.done
+        if self.changed:
+            limit += _SHARE + self.open_share
+        return Check(abs(quantities["energy_defect"]) / self.done, limit)
+
+
+def _work_at_edges(
+    contact: ContactSurface, state: ContactState, moved: Array, motion: Array
+) -> float:
+    """Work of pressures at points that an obstacle's edge passed in a step; collective.
+
+    There they vanish, or are there, at once: ½ p Δw_n is the trapezoidal rule's, and nobody's.
+    Beyond the edge of another body only the slave's part of Δw_n is known: by both moduli, the
+    other springs back as well.
+
+    Args:
+        contact: Its history is that of the last step.
+        state: At the end of this one.
+        moved: At the body's nodes of this rank in the step, (nodes, components) (length).
+        motion: Of the obstacle, (components,) (length).
+    """
+    kinematics, last = contact.kinematics, contact.history.last
+    passed = np.isfinite(contact.history.gap) != np.isfinite(kinematics.gap)
+    jump = contact.trace.at_points(kinematics.relative(moved)) - motion
+    pressure = 0.5 * (last.contact_pressure + state.contact_pressure)
+    both = contact.moduli.reference / contact.moduli.combined
+    across = both * pressure * np.abs(kinematics.normal(jump))
+    return float(contact.trace.integral(np.where(passed, across, 0.0)))

@@ -1,0 +1,219 @@
+"""Public numbers from a solution: resultants, areas, energies, contact points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.parallel import gather_rows, largest, total
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import OPEN, SLIP, STICK, ContactState
+from fenics_contact.evaluate.contact_areas import contact_area, stick_area
+from fenics_contact.evaluate.contact_radii import radii
+from fenics_contact.evaluate.contact_resultants import resultant, resultants
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.problem.problem import Problem
+from fenics_contact.results.result import ContactPoints
+from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
+from fenics_contact.solve.newton.solution import Solution
+
+Array = NDArray[np.float64]
+
+
+def contact_quantities(problem: Problem, solution: Solution, number: int) -> dict[str, Any]:
+    """The interface's quantities of one contact, by its number in scene order; collective."""
+    contact = problem.contacts[number]
+    comm = contact.spaces.comm
+    state = solution.states[number]
+    closed = contact_area(contact, state)
+    sticking = min(stick_area(contact, state), closed)
+    depth = np.where(np.isfinite(state.gap), -state.gap, 0.0)
+    slip = np.linalg.norm(state.slip[state.status != OPEN], axis=1)
+    return {
+        **resultants(contact, state, solution.friction_force[number]),
+        "max_contact_pressure": largest(comm, state.contact_pressure),
+        "contact_area": closed,
+        "stick_area": sticking,
+        "slip_area": closed - sticking,
+        **radii(contact, state),
+        "max_penetration": max(largest(comm, depth), 0.0) if contact.is_one_sided else 0.0,
+        "max_slip": largest(comm, slip),
+        "friction_work": contact.friction_work(state),
+        "penalty_energy": float(contact.trace.integral(state.penalty_energy)),
+        **_undecided(contact, state),
+        **_of_two_bodies(contact, state),
+        **_motion(problem, contact),
+    }
+
+
+def _of_two_bodies(contact: ContactSurface, state: ContactState) -> dict[str, float]:
+    """How far they slid, over the contact's size, and the widest gap that closed; collective.
+
+    The slip is since it was found what faces what, the gap that of the meshes.
+    """
+    if contact.sides.opposite is None:
+        return {}
+    gap = np.abs(contact.kinematics.gap[state.status != OPEN])
+    return {
+        "slip_since_pairing": contact.slid_share(),
+        "closed_gap": largest(contact.spaces.comm, gap),
+    }
+
+
+def _undecided(contact: ContactSurface, state: ContactState) -> dict[str, int]:
+    """How many points slip by less than 2ε: with an ε twice as large they may stick.
+
+    A point that sticks creeps by ε times the share of its bound that it carries, whatever ε:
+    that it creeps by nearly ε says that friction is nearly used up, not that ε decides.
+    """
+    if contact.friction is None:
+        return {}
+    slip = np.linalg.norm(contact.friction.counted(state.slip), axis=1)
+    slips = contact.trace.owned & (state.status == SLIP) & (contact.friction_bound > 0)
+    near = slips & (slip < 2 * contact.regularisation_parameter)
+    return {"undecided_points": int(total(contact.spaces.comm, near.sum()))}
+
+
+def _motion(problem: Problem, contact: ContactSurface) -> dict[str, Any]:
+    """How far an obstacle went in, and besides; nothing where there is none, or no datum."""
+    obstacle, kinematics = contact.contact.obstacle, contact.kinematics
+    if obstacle is None:
+        return {}
+    found: dict[str, Any] = {}
+    if problem.has_datum:
+        found["indentation"] = kinematics.brought_up + kinematics.indentation
+    if obstacle.displacement is not None:
+        found["obstacle_displacement"] = kinematics.displacement.tolist()
+    return found
+
+
+def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
+    """Nodal reactions, and the resultant of each support.
+
+    A reaction is what the bulk needs beyond loads and contact forces; where two supports meet,
+    each has its part of what is needed at the dofs of both (``shared_reactions``).
+
+    Returns:
+        Reactions of shape (nodes, components), zero at free dofs; and a row a support, with
+        the mean displacement of what it holds along each axis, None along others (length).
+    """
+    problem, needed = forces.problem, forces.unbalanced.reshape(-1)
+    spaces = problem.spaces
+    owned = spaces.owned_nodes * spaces.components
+    reactions = np.zeros_like(needed)
+    counted = np.zeros(len(needed), dtype=bool)
+    rows: list[dict[str, Any]] = []
+    moved = problem.shared_reactions.moved(needed, forces.solution.displacement)
+    for support, more in zip(problem.applied_supports, moved, strict=True):
+        dofs = support.dofs[~counted[support.dofs]]
+        reactions[dofs] = needed[dofs]
+        counted[dofs] = True
+        mine = dofs[dofs < owned]
+        by_node = np.zeros((len(mine), spaces.components))
+        by_node[np.arange(len(mine)), mine % spaces.components] = needed[mine]
+        rows.append(
+            {
+                "name": support.label,
+                "on": support.on,
+                "reaction": (resultant(spaces, by_node) + more).tolist(),
+                "displacement": _mean_displacement(forces, mine),
+            }
+        )
+    return reactions.reshape(problem.load.shape), rows
+
+
+def _mean_displacement(forces: BulkForces, dofs: NDArray[np.int64]) -> list[float | None]:
+    """Of owned dofs of all ranks by component, None where there are none; collective."""
+    components = forces.problem.spaces.components
+    moved = forces.solution.displacement.reshape(-1)[dofs]
+    sums = [np.bincount(dofs % components, w, components) for w in (moved, np.ones(len(dofs)))]
+    summed, counts = total(forces.problem.comm, np.stack(sums))
+    return [float(s / n) if n > 0 else None for s, n in zip(summed, counts, strict=True)]
+
+
+def global_quantities(
+    forces: BulkForces, reactions: Array, contacts: list[dict[str, Any]]
+) -> dict[str, Any]:
+    """The interface's quantities of the whole model.
+
+    Resultants of contacts are those of the only one, None where there are several: a sum over
+    surfaces that point in different directions means nothing.
+    """
+    problem, solution = forces.problem, forces.solution
+    owned = slice(0, problem.spaces.owned_nodes)
+    u = solution.displacement[owned]
+    work = total(problem.comm, np.sum(u * (problem.load + reactions)[owned]))
+    for surface, force in zip(problem.contacts, solution.contact_force, strict=True):
+        pushed = total(problem.comm, force[surface.owned_nodes].sum(axis=0))
+        driven = surface.kinematics.brought_up + surface.kinematics.indentation
+        work += pushed @ surface.kinematics.direction * driven
+        work += pushed @ surface.kinematics.displacement
+    summed = ("contact_area", "stick_area", "slip_area", "friction_work", "penalty_energy")
+    greatest = ("max_contact_pressure", "max_penetration", "max_slip")
+    return {
+        **{key: contacts[0][key] if len(contacts) == 1 else None for key in OF_ONE_CONTACT},
+        "reaction": resultant(problem.spaces, reactions[owned]).tolist(),
+        **{key: max((c[key] for c in contacts), default=0.0) for key in greatest},
+        **{key: float(sum(c[key] for c in contacts)) for key in summed},
+        "strain_energy": forces.strain_energy,
+        "external_work": float(work),
+        **_of_the_only(contacts),
+        **problem.points.quantities(solution.displacement),
+    }
+
+
+def _of_the_only(contacts: list[dict[str, Any]]) -> dict[str, Any]:
+    """Quantities of the whole model that not every contact has, where one contact has them."""
+    found: dict[str, Any] = {}
+    for name in ("contact_radius", "stick_radius", "indentation"):
+        have = [contact[name] for contact in contacts if name in contact]
+        found |= {name: have[0]} if len(have) == 1 else {}
+    return found
+
+
+def contact_points(problem: Problem, solution: Solution) -> ContactPoints:
+    """All contact points on every rank; only contact data is gathered."""
+    rows = [_rows(number, problem, solution) for number in range(len(problem.contacts))]
+    width = 2 + 3 + 3 + 2 + 3 + 3 + 1
+    table = np.concatenate(rows) if rows else np.zeros((0, width))
+    table = gather_rows(problem.comm, table)
+    size = np.abs(table[:, 2:5]).max(initial=np.finfo(float).tiny)
+    order = np.lexsort((*np.round(table[:, [4, 3, 2]] / size, 9).T, table[:, 0]))
+    table = table[order]
+    return ContactPoints(
+        contact=table[:, 0].astype(np.int64),
+        status=np.array([OPEN, STICK, SLIP])[table[:, 1].astype(int)],
+        coordinates=table[:, 2:5],
+        normals=table[:, 5:8],
+        gap=table[:, 8],
+        contact_pressure=table[:, 9],
+        friction_traction=table[:, 10:13],
+        slip=table[:, 13:16],
+        weights=table[:, 16],
+    )
+
+
+def _rows(number: int, problem: Problem, solution: Solution) -> Array:
+    """Owned points of one contact as numbers, in the order of ``contact_points``."""
+    trace = problem.contacts[number].trace
+    state = solution.states[number]
+    status = np.select([state.status == OPEN, state.status == STICK], [0.0, 1.0], 2.0)
+    columns = [
+        np.full((len(status), 1), float(number)),
+        status[:, None],
+        trace.coordinates,
+        _three(trace.normals),
+        state.gap[:, None],
+        state.contact_pressure[:, None],
+        _three(state.friction_traction),
+        _three(state.slip),
+        trace.weights[:, None],
+    ]
+    return np.asarray(np.hstack(columns)[trace.owned])
+
+
+def _three(vectors: Array) -> Array:
+    """Vectors padded to three components."""
+    return np.hstack([vectors, np.zeros((len(vectors), 3 - vectors.shape[1]))])

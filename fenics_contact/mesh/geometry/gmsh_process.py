@@ -1,0 +1,348 @@
+"""The room for Gmsh: a program of its own, which meshes or reads one file.
+
+``gmsh_call`` starts it with a job (JSON) and the number of a pipe as its arguments,
+gives it sizes of cells by its standard input, if it has some, and reads the mesh as an ``.npz``
+from its standard output; on standard error Gmsh says how far it is. A damaged file can crash Gmsh,
+a geometry script can end the process or fill the memory: here that costs one process, not the run.
+It imports nothing of this package, whose import would start MPI.
+"""
+
+import contextlib
+import io
+import json
+import os
+import re
+import resource
+import shutil
+import signal
+import sys
+import tempfile
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import gmsh
+import numpy as np
+
+Job = dict[str, Any]
+Arrays = dict[str, np.ndarray]
+
+_RECOMBINE = {"triangle": 0, "quadrilateral": 1}  # Gmsh's Mesh.RecombineAll
+# Gmsh's letters for elements on which sizes are given.
+_ON_ELEMENTS = {"triangle": "T", "quadrilateral": "Q", "tetrahedron": "S"}
+# Gmsh's Mesh.Algorithm and Mesh.RecombinationAlgorithm by cell, tried in this order: which of
+# them leaves a bad cell depends on the geometry.
+_WAYS = {
+    "triangle": ((6, 1), (5, 1)),
+    "quadrilateral": ((8, 0), (8, 1), (6, 1), (5, 1)),
+    "tetrahedron": ((6, 1), (5, 1)),
+}
+# Least scaled Jacobian of a mesh's cells from which no other way is tried.
+_GOOD = 0.2
+# A statement of such a geometry, and nothing else: names of groups are the script's, which could
+# make a command of one.
+_NUMBERS = r"\s*=?\s*\{[-+.,\s\w]*\}"
+_PLAIN = re.compile(
+    rf"cl__\d+ = [-+.\w]+;|[A-Z][A-Za-z ]*\(\d+\){_NUMBERS}"
+    rf"(?: (?:In|Using|Knots|Order|Plane)[ \w]*(?:{_NUMBERS})?(?: Order \d+)?)?;"
+    rf"|(?:Point|Line|Curve|Surface) ?{_NUMBERS} In (?:Curve|Line|Surface|Volume) ?{_NUMBERS};"
+)
+_UNROLLED = 2**28  # bytes of a geometry as plain statements, at the most
+
+
+class RefusedError(Exception):
+    """What is wrong with the scene's [mesh], to follow the name of its key."""
+
+
+def main() -> None:
+    """Do the job and write the answer, which holds either a mesh or an error."""
+    output = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # Gmsh and OpenCASCADE print; standard output is for the mesh alone
+    job = json.loads(sys.argv[1])
+    threading.Thread(target=_end_with, args=(int(sys.argv[2]), job["folder"]), daemon=True).start()
+    _restrict(job)
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # PETSc, in Gmsh, dies of what nobody reads
+    gmsh.option.setNumber("General.Terminal", 1)
+    arrays: Arrays = {}
+    try:
+        _READERS[job["kind"]](job)
+        description, arrays = _describe(), _elements()
+    except RefusedError as error:
+        description = {"refused": str(error)}
+    except Exception as error:  # Gmsh raises plain Exceptions
+        description = {"gmsh": " ".join(str(error).split())}
+    buffer = io.BytesIO()
+    arrays["description"] = np.array(json.dumps(description))
+    np.savez(buffer, **arrays)  # type: ignore[arg-type]
+    output.write(buffer.getbuffer())
+    output.close()
+
+
+def _end_with(pipe: int, folder: str) -> None:
+    """End when the run that started this process does: then its end of the pipe is closed."""
+    os.read(pipe, 1)
+    shutil.rmtree(folder, ignore_errors=True)
+    os._exit(1)
+
+
+def _restrict(job: Job) -> None:
+    """No file may grow and no program may start from here on; memory has an end."""
+    # Should Gmsh be brought to start one, it finds none. The system lets root start processes.
+    os.environ["PATH"] = os.devnull
+    resource.setrlimit(resource.RLIMIT_NPROC, (0, 0))
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    # With sizes a file is to be written once the script has run, which cannot raise the limit.
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, _UNROLLED if job.get("sizes") else 0))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    if job["memory"]:
+        with contextlib.suppress(ValueError):  # a lower limit is in force already
+            resource.setrlimit(resource.RLIMIT_AS, (job["memory"], job["memory"]))
+
+
+def _read_mesh(job: Job) -> None:
+    gmsh.merge(job["file"])
+    if job["version"] == 2 and _parts_share_groups():
+        # Other programs number parts anyhow, and only the group tells the elements apart.
+        gmsh.clear()
+        gmsh.option.setNumber("Mesh.SwitchElementTags", 1)
+        gmsh.merge(job["file"])
+
+
+def _parts_share_groups() -> bool:
+    """Whether some part belongs to several physical groups."""
+    found = [
+        (dimension, int(part))
+        for dimension, tag in gmsh.model.getPhysicalGroups()
+        for part in gmsh.model.getEntitiesForPhysicalGroup(dimension, tag)
+    ]
+    return len(found) > len(set(found))
+
+
+def _mesh_script(job: Job) -> None:
+    key, parameters, name_of_file = job["key"], job["parameters"], job["name"]
+    known = _constants(job["file"]) if parameters else []
+    for name, value in parameters.items():
+        if name not in known:
+            raise RefusedError(
+                f"{key}.parameters.{name} = {value:g}: {name_of_file} defines no such constant; "
+                f"it has: {', '.join(known) or 'none'}"
+            )
+        gmsh.parser.setNumber(name, [value])
+    _set_options(job)
+    gmsh.merge(job["file"])  # unlike `open`, it keeps the values just set
+    for name, value in parameters.items():
+        if list(gmsh.parser.getNumber(name)) != [value]:
+            raise RefusedError(
+                f"{key}.parameters.{name} = {value:g}: {name_of_file} overwrites it; "
+                "let the file set it with DefineConstant"
+            )
+    _generate(job)
+
+
+def _constants(file: str) -> list[str]:
+    """Names of the variables of a geometry, found by reading it once."""
+    gmsh.merge(file)
+    names = list(gmsh.parser.getNames())
+    gmsh.clear()
+    gmsh.parser.clear()
+    gmsh.onelab.clear()  # it remembers the constants' own values and would restore them
+    return names
+
+
+def _mesh_cad(job: Job) -> None:
+    _set_options(job)
+    if job["unit"]:  # Gmsh converts to millimetres; the numbers of the file are wanted
+        gmsh.option.setString("Geometry.OCCTargetUnit", job["unit"])
+    gmsh.model.occ.importShapes(job["file"], format=job["format"])
+    gmsh.model.occ.synchronize()
+    _generate(job)
+
+
+def _set_options(job: Job) -> None:
+    if job["cell"] in _RECOMBINE:
+        gmsh.option.setNumber("Mesh.RecombineAll", _RECOMBINE[job["cell"]])
+    gmsh.option.setNumber("Mesh.ElementOrder", job["order"])
+    if job["size"] is not None:
+        gmsh.option.setNumber("Mesh.MeshSizeMax", job["size"])
+    if job["curvature"] is not None:
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", job["curvature"])
+
+
+def _generate(job: Job) -> None:
+    """Mesh, if the model has parts of the dimension asked for; the caller sees if not."""
+    if gmsh.model.getDimension() != job["dimension"]:
+        return
+    if job["curved"] and _is_curved():
+        gmsh.option.setNumber("Mesh.ElementOrder", 2)
+    if job["sizes"]:
+        _mesh_by_sizes(job)
+    else:
+        gmsh.model.mesh.generate(job["dimension"])
+
+
+def _is_curved() -> bool:
+    """Whether any part is not straight."""
+    kinds = {gmsh.model.getType(dim, tag) for dim, tag in gmsh.model.getEntities() if dim in (1, 2)}
+    return not kinds <= {"Line", "Plane", "Plane surface"}
+
+
+def _mesh_by_sizes(job: Job) -> None:
+    """Mesh with the sizes that standard input holds; numbers of cells in the file do not count.
+
+    The input is an ``.npz``: ``points`` (cells, vertices, 3), and ``sizes`` at each, (cells,
+    vertices) (length).
+    """
+    with np.load(io.BytesIO(sys.stdin.buffer.read()), allow_pickle=False) as data:
+        points, sizes = data["points"], data["sizes"]
+    cell, dimension = job["cell"], job["dimension"]
+    _lift_constraints(job)
+    # Quadrilaterals are made by cutting each cell of a coarser mesh: no triangle is left then.
+    is_cut = cell == "quadrilateral"
+    values = 2 * sizes if is_cut else sizes
+    rows = np.concatenate([points.transpose(0, 2, 1).reshape(len(points), -1), values], axis=1)
+    view = gmsh.view.add("sizes")
+    gmsh.view.addListData(view, f"S{_ON_ELEMENTS[cell]}", len(rows), rows.reshape(-1))
+    field = gmsh.model.mesh.field.add("PostView")
+    gmsh.model.mesh.field.setNumber(field, "ViewTag", view)
+    gmsh.model.mesh.field.setAsBackgroundMesh(field)
+    for name, value in {
+        "MeshSizeExtendFromBoundary": 0,
+        "MeshSizeFromPoints": 0,
+        "MeshSizeFromCurvature": job["curvature"] or 0,
+        "MeshSizeFactor": 1,
+        "MeshSizeMin": 0,
+        "MeshSizeMax": (job["size"] or 1e22) * (2 if is_cut else 1),
+        "RecombineAll": int(is_cut),
+        "SubdivisionAlgorithm": int(is_cut),
+    }.items():
+        gmsh.option.setNumber(f"Mesh.{name}", value)
+    _mesh_well(_WAYS[cell], dimension)
+
+
+def _mesh_well(ways: Sequence[tuple[int, int]], dimension: int) -> None:
+    """Mesh in the first way that leaves no bad cell, else in the one that leaves the best."""
+    quality: dict[tuple[int, int], float] = {}
+    said: Exception | None = None
+    for way in ways:
+        try:
+            quality[way] = _mesh_in_way(way, dimension)
+        except Exception as error:  # Gmsh raises plain Exceptions; another way may do
+            said = error
+            continue
+        if quality[way] >= _GOOD:
+            return
+    if not quality:
+        assert said is not None
+        raise said
+    _mesh_in_way(max(quality, key=lambda way: quality[way]), dimension)
+
+
+def _mesh_in_way(way: tuple[int, int], dimension: int) -> float:
+    """Mesh anew; the least scaled Jacobian of its cells."""
+    gmsh.model.mesh.clear()
+    gmsh.option.setNumber("Mesh.Algorithm", way[0])
+    gmsh.option.setNumber("Mesh.RecombinationAlgorithm", way[1])
+    gmsh.model.mesh.generate(dimension)
+    _, elements, _ = gmsh.model.mesh.getElements(dimension)
+    found = [gmsh.model.mesh.getElementQualities(tags, "minSICN") for tags in elements]
+    return float(np.min(np.concatenate(found)))
+
+
+def _lift_constraints(job: Job) -> None:
+    """Forget how many cells the file wants, and where.
+
+    Gmsh can drop the constraints of OpenCASCADE's parts. Those of its own kernel come back with
+    the geometry, so that is written out as plain statements and read again without them.
+    """
+    gmsh.model.mesh.clear()
+    if gmsh.model.occ.getEntities():
+        gmsh.model.mesh.removeConstraints()
+        return
+    parts = [entity for entity in gmsh.model.getEntities() if entity[0] >= 1]
+    groups = [
+        (
+            *group,
+            gmsh.model.getEntitiesForPhysicalGroup(*group),
+            gmsh.model.getPhysicalName(*group),
+        )
+        for group in gmsh.model.getPhysicalGroups()
+    ]
+    _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+    with tempfile.TemporaryDirectory(dir=job["folder"]) as folder:
+        unrolled, plain = Path(folder) / "all.geo_unrolled", Path(folder) / "plain.geo"
+        gmsh.write(str(unrolled))
+        lines = unrolled.read_text(encoding="latin-1").splitlines()
+        kept = (line for line in lines if _PLAIN.fullmatch(line.strip()))
+        plain.write_text("\n".join(kept), encoding="latin-1")
+        gmsh.model.remove()
+        gmsh.model.add("plain")
+        gmsh.merge(str(plain))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+    if [entity for entity in gmsh.model.getEntities() if entity[0] >= 1] != parts:
+        raise RefusedError(
+            f"{job['key']}.file = '{job['name']}': holds more than a geometry, which cannot be "
+            "meshed with other sizes; leave out accuracy"
+        )
+    gmsh.model.removePhysicalGroups()
+    for dimension, tag, members, name in groups:
+        gmsh.model.addPhysicalGroup(dimension, members, tag, name)
+
+
+_READERS = {"msh": _read_mesh, "geo": _mesh_script, "cad": _mesh_cad}
+
+
+def _describe() -> dict[str, Any]:
+    """Dimension, physical groups, parts with their centres, and names of element types."""
+    switched = bool(gmsh.option.getNumber("Mesh.SwitchElementTags"))
+    groups = []
+    for dimension, tag in gmsh.model.getPhysicalGroups() if not switched else []:
+        parts = [int(p) for p in gmsh.model.getEntitiesForPhysicalGroup(dimension, tag)]
+        name = gmsh.model.getPhysicalName(dimension, tag)
+        groups.append({"dimension": dimension, "tag": tag, "name": name, "parts": parts})
+    for dimension, tag in gmsh.model.getEntities() if switched else []:
+        name = gmsh.model.getPhysicalName(dimension, tag)
+        groups.append({"dimension": dimension, "tag": tag, "name": name, "parts": [tag]})
+    types = {int(kind) for kind in gmsh.model.mesh.getElementTypes()}
+    return {
+        "dimension": gmsh.model.getDimension(),
+        "groups": groups,
+        "parts": [
+            {"dimension": dimension, "tag": tag, "centre": _centre(dimension, tag)}
+            for dimension, tag in gmsh.model.getEntities()
+            if dimension >= 1
+        ],
+        "types": {kind: gmsh.model.mesh.getElementProperties(kind)[0] for kind in types},
+    }
+
+
+def _centre(dimension: int, tag: int) -> list[float]:
+    """Middle of a part's bounding box."""
+    try:
+        box = np.array(gmsh.model.getBoundingBox(dimension, tag)).reshape(2, 3)
+    except Exception:  # a part without nodes has none
+        return []
+    return [float(value) for value in box.mean(axis=0)]
+
+
+def _elements() -> Arrays:
+    """Node tags and coordinates; the nodes and the part of every element, by type."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    arrays = {"node_tags": tags, "points": coordinates.reshape(-1, 3)}
+    nodes: dict[int, list[np.ndarray]] = {}
+    parts: dict[int, list[np.ndarray]] = {}
+    for dimension, part in gmsh.model.getEntities():
+        kinds, elements, element_nodes = gmsh.model.mesh.getElements(dimension, part)
+        for kind, found, found_nodes in zip(kinds, elements, element_nodes, strict=True):
+            nodes.setdefault(int(kind), []).append(found_nodes.reshape(len(found), -1))
+            parts.setdefault(int(kind), []).append(np.full(len(found), part, dtype=np.int64))
+    for kind in nodes:
+        arrays[f"nodes_{kind}"] = np.concatenate(nodes[kind])
+        arrays[f"parts_{kind}"] = np.concatenate(parts[kind])
+    return arrays
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,111 @@
+"""Several meshes as one with disconnected parts, and what their groups are then called.
+
+Everything here happens on one rank, before the mesh is distributed.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.errors import InputError
+from fenics_contact.mesh.from_gmsh import MeshArrays
+from fenics_contact.mesh.tagged_mesh import Group
+from fenics_contact.scene.scene import MeshSource
+
+Tags = NDArray[np.int32]
+
+
+def with_name(key: str, source: MeshSource, mesh: MeshArrays) -> MeshArrays:
+    """A single mesh: its groups as they are, and all its cells under its name, if it has one.
+
+    Raises:
+        InputError: A group of another kind has that name.
+    """
+    name, whole = source.name, _all_cells(mesh)
+    if not name:
+        return mesh
+    if mesh.groups.get(name, whole) != whole:
+        raise InputError(
+            f"{key}.name = '{name}': a group of '{source.file}' has that name already; "
+            "give the mesh another"
+        )
+    return dataclasses.replace(mesh, groups={name: whole} | dict(mesh.groups))
+
+
+def joined(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> MeshArrays:
+    """Meshes beside each other: none shares a node with another, wherever they touch.
+
+    Args:
+        sources: Of the meshes, with their names.
+        meshes: At least one.
+
+    Raises:
+        InputError: They differ in their cells.
+    """
+    _require_alike(sources, meshes)
+    shifts = np.cumsum([0] + [len(mesh.points) for mesh in meshes[:-1]])
+    cell_shifts = _shifts([mesh.cell_tags for mesh in meshes])
+    facet_shifts = _shifts([mesh.facet_tags for mesh in meshes])
+    groups: dict[str, Group] = {}
+    numbers: dict[str, Group] = {}
+    for source, mesh, cells, facets in zip(sources, meshes, cell_shifts, facet_shifts, strict=True):
+        dimension = mesh.points.shape[1]
+        moved = {dimension: cells, dimension - 1: facets}
+        groups |= {source.name: _moved(_all_cells(mesh), moved)}
+        groups |= _prefixed(source.name, mesh.groups, moved)
+        numbers |= _prefixed(source.name, mesh.numbers, moved)
+    return MeshArrays(
+        meshes[0].cell,
+        meshes[0].order,
+        np.concatenate([mesh.points for mesh in meshes]),
+        np.concatenate([mesh.cells + by for mesh, by in zip(meshes, shifts, strict=True)]),
+        _concatenated([mesh.cell_tags for mesh in meshes], cell_shifts),
+        np.concatenate([mesh.facets + by for mesh, by in zip(meshes, shifts, strict=True)]),
+        _concatenated([mesh.facet_tags for mesh in meshes], facet_shifts),
+        groups,
+        numbers,
+    )
+
+
+def _require_alike(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> None:
+    """One type of cells and one order of geometry: dolfinx holds no other mesh."""
+    first = meshes[0]
+    for number, mesh in enumerate(meshes):
+        if (mesh.cell, mesh.order) != (first.cell, first.order):
+            raise InputError(
+                f"mesh[{number}].file = '{sources[number].file}': its cells are of the type "
+                f"{mesh.cell} of order {mesh.order}, but those of mesh[0].file = "
+                f"'{sources[0].file}' of the type {first.cell} of order {first.order}; all meshes "
+                "must have the same"
+            )
+
+
+def _shifts(tags: Sequence[Tags]) -> list[int]:
+    """What makes the tags of each mesh differ from those of all before it."""
+    ends = np.cumsum([int(values.max(initial=0)) for values in tags])
+    return [0, *ends[:-1].tolist()]
+
+
+def _concatenated(tags: Sequence[Tags], shifts: Sequence[int]) -> Tags:
+    moved = [values + by for values, by in zip(tags, shifts, strict=True)]
+    return np.concatenate(moved).astype(np.int32)
+
+
+def _all_cells(mesh: MeshArrays) -> Group:
+    return Group(mesh.points.shape[1], tuple(np.unique(mesh.cell_tags).tolist()))
+
+
+def _prefixed(
+    name: str, groups: Mapping[str, Group], shifts: Mapping[int, int]
+) -> dict[str, Group]:
+    return {f"{name}.{group}": _moved(found, shifts) for group, found in groups.items()}
+
+
+def _moved(group: Group, shifts: Mapping[int, int]) -> Group:
+    """A group after its tags were shifted, by the dimension of what they mark."""
+    by = shifts[group.dimension]
+    return dataclasses.replace(group, tags=tuple(tag + by for tag in group.tags))

@@ -1,0 +1,184 @@
+"""Geometries and mesh files to a ``Body``, with Gmsh in a process of its own.
+
+Rank 0 has Gmsh mesh or read the file and examines the result; what goes wrong there is
+raised on every rank. Then the cells are dealt out.
+"""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.parallel import on_root
+from fenics_contact.mesh import from_gmsh as mesh_arrays
+from fenics_contact.mesh import joining as mesh_join
+from fenics_contact.mesh.from_gmsh import MeshArrays
+from fenics_contact.mesh.geometry import gmsh_call
+from fenics_contact.mesh.geometry.file_kinds import MeshFile, kind_of, mesh_file, prepared
+from fenics_contact.mesh.size_field import SizeField
+from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.scene.scene import MeshSource
+
+# Of reading a mesh that exists; meshing a geometry may take what there is.
+_BASE_MEMORY, _MEMORY_PER_BYTE = 4 * 2**30, 100
+# Length units of STEP files by their SI prefix, as Gmsh calls them.
+_STEP_UNITS = {"$": "M", ".MILLI.": "MM", ".CENTI.": "CM", ".KILO.": "KM", ".MICRO.": "UM"}
+
+
+def load_body(
+    sources: MeshSource | Sequence[MeshSource],
+    dimension: int,
+    comm: MPI.Comm,
+    sizes: Sequence[SizeField] | None = None,
+    curved: bool = False,
+) -> Body:
+    """Mesh geometries, or read meshes, put them together and distribute the whole.
+
+    Args:
+        sources: Files and how to mesh them.
+        dimension: Dimension of the model, 2 or 3; the meshes must have the same.
+        comm: Communicator; collective.
+        sizes: Of the cells to be made, one field a source; used on rank 0 only. The sources are
+            geometries then, and by default meshed as they say.
+        curved: Whether cells of geometries that are not straight get a geometry of order 2.
+
+    Raises:
+        InputError: A file is missing, Gmsh refuses it, or its mesh is unsound; or the meshes
+            are of several kinds of cells.
+    """
+    if isinstance(sources, MeshSource):
+        sources = [sources]
+    arrays: list[MeshArrays] = []  # stays on rank 0
+
+    def prepare() -> tuple[Any, ...]:
+        made = _load_all(sources, dimension, sizes, curved)
+        arrays.append(made)
+        return made.cell, made.order, made.facets.shape[1], made.groups, made.numbers
+
+    cell, order, facet_nodes, groups, numbers = on_root(comm, prepare)
+    if arrays:
+        made = arrays.pop()
+        points, cells, cell_tags = made.points, made.cells, made.cell_tags
+        facets, facet_tags = made.facets, made.facet_tags
+    else:
+        nodes = mesh_arrays.nodes_of(cell, order)
+        points, cells = np.zeros((0, dimension)), np.zeros((0, nodes), dtype=np.int64)
+        facets = np.zeros((0, facet_nodes), dtype=np.int64)
+        cell_tags, facet_tags = np.zeros(0, dtype=np.int32), np.zeros(0, dtype=np.int32)
+    mesh = compat.create_mesh(comm, cell, order, points, cells)
+    return Body(
+        mesh,
+        compat.distributed_tags(mesh, dimension, cells, cell_tags),
+        compat.distributed_tags(mesh, dimension - 1, facets, facet_tags),
+        groups,
+        " and ".join(dict.fromkeys(source.file for source in sources)),
+        numbers,
+    )
+
+
+def _load_all(
+    sources: Sequence[MeshSource],
+    dimension: int,
+    sizes: Sequence[SizeField] | None,
+    curved: bool,
+) -> MeshArrays:
+    """The meshes of all files as one; on rank 0."""
+    keys = [f"mesh[{number}]" for number in range(len(sources))] if len(sources) > 1 else ["mesh"]
+    fields: Sequence[SizeField | None] = sizes or [None] * len(sources)
+    meshes = [
+        _load(key, source, dimension, field, curved)
+        for key, source, field in zip(keys, sources, fields, strict=True)
+    ]
+    if len(sources) == 1:
+        return mesh_join.with_name("mesh", sources[0], meshes[0])
+    return mesh_join.joined(sources, meshes)
+
+
+def is_geometry(source: MeshSource) -> bool:
+    """Whether it can be meshed with other sizes: whether it is no mesh already."""
+    return kind_of(source.file) in ("geo", "cad")
+
+
+def _load(
+    key: str, source: MeshSource, dimension: int, sizes: SizeField | None, curved: bool
+) -> MeshArrays:
+    """The mesh of a file, examined; on rank 0.
+
+    Args:
+        key: Of the mesh in the scene, for messages: ``mesh``, or ``mesh[1]``.
+        source: The file and how to mesh it.
+        dimension: Of the model.
+        sizes: Of its cells, if not those that it asks for.
+        curved: As for ``load_body``.
+    """
+    file = mesh_file(f"{key}.file", source.file)
+    _check_settings(key, source, file.kind)
+    job = _job(key, source, file, dimension)
+    if file.kind != "msh":
+        job |= {"curved": curved, "sizes": sizes is not None}
+    if sizes is not None:
+        job["cell"] = sizes.cell
+    memory = 0.0
+    if file.kind == "msh":
+        memory = _BASE_MEMORY + _MEMORY_PER_BYTE * file.path.stat().st_size
+    limits = gmsh_call.Limits(key, source.time_limit, memory)
+    with tempfile.TemporaryDirectory(prefix="fenics_contact_") as folder:
+        ready = prepared(file, Path(folder))
+        job |= {"file": str(ready.path), "version": ready.version, "folder": folder}
+        given = b"" if sizes is None else sizes.as_bytes()
+        description, read = gmsh_call.call(ready, job, given, limits)
+    return mesh_arrays.build(read, description, source, dimension, key)
+
+
+def _check_settings(key: str, source: MeshSource, kind: str) -> None:
+    """Settings that the kind of file has no use for are mistakes."""
+    meshing = {
+        "cell": source.cell != "as meshed",
+        "order": source.order != 1,
+        "size": source.size is not None,
+        "curvature": source.curvature is not None,
+    }
+    given = [name for name, is_given in meshing.items() if is_given]
+    if kind == "msh" and (given or source.parameters):
+        raise InputError(
+            f"{key}.file = '{source.file}' is a mesh already: "
+            f"{', '.join(given or ['parameters'])} cannot change it"
+        )
+    if kind == "cad" and source.parameters:
+        raise InputError(f"{key}.parameters: only .geo files have parameters, not '{source.file}'")
+
+
+def _job(key: str, source: MeshSource, file: MeshFile, dimension: int) -> dict[str, Any]:
+    """What ``gmsh_process`` is to do, but for the files."""
+    job: dict[str, Any] = {"key": key, "kind": file.kind, "name": source.file}
+    job["dimension"] = dimension
+    if file.kind == "msh":
+        return job
+    job |= {
+        "cell": source.cell,
+        "order": source.order,
+        "size": source.size,
+        "curvature": source.curvature,
+    }
+    if file.kind == "geo":
+        return job | {"parameters": dict(source.parameters)}
+    unit = _step_unit(file.path) if file.form == "step" else ""
+    return job | {"format": file.form, "unit": unit}
+
+
+def _step_unit(path: Path) -> str:
+    """The length unit of a STEP file, so that its numbers come in as they are."""
+    text = path.read_bytes().decode("latin-1")
+    found = re.search(r"CONVERSION_BASED_UNIT\s*\(\s*'(INCH|FOOT|FT)'", text, re.IGNORECASE)
+    if found is not None:
+        return "INCH" if found[1].upper() == "INCH" else "FT"
+    si = re.search(r"SI_UNIT\s*\(\s*(\$|\.\w+\.)\s*,\s*\.METRE\.\s*\)", text)
+    return _STEP_UNITS.get(si[1], "") if si is not None else ""

@@ -1,0 +1,193 @@
+"""The body's mesh with its named groups, as every later step sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.parallel import largest, smallest, total
+from fenics_contact.common.plain_text import one_line
+
+
+@dataclass(frozen=True)
+class Group:
+    """A physical group: its topological dimension and the tags of its parts.
+
+    Attributes:
+        dimension: That of the body, or one less.
+        tags: Values of the mesh tags.
+        outside: How many of its facets are no sides of the body's cells.
+        centre: Where a numbered part is, for messages.
+    """
+
+    dimension: int
+    tags: tuple[int, ...]
+    outside: int = 0
+    centre: tuple[float, ...] = field(default=(), compare=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A distributed mesh and the names of its parts.
+
+    Attributes:
+        mesh: dolfinx mesh of one cell type.
+        cell_tags: dolfinx mesh tags of the cells.
+        facet_tags: dolfinx mesh tags of the facets.
+        groups: Name → group; groups may share parts.
+        source: What messages call this mesh, such as the names of its files.
+        numbers: Number → group: physical groups by their tags, or, where the boundary
+            has none, its geometric parts.
+
+    A mesh of your own goes into ``run`` as a body. This square is pressed against the floor,
+    without friction, so the pressure there is what presses on it:
+
+    >>> import numpy as np
+    >>> from dolfinx import mesh
+    >>> from mpi4py import MPI
+    >>> from fenics_contact import Contact, Load, Material, Scene, Support, run
+    >>> square = mesh.create_unit_square(MPI.COMM_WORLD, 4, 4)
+    >>> sides = [
+    ...     mesh.locate_entities_boundary(square, 1, lambda x, i=i, at=at: np.isclose(x[i], at))
+    ...     for i, at in [(1, 0), (1, 1), (0, 0)]
+    ... ]
+    >>> facets = np.concatenate(sides)
+    >>> tags = np.repeat(np.arange(3, dtype=np.int32), [len(side) for side in sides])
+    >>> order = np.argsort(facets)
+    >>> cells = np.arange(square.topology.index_map(2).size_local, dtype=np.int32)
+    >>> body = Body(
+    ...     square,
+    ...     mesh.meshtags(square, 2, cells, np.zeros_like(cells)),
+    ...     mesh.meshtags(square, 1, facets[order], tags[order]),
+    ...     {name: Group(1, (tag,)) for tag, name in enumerate(("bottom", "top", "left"))},
+    ... )
+    >>> scene = Scene(
+    ...     kinematics="plane strain",
+    ...     material=Material(youngs_modulus=1000, poissons_ratio=0.3),
+    ...     support=(Support("left", {"x": 0}),),
+    ...     load=(Load("top", pressure=10),),
+    ...     contact=(Contact("bottom"),),
+    ... )
+    >>> abs(run(scene, body=body).quantities["max_contact_pressure"] - 10) < 1e-6
+    True
+    """
+
+    mesh: Any
+    cell_tags: Any
+    facet_tags: Any
+    groups: Mapping[str, Group]
+    source: str = "the mesh"
+    numbers: Mapping[str, Group] = field(default_factory=dict)
+
+    @property
+    def dimension(self) -> int:
+        """Topological dimension of the cells."""
+        return int(self.mesh.topology.dim)
+
+    def group(self, name: str, key: str) -> Group:
+        """A group by name, or by number; collective.
+
+        Args:
+            name: Its name, or its number in words.
+            key: The scene's key that names it, for the message.
+
+        Raises:
+            InputError: There is none of that name (the message lists those there are), or
+                it is empty, or not part of the body.
+        """
+        group = self.find(name)
+        if group is None:
+            raise InputError(
+                f"{key} = '{name}': there is no such physical group in {self.source}; there are: "
+                f"{self.known_groups()}"
+            )
+        kind = "cells" if group.dimension == self.dimension else "facets"
+        if group.outside:
+            raise InputError(
+                f"{key} = '{name}': {group.outside} of its {kind} are no sides of the body's cells"
+            )
+        if total(self.mesh.comm, len(self._owned(group))) == 0:
+            raise InputError(f"{key} = '{name}': the group is empty, it has no {kind}")
+        return group
+
+    def find(self, name: str) -> Group | None:
+        """A group by name, or by number, if there is one.
+
+        Args:
+            name: Its name, or its number in words.
+        """
+        return self.groups.get(name) or self.numbers.get(name)
+
+    def boundary(self, name: str, key: str) -> Group:
+        """A group of facets on the boundary of the body, by name; collective.
+
+        Args:
+            name: Its name, or its number in words.
+            key: The scene's key that names it, for the message.
+
+        Raises:
+            InputError: As for ``group``; or it is one of cells, or lies inside the body.
+        """
+        group = self.group(name, key)
+        if group.dimension != self.dimension - 1:
+            raise InputError(f"{key} = '{name}': must be a boundary, not a part of the body")
+        facets = self._owned(group)
+        inside = np.setdiff1d(facets, compat.exterior_facets(self.mesh))
+        count, every = (int(total(self.mesh.comm, len(found))) for found in (inside, facets))
+        if count:
+            raise InputError(
+                f"{key} = '{name}': {count} of its {every} facets lie inside the body; "
+                "all must be on its boundary"
+            )
+        return group
+
+    def require_radii(self) -> None:
+        """Refuse a mesh that reaches over the axis of revolution x = 0; collective.
+
+        Raises:
+            InputError: It does.
+        """
+        radii = self.mesh.geometry.x[:, 0]
+        least = smallest(self.mesh.comm, radii)
+        if least < -1e-9 * largest(self.mesh.comm, radii):
+            raise InputError(
+                f"kinematics = 'axisymmetric': x is the radius, but {self.source} reaches down to "
+                f"x = {least:g}; it must be ≥ 0"
+            )
+
+    def entities(self, group: Group) -> NDArray[np.int32]:
+        """Local indices (owned and ghost, sorted) of the cells or facets of a group.
+
+        Args:
+            group: One of this body.
+        """
+        tags = self.cell_tags if group.dimension == self.dimension else self.facet_tags
+        return np.asarray(tags.indices[np.isin(tags.values, group.tags)])
+
+    def _owned(self, group: Group) -> NDArray[np.int32]:
+        self.mesh.topology.create_entities(group.dimension)
+        entities = self.entities(group)
+        return np.asarray(
+            entities[entities < self.mesh.topology.index_map(group.dimension).size_local]
+        )
+
+    def known_groups(self) -> str:
+        """Names of the groups, and numbers of the geometric parts with their places."""
+        names = sorted(map(one_line, self.groups))
+        for number, group in sorted(self.numbers.items(), key=lambda item: _in_order(item[0])):
+            if group.centre and number not in self.groups:
+                place = ", ".join(f"{value:.4g}" for value in group.centre)
+                names.append(f"{number} at ({place})")
+        return ", ".join(names) or "none"
+
+
+def _in_order(number: str) -> tuple[str, int]:
+    """Where a number of a group stands, such as ``3``, or ``upper.3`` of one of several meshes."""
+    mesh, _, digits = number.rpartition(".")
+    return mesh, int(digits)

@@ -1,0 +1,43 @@
+"""Rigid motions that supports leave free, before contact: by name, with what may resist them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.common.parallel import largest
+from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.rigid_motions import RigidMotions
+
+# Jump of a motion, over its size, from which a contact resists it.
+_RESISTS = 1e-9
+
+
+def named_motions(problem: Problem, rigid: RigidMotions) -> list[dict[str, Any]]:
+    """``model.rigid_motions`` of a result; collective.
+
+    Returns:
+        A row a motion: ``motion`` in words, ``bodies`` that take part, and ``resisted_by``: the
+        contacts that may stop it once they touch.
+    """
+    rows = []
+    for motion in np.eye(rigid.count):
+        resisted = []
+        for contact in problem.contacts:
+            if not contact.terms:
+                continue
+            jumps = rigid.jumps(contact) @ motion
+            across = contact.kinematics.normal(jumps)
+            along = np.linalg.norm(contact.kinematics.tangential(jumps), axis=1)
+            acts = contact.kinematics.reached | (contact.normal is None)
+            presses = contact.normal is not None and contact.is_one_sided
+            for word, sizes in (
+                ("contact", np.abs(across) * presses),
+                ("friction", along * (contact.friction is not None)),
+            ):
+                if largest(problem.comm, sizes[acts]) > _RESISTS:
+                    resisted.append(f"{word} at '{contact.label}'")
+        name, bodies = rigid.describe(motion), rigid.parts_moved(motion)
+        rows.append({"motion": name, "bodies": bodies, "resisted_by": resisted})
+    return rows

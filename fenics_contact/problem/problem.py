@@ -1,0 +1,345 @@
+"""The discrete problem: one energy term for each thing the scene names, and no more.
+
+I_ε(v) = ½ a(v, v) − f(v) + Σ j_ε(v) (paper, (2.1), (2.7)), with penalties where the contact
+is not prescribed (4.1): every form comes from its energy by UFL's derivative, and is
+compiled once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from fenics_contact.body.elastic_body import ElasticBody
+from fenics_contact.body.probe_points import DisplacementPoints
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.body.supports import AppliedSupport, Supports
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common import form_cache
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.timings import Timings
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.surface.supports import SurfaceSupports
+from fenics_contact.mesh.tagged_mesh import Body, Group
+from fenics_contact.problem.acting_load import ActingLoad, kind_and_values
+from fenics_contact.problem.far_field import FarField, outer_dofs
+from fenics_contact.problem.shared_reactions import SharedReactions
+from fenics_contact.scene.load_paths import KeyedPath
+from fenics_contact.scene.scene import Load, Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """One energy term: its name, the forms compiled for it, and of a load its path and itself.
+
+    Attributes:
+        load: As it is where the path is 1.
+    """
+
+    name: str
+    forms: tuple[Any, ...]
+    path: Callable[[float], float] | None = None
+    load: ActingLoad | None = None
+
+    @property
+    def integrals(self) -> list[str]:
+        """Kind of integral of each compiled form, such as ``exterior_facet``."""
+        return [kind for form in self.forms for kind in compat.integral_types(form)]
+
+
+@dataclass(frozen=True, eq=False)
+class ScalarUnknown:
+    """A number that is found together with the displacements.
+
+    Attributes:
+        contact: The contact that it belongs to.
+        kind: ``indentation`` of an obstacle that a force drives, or ``resultant``: a component
+            of the contact's force on the body, which the far field of a half-space follows.
+        direction: Unit vector that it is along, (components,).
+        column: Of a resultant: displacement of ``Problem.far_field.dofs`` over it.
+    """
+
+    contact: ContactSurface
+    kind: Literal["indentation", "resultant"]
+    direction: NDArray[np.float64]
+    column: NDArray[np.float64] | None = None
+
+    @property
+    def name(self) -> str:
+        """For results: what it is, where, and its direction unless that of the obstacle."""
+        name = f"{self.kind} at {self.contact.label}"
+        if self.direction is self.contact.kinematics.direction:
+            return name
+        return f"{name} along ({', '.join(f'{round(x, 3) + 0.0:g}' for x in self.direction)})"
+
+
+class Problem:
+    """Spaces, supports, energies and compiled forms of a scene on a body.
+
+    Attributes:
+        displacement: The unknown, a dolfinx function.
+        supports: Supports and planes of symmetry.
+        applied_supports: Those and the outer boundary of a half-space, for reactions.
+        stabilisation: Those among them that hold what nothing resists, one a body.
+        constrained: Dofs that these hold, sorted (local indices, owned and ghost).
+        prescribed: Their present displacements, but for unknown resultants' part (length).
+        contacts: In scene order.
+        unknowns: Scalars that are found together with the displacements.
+        far_field: The outer boundary of a half-space, or None.
+        points: Where the displacement is a quantity.
+        terms: The energy terms modelled.
+        elastic: ½ a(·, ·): law, compiled forms, stress.
+        load: Present nodal loads with the prescribed contact pressures, (nodes, components).
+        pressure_load: The part of it that is prescribed contact pressures.
+        disturbance: Nodal loads over pseudo-time besides the scene's, to see what they do, or None.
+    """
+
+    def __init__(self, scene: Scene, body: Body, timings: Timings | None = None) -> None:
+        timings = timings or Timings()
+        self.scene = scene
+        self.body = body
+        self.disturbance: NDArray[np.float64] | None = None
+        self.comm = body.mesh.comm
+        with timings.phase("compile"):
+            self.spaces = Spaces(scene, body)
+            self.displacement = fem.Function(self.spaces.displacement_space, name="displacement")
+            self.supports = Supports(scene, self.spaces)
+            self.applied_supports = list(self.supports.applied)
+            self.stabilisation: list[AppliedSupport] = []
+            self._refuse_overlaps()
+            masters = self._surfaces_of_several()
+            outer = outer_dofs(scene.half_space, self.spaces)
+            self.constrained = np.union1d(self.supports.dofs, outer)
+            self.elastic = ElasticBody(scene, self.spaces, self.displacement)
+            self.contacts = [
+                ContactSurface(
+                    contact,
+                    f"contact[{number}]",
+                    self.spaces,
+                    self.supports,
+                    self.constrained,
+                    self.elastic,
+                    masters,
+                )
+                for number, contact in enumerate(scene.contact)
+            ]
+            self.unknowns = [
+                ScalarUnknown(contact, "indentation", contact.kinematics.direction)
+                for contact in self.contacts
+                if contact.floats
+            ]
+            self.far_field = self._place_far_field(outer)
+            self._refuse_held_contacts()
+            self.points = DisplacementPoints(scene.point, self.spaces)
+            self.terms = self._terms()
+        with timings.phase("assemble"):
+            self._loads, self._pressures = self._assemble_loads(), self._assemble_pressures()
+            self.set_time(scene.steps.all_times[-1])
+
+    @cached_property
+    def shared_reactions(self) -> SharedReactions:
+        """The dofs that several supports hold; once all supports are there; collective."""
+        return SharedReactions(self.applied_supports, self.spaces, self.elastic)
+
+    @property
+    def frictional(self) -> list[ContactSurface]:
+        """The contacts that have a friction term."""
+        return [contact for contact in self.contacts if contact.friction is not None]
+
+    @property
+    def coulomb(self) -> list[ContactSurface]:
+        """The contacts whose friction depends on a pressure that is not known."""
+        return [contact for contact in self.contacts if contact.is_coulomb]
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which components of which nodes no support holds, (nodes, components)."""
+        free = np.ones(self.load.size, dtype=bool)
+        free[self.constrained] = False
+        return free.reshape(self.load.shape)
+
+    @property
+    def between_bodies(self) -> bool:
+        """Whether some contact is between two deformable surfaces."""
+        return any(contact.contact.against is not None for contact in self.contacts)
+
+    @property
+    def can_pair_anew(self) -> bool:
+        """Whether what faces what may change: two bodies touch, and there are load steps."""
+        return self.between_bodies and self.scene.steps.several
+
+    @property
+    def has_datum(self) -> bool:
+        """Whether displacements have a datum: those of a half-plane grow without end."""
+        return self.far_field is None or self.spaces.kinematics != "plane strain"
+
+    def is_loaded(self, group: Group) -> bool:
+        """Whether a load acts on some of the facets of a group."""
+        loaded = [self.body.find(load.on) for load in self.scene.load if load.body_force is None]
+        return any(other and set(group.tags) & set(other.tags) for other in loaded)
+
+    def _place_far_field(self, outer: NDArray[np.int64]) -> FarField | None:
+        """Hold the outer boundary of a half-space, by forces known or unknown."""
+        if self.scene.half_space is None:
+            return None
+        if self.between_bodies:
+            raise InputError(
+                "half_space: the far field is that of forces of obstacles; leave it out where "
+                "bodies touch each other (contact.against), and let the mesh reach farther"
+            )
+        far_field = FarField(self.scene, self.spaces, self.supports, outer, self.contacts)
+        for number, contact in enumerate(self.contacts):
+            resultants = list(far_field.sideways[number])
+            if contact.force is None:
+                resultants.insert(0, (contact.kinematics.direction, far_field.columns[number]))
+            self.unknowns += [ScalarUnknown(contact, "resultant", *found) for found in resultants]
+        nothing = np.zeros(len(far_field.dofs))
+        self.applied_supports.append(AppliedSupport(far_field.on, far_field.dofs, nothing))
+        return far_field
+
+    def stabilise(self, support: AppliedSupport) -> None:
+        """Hold a body where nothing resists its motion; before anything is solved."""
+        self.stabilisation.append(support)
+        self.applied_supports.append(support)
+        self.supports.add(support)
+        self.constrained = np.union1d(self.constrained, support.dofs)
+        for contact in self.contacts:
+            contact.supports = SurfaceSupports(contact.trace, self.constrained)
+        self.set_time(self.scene.steps.last)
+
+    def set_time(self, time: float) -> None:
+        """Bring loads, supports and obstacles to a pseudo-time; collective."""
+        self.pressure_load = np.zeros((len(self.spaces.coordinates), self.spaces.components))
+        for array, path in self._pressures:
+            self.pressure_load += array * path(time)
+        self.load = self.pressure_load.copy()
+        for array, path in self._loads:
+            self.load += array * path(time)
+        if self.disturbance is not None:
+            self.load += self.disturbance * time
+        for contact in self.contacts:
+            contact.set_time(time)
+        self.prescribed = self.supports.at(time)
+        if self.far_field is not None:
+            values = self.far_field.beyond.copy()
+            for number, contact in enumerate(self.contacts):
+                values += (contact.force or 0.0) * self.far_field.columns[number]
+            order = np.argsort(np.concatenate([self.supports.dofs, self.far_field.dofs]))
+            self.prescribed = np.concatenate([self.prescribed, values])[order]
+
+    def _surfaces_of_several(self) -> list[str]:
+        """Names of groups that several contacts act on, or that share facets with such."""
+        sides = [
+            (number, name)
+            for number, contact in enumerate(self.scene.contact)
+            for name in (contact.on, contact.against)
+            if name is not None
+        ]
+        tags = {name: set(found.tags) for _, name in sides if (found := self.body.find(name))}
+        return [
+            name
+            for number, name in sides
+            for other, its_name in sides
+            if number != other and tags.get(name, set()) & tags.get(its_name, set())
+        ]
+
+    def _refuse_overlaps(self) -> None:
+        """Contacts may not share facets with supports, nor two with obstacles (Γ_C ∩ Γ_D = ∅)."""
+        taken: dict[int, str] = {}
+        held = [(f"support[{i}].on", support.on) for i, support in enumerate(self.scene.support)]
+        if self.scene.half_space is not None:
+            held += [(f"half_space.on[{i}]", on) for i, on in enumerate(self.scene.half_space.on)]
+        held += [(f"symmetry[{i}]", on) for i, on in enumerate(self.scene.symmetry)]
+        for key, on in held:
+            group = self.body.group(on, key)
+            if group.dimension == self.body.dimension - 1:
+                taken |= dict.fromkeys(group.tags, f"the support on '{on}'")
+        # Those of two bodies may share a side with each other, but not with an obstacle's.
+        contacts = sorted(enumerate(self.scene.contact), key=lambda item: bool(item[1].against))
+        for number, contact in contacts:
+            for side, name in (("on", contact.on), ("against", contact.against)):
+                if name is None:
+                    continue
+                group = self.body.boundary(name, f"contact[{number}].{side}")
+                shared = [taken[tag] for tag in group.tags if tag in taken]
+                if shared:
+                    raise InputError(
+                        f"contact[{number}].{side} = '{name}': shares boundary with {shared[0]}; "
+                        "a contact surface must be free of both"
+                    )
+                if contact.against is None:
+                    taken |= dict.fromkeys(group.tags, f"the contact '{contact.label}'")
+
+    def _refuse_held_contacts(self) -> None:
+        """Friction on a surface that supports hold everywhere does nothing: surely a slip."""
+        for number, contact in enumerate(self.contacts):
+            if contact.contact.against is not None:
+                continue  # what stands opposite may move
+            free = contact.owned_nodes & contact.supports.movable
+            if contact.friction is not None and self.comm.allreduce(int(free.sum())) == 0:
+                raise InputError(
+                    f"contact[{number}].on = '{contact.contact.on}': supports hold every point of "
+                    "it along the surface, so nothing can slip"
+                )
+
+    def _terms(self) -> list[Term]:
+        terms = [Term(self.elastic.name, self.elastic.forms)]
+        for number, load in enumerate(self.scene.load):
+            terms += self._load_term(number, load)
+        for contact in self.contacts:
+            if contact.pressure_load is not None:
+                terms.append(Term(f"contact pressure on {contact.label}", (contact.pressure_load,)))
+        for contact in self.contacts:
+            terms += [Term(term.name, term.forms) for term in contact.terms]
+            if contact.floats:
+                terms.append(Term(f"force on the obstacle at {contact.label}", ()))
+        return terms
+
+    def _load_term(self, number: int, load: Load) -> list[Term]:
+        """The term of a load, with its linear form; none where the load is zero."""
+        spaces = self.spaces
+        kind, values = kind_and_values(load)
+        key = f"load[{number}]"
+        if kind == "body_force":
+            group = self.body.group(load.on, f"{key}.on")
+            if group.dimension != self.body.dimension:
+                raise InputError(f"{key}.on = '{load.on}': a body_force needs a part of the body")
+        else:
+            group = self.body.boundary(load.on, f"{key}.on")
+        nodes = spaces.nodes(group)
+        nodal = np.stack(
+            [spaces.evaluate(v, nodes, f"{key}.{kind}[{i}]") for i, v in enumerate(values)], axis=1
+        )
+        if self.comm.allreduce(int(np.count_nonzero(nodal))) == 0:
+            return []
+        value = spaces.coefficient(nodal[:, 0] if kind == "pressure" else nodal, nodes)
+        acting = ActingLoad(kind, value, group, spaces, values, f"{key}.{kind}")
+        form = form_cache.form(acting.work(ufl.TestFunction(spaces.displacement_space)))
+        name = f"{kind.replace('_', ' ')} on {load.on}"
+        return [Term(name, (form,), KeyedPath(load.path, f"{key}.path"), acting)]
+
+    def _assemble_pressures(self) -> list[tuple[NDArray[np.float64], Callable[[float], float]]]:
+        """Nodal forces of every contact pressure that is given, with their paths."""
+        return [
+            (
+                contact.trace.surface.on_body(contact.trace.surface.assemble(form)),
+                contact.paths.pressure_factor,
+            )
+            for contact in self.contacts
+            if (form := contact.pressure_load) is not None
+        ]
+
+    def _assemble_loads(self) -> list[tuple[NDArray[np.float64], Callable[[float], float]]]:
+        """Nodal forces of every load, with their paths."""
+        return [
+            (self.spaces.assemble(term.forms[0]), term.path)
+            for term in self.terms
+            if term.path is not None
+        ]

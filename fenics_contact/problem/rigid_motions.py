@@ -1,0 +1,261 @@
+"""Rigid motions: those of bodies that the supports leave free, and those of obstacles."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.body.connected_parts import Parts
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.common.parallel import gather_rows, total
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.values import AXES
+
+Array = NDArray[np.float64]
+
+# Of a jump: what the round-off of normals leaves along the surface.
+_ROUND_OFF = 1e-12
+# Share of a motion from which it is named.
+_TAKES_PART = 1e-6
+
+
+class RigidMotions:
+    """What can move without straining the body, as columns of a common basis.
+
+    Combinations of translations and rotations of each part of the body (scaled to its size) and
+    of the obstacles that a force drives, each along its direction, that leave supports and glue
+    alone; each column is of as few of these as can be.
+
+    Attributes:
+        count: Number of columns.
+        force: Work of the loads on each (force × length).
+        force_size: The same with all contributions positive, for round-off.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        spaces = problem.spaces
+        self.floating = [contact for contact in problem.contacts if contact.floats]
+        self._names, fields = rigid_fields(spaces)
+        self._fields = apart(spaces.parts, fields)
+        free = reduced(self._free_combinations())
+        self._body = free[: self._fields.shape[-1]]
+        self._obstacles = free[self._fields.shape[-1] :]
+        self.count = free.shape[1]
+        owned = spaces.owned_nodes
+        work = problem.load[:owned, :, None] * self._fields[:owned]
+        force = total(problem.comm, work.sum(axis=(0, 1)))
+        size = total(problem.comm, np.abs(work).sum(axis=(0, 1)))
+        force[np.abs(force) <= 1e-12 * size] = 0.0
+        driven = np.array([contact.force or 0.0 for contact in self.floating])
+        self.force = force @ self._body + driven @ self._obstacles
+        self.force_size = float(max(size.max(initial=0.0), driven.max(initial=0.0)))
+
+    @property
+    def body_is_held(self) -> bool:
+        """Whether only obstacles are free."""
+        return not np.abs(self._body).max(initial=0.0) > 1e-9
+
+    @property
+    def slides_on_coulomb(self) -> bool:
+        """Whether friction of unknown bound resists a motion that no obstacle does; collective.
+
+        Friction of a known bound may resist it, too: whether that is enough depends on the loads.
+        """
+        if self.count == 0:
+            return False
+        weights, normal, _ = self.closings()
+        loose = null_space(np.einsum("q,qi,qj->ij", weights, normal, normal))
+        w, slip = self.slips(coulomb=True)
+        rough = total(self._problem.comm, np.einsum("q,qci,qcj->ij", w, slip, slip))
+        return bool(np.trace(loose.T @ rough @ loose) > _ROUND_OFF * np.trace(rough))
+
+    def _free_combinations(self) -> Array:
+        """Combinations (modes and obstacles, free) with no jump on supports and glue."""
+        problem = self._problem
+        components, owned = problem.spaces.components, problem.spaces.owned_nodes
+        modes, floats = self._fields.shape[-1], len(self.floating)
+        held = np.zeros(owned * components, dtype=bool)
+        held[problem.constrained[problem.constrained < owned * components]] = True
+        rows = self._fields[:owned].reshape(-1, modes)[held]
+        every = [np.hstack([rows, np.zeros((len(rows), floats))])]
+        for contact in problem.contacts:
+            if contact.contact.kind == "bonded":
+                reached = contact.kinematics.reached[: len(contact.nodes)]
+                moved = contact.kinematics.relative(self._fields)
+                fields = moved[contact.trace.numbers[contact.owned_nodes & reached]]
+                jumps = np.concatenate([fields, self._of_obstacles(contact, len(fields))], axis=-1)
+                every.append(jumps.reshape(-1, modes + floats))
+        stacked = np.concatenate(every)
+        return null_space(np.asarray(total(problem.comm, stacked.T @ stacked)))
+
+    def jumps(self, contact: ContactSurface) -> Array:
+        """Jumps at the points of a contact in each motion, (points, components, count)."""
+        moved = contact.trace.at_points(contact.kinematics.relative(self._fields)) @ self._body
+        return np.asarray(moved + self._of_obstacles(contact, len(moved)) @ self._obstacles)
+
+    def slips(self, coulomb: bool = False, touching: bool = False) -> tuple[Array, Array]:
+        """Weights w g and slips (points, components, count) at this rank's friction points.
+
+        Args:
+            coulomb: Those of the contacts whose bound is not known, with weights w.
+            touching: Only points whose gap is closed before any motion.
+        """
+        problem = self._problem
+        components = problem.spaces.components
+        weights, slips = [np.zeros(0)], [np.zeros((0, components, self.count))]
+        for contact in problem.frictional:
+            if contact.is_coulomb != coulomb:
+                continue
+            bound = np.ones_like(contact.friction_bound) if coulomb else contact.friction_bound
+            moved = self.jumps(contact)
+            tangential = np.stack(
+                [contact.kinematics.tangential(moved[..., i]) for i in range(self.count)], axis=-1
+            )
+            tangential[np.abs(tangential) <= _ROUND_OFF * np.abs(moved).max(initial=0.0)] = 0.0
+            counted = contact.trace.owned
+            if touching:
+                counted = counted & (self.gap(contact) <= 0)
+            weights.append((contact.trace.weights * bound)[counted])
+            slips.append(tangential[counted])
+        return np.concatenate(weights), np.concatenate(slips)
+
+    def closings(self) -> tuple[Array, Array, Array]:
+        """Where one-sided contacts can act, on all ranks; collective.
+
+        Returns:
+            Weights w (points,), normal jumps of the motions (points, count), > 0 closing,
+            and gaps before any motion (points,).
+        """
+        rows = [np.zeros((0, self.count + 2))]
+        for contact in self._problem.contacts:
+            if contact.normal is None or not contact.is_one_sided:
+                continue
+            trace = contact.trace
+            closing = np.einsum("ijk,ij->ik", self.jumps(contact), trace.normals)
+            gap = self.gap(contact)
+            acts = trace.owned & np.isfinite(gap) & (contact.normal.stiffness > 0)
+            rows.append(np.column_stack([trace.weights, closing, gap])[acts])
+        table = gather_rows(self._problem.comm, np.concatenate(rows))
+        return table[:, 0], table[:, 1:-1], table[:, -1]
+
+    def touching_closings(self) -> tuple[Array, Array]:
+        """Weights w and normal jumps (points, 1, count), where Coulomb contacts touch, this rank.
+
+        At the points whose slips are ``slips(coulomb=True, touching=True)``.
+        """
+        weights, closing = [np.zeros(0)], [np.zeros((0, 1, self.count))]
+        for contact in self._problem.coulomb:
+            normal = np.einsum("ijk,ij->ik", self.jumps(contact), contact.trace.normals)
+            counted = contact.trace.owned & (self.gap(contact) <= 0)
+            weights.append(contact.trace.weights[counted])
+            closing.append(normal[counted][:, None])
+        return np.concatenate(weights), np.concatenate(closing)
+
+    @staticmethod
+    def gap(contact: ContactSurface) -> Array:
+        """Gaps at the points, the obstacle where it stands (length)."""
+        kinematics = contact.kinematics
+        return kinematics.gap - kinematics.indentation * kinematics.facing
+
+    def _of_obstacles(self, contact: ContactSurface, points: int) -> Array:
+        """Jumps at a contact's points that the obstacles' motions make."""
+        moved = np.zeros((points, self._problem.spaces.components, len(self.floating)))
+        for number, other in enumerate(self.floating):
+            if other is contact:
+                moved[:, :, number] = -other.kinematics.direction
+        return moved
+
+    def displacement(self, motion: Array) -> Array:
+        """Nodal displacements of the body in a motion, (nodes, components)."""
+        return np.asarray(self._fields @ (self._body @ motion))
+
+    def parts_moved(self, motion: Array) -> list[str]:
+        """Names of the parts of the body that take part in a motion."""
+        shares = np.abs((self._body @ motion).reshape(self._problem.spaces.parts.count, -1))
+        moved = shares.max(axis=1, initial=0.0) > _TAKES_PART * np.abs(motion).max(initial=0.0)
+        names = self._problem.spaces.parts.names
+        return [name for name, moves in zip(names, moved, strict=True) if moves]
+
+    def indentations(self, motion: Array) -> Array:
+        """Motions of the floating obstacles in a motion, in their order."""
+        return np.asarray(self._obstacles @ motion)
+
+    def describe(self, motion: Array) -> str:
+        """A motion in words."""
+        parts = self._problem.spaces.parts
+        scale = np.abs(motion).max(initial=0.0) or 1.0
+        words = []
+        shares = (self._body @ motion).reshape(parts.count, len(self._names))
+        for name, of_part in zip(parts.names, np.abs(shares) > _TAKES_PART * scale, strict=True):
+            for kind in ("translation along", "rotation about"):
+                named = zip(self._names, of_part, strict=True)
+                axes = [AXES[axis] for (k, axis), moves in named if k == kind and moves]
+                if axes:
+                    whose = f" of '{name}'" if parts.count > 1 else ""
+                    words.append(f"{kind} {' and '.join(axes)}{whose}")
+        for contact, share in zip(self.floating, self.indentations(motion), strict=True):
+            if abs(share) > _TAKES_PART * scale:
+                words.append(f"the obstacle at '{contact.label}'")
+        return ", ".join(words)
+
+
+def rigid_fields(spaces: Spaces) -> tuple[list[tuple[str, int]], Array]:
+    """Translations, then rotations of each part about its own centre, scaled to its size.
+
+    Returns:
+        Kind and axis of each, and their values at the nodes of this rank, of shape
+        (nodes, components, modes).
+    """
+    parts = spaces.parts
+    offset = parts.arms / parts.sizes[parts.of_node, None]
+    names: list[tuple[str, int]] = []
+    fields: list[Array] = []
+    axes = range(spaces.components) if spaces.kinematics != "axisymmetric" else (1,)
+    for axis in axes:
+        field = np.zeros((len(offset), 3))
+        field[:, axis] = 1.0
+        fields.append(field)
+        names.append(("translation along", axis))
+    spins = {"3D": (0, 1, 2), "axisymmetric": ()}.get(spaces.kinematics, (2,))
+    for axis in spins:
+        fields.append(np.cross(np.eye(3)[axis], offset))
+        names.append(("rotation about", axis))
+    return names, np.stack(fields, axis=-1)[:, : spaces.components]
+
+
+def apart(parts: Parts, fields: Array) -> Array:
+    """Fields of shape (nodes, components, modes) on each part alone, zero on all others.
+
+    Returns:
+        Shape (nodes, components, parts × modes), the first part's modes first.
+    """
+    members = parts.of_node[:, None] == np.arange(parts.count)
+    spread = members[:, None, :, None] * fields[:, :, None, :]
+    return np.asarray(spread.reshape(*fields.shape[:2], parts.count * fields.shape[2]))
+
+
+def null_space(gram: Array) -> Array:
+    """Null space of a symmetric positive semi-definite matrix, as columns."""
+    values, vectors = np.linalg.eigh(gram)
+    null = values <= 1e-13 * max(values.max(initial=0.0), np.finfo(float).tiny)
+    return vectors[:, null]
+
+
+def reduced(columns: Array) -> Array:
+    """Another basis of the span of orthonormal columns, each 1 in a row where the others are 0.
+
+    Rows are chosen as by pivoted elimination, the largest first and of equal ones the first, so
+    that the basis depends on the span alone, and names of motions come out short.
+    """
+    rest = columns.copy()
+    pivots: list[int] = []
+    for _ in range(columns.shape[1]):
+        sizes = np.linalg.norm(rest, axis=1)
+        pivots.append(int(np.flatnonzero(sizes >= (1 - 1e-6) * sizes.max())[0]))
+        along = rest[pivots[-1]] / sizes[pivots[-1]]
+        rest = rest - np.outer(rest @ along, along)
+    basis = columns @ np.linalg.inv(columns[pivots])
+    basis[np.abs(basis) <= _ROUND_OFF * np.abs(basis).max(initial=0.0)] = 0.0
+    return np.asarray(basis[:, np.argsort(pivots)])

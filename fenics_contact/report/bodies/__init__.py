@@ -1,0 +1,1 @@
+"""Pictures of deformed bodies and obstacles."""

@@ -1,0 +1,151 @@
+"""The picture of the deformed body, with its stress and the status of its contact points."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.report.bodies.flat import add_legend, draw_flat, point_look
+from fenics_contact.report.bodies.obstacles import obstacles_of
+from fenics_contact.report.bodies.space import render
+from fenics_contact.report.bodies.view import View, choose_view
+from fenics_contact.report.drawing.figures import new_figure, save
+from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.drawing.style import COLOUR_MAP, WIDE
+from fenics_contact.results.contact_table import ContactTable
+
+Array = NDArray[np.float64]
+
+_STRESS = r"von Mises stress, $\sigma_{VM}$"
+_HEIGHTS = (1.0, 5.0)  # of a flat model's panel, in inches
+_FLAT = 0.35  # height over width of panels that have their colour bar below
+
+
+def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Picture:
+    """Draw the deformed mesh over the undeformed outline, with the contact points' status.
+
+    Where the contact zone is small in the body, only its neighbourhood is drawn.
+
+    Args:
+        body: As ``read_body`` returns it.
+        result: The content of its ``result.json``.
+        table: The content of its ``contact.csv``.
+        path: PNG file to write.
+
+    Raises:
+        InputError: A display is missing for a body in space; says what to install.
+    """
+    view = choose_view(body, result, table)
+    contacts = [(table.of(contact["name"]), contact) for contact in result["contacts"]]
+    obstacles = obstacles_of(body, contacts)
+    low, high, beyond = colour_range(np.asarray(view.body["von Mises stress"]))
+    title = "Deformed body" + (" near the contact" if view.is_near else "") + times(view.factor)
+    if view.flat:
+        figure, panel = flat_figure(view)
+        colours = draw_flat(panel, body, view, contacts, obstacles, (low, high))
+        add_legend(panel, title)
+        add_bar(figure, panel, colours, bool(beyond))
+    else:
+        picture = render(body, view, contacts, obstacles, (low, high))
+        figure, panel = framed(picture, view, (low, high), bool(beyond))
+        add_legend(panel, title)
+    save(figure, path, tight=view.flat)
+    return Picture(path, title, _caption(view, contacts, beyond))
+
+
+def times(factor: float) -> str:
+    """The magnification, if there is one."""
+    return "" if factor == 1 else f", displacements × {factor:g}"
+
+
+def _caption(view: View, contacts: list[tuple[ContactTable, dict[str, Any]]], beyond: float) -> str:
+    said = "The deformed body, coloured by the von Mises stress σ_VM"
+    if beyond:
+        said += f" (at single points up to {beyond:.3g})"
+    if view.factor == 1:
+        said += ", displacements to scale"
+    else:
+        said += f", displacements magnified {view.factor:g} times"
+    dashed = "dashed" if view.flat else "grey"
+    said += f"; {dashed}, the undeformed outline."
+    if contacts:
+        said += " Points: " + ", ".join(mark.label for mark in view.marks)
+        said += ", seen through the bodies." if view.hides else "."
+    if any(c["contact"] in ("unilateral", "bonded") and "master" not in c for _, c in contacts):
+        what = "hatched" if view.flat else "translucent"
+        said += f" The obstacle is {what}"
+        said += "." if view.factor == 1 else "; gaps are magnified as displacements are."
+    return said
+
+
+def flat_figure(view: View) -> tuple[Any, Any]:
+    """A figure for a flat body, and its panel."""
+    across, up = (view.high - view.low)[:2]
+    margin = 1.3 if up < _FLAT * across else 0.6
+    height = float(np.clip(0.8 * WIDE * up / across, *_HEIGHTS))
+    figure, (panel,) = new_figure("", (WIDE, height + margin))
+    axes = "rz" if view.axisymmetric else "xy"
+    panel.set_xlabel(f"${axes[0]}$")
+    panel.set_ylabel(f"${axes[1]}$")
+    return figure, panel
+
+
+def add_bar(figure: Any, panel: Any, colours: Any, beyond: bool) -> None:
+    """The colour bar of the stress, below wide panels; an arrow at its end where some is beyond."""
+    low, high = np.sort(np.array([panel.get_xlim(), panel.get_ylim()])).T
+    across, up = high - low
+    look: dict[str, Any] = {"shrink": 0.85, "pad": 0.02}
+    if up < _FLAT * across:
+        look = {"location": "bottom", "shrink": 0.6}
+    extend = "max" if beyond else "neither"
+    figure.colorbar(colours, ax=panel, label=_STRESS, extend=extend, aspect=28, **look)
+
+
+def framed(
+    picture: NDArray[np.uint8],
+    view: View,
+    limits: tuple[float, float],
+    beyond: bool = False,
+) -> tuple[Any, Any]:
+    """A figure around a picture of a body in space: colour bar, axes, and marks for a legend."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    height = WIDE * 0.82 * picture.shape[0] / picture.shape[1]
+    figure, (panel,) = new_figure("", (WIDE, height + 0.35))
+    panel.imshow(picture, interpolation="antialiased")
+    panel.set_axis_off()
+    drawn = set(np.unique(view.body["status"])) - {-1.0}
+    for mark in view.marks:
+        if drawn & {("OPEN", "STICK", "SLIP").index(status) for status in mark.status}:
+            panel.plot([], [], **point_look(mark))
+    colours = ScalarMappable(Normalize(*limits), COLOUR_MAP)
+    add_bar(figure, panel, colours, beyond)
+    _axes(panel, view)
+    return figure, panel
+
+
+def _axes(panel: Any, view: View) -> None:
+    """Which way x, y and z point, in the lower left corner."""
+    right, up = view.screen
+    look = {"arrowstyle": "-|>", "linewidth": 0.8, "color": "0.2", "mutation_scale": 6}
+    for letter, axis in zip("xyz", np.eye(3), strict=True):
+        tip = 0.065 * np.array([axis @ right, axis @ up])
+        height, width = panel.images[0].get_array().shape[:2]
+        tip[1] *= width / height
+        start = np.array([0.08, 0.1])
+        panel.annotate("", start + tip, start, xycoords="axes fraction", arrowprops=look)
+        where = start + 1.45 * tip
+        panel.text(*where, f"${letter}$", transform=panel.transAxes, ha="center", va="center")
+
+
+def colour_range(stress: Array) -> tuple[float, float, float]:
+    """Ends of the colours, and the stress that a few points alone have beyond, 0 without such."""
+    low, most, high = (float(value) for value in np.percentile(stress, [0, 95, 100]))
+    low = 0.0 if low < 0.05 * high else low
+    if high > 3 * most and most > low:
+        return low, most, high
+    return low, high if high > low else low + 1.0, 0.0

@@ -1,0 +1,163 @@
+"""What the picture of the deformed body shows, and from where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
+from fenics_contact.results.contact_table import ContactTable
+
+Array = NDArray[np.float64]
+
+_MOVE = 0.06  # of what is shown: the largest displacement, where it is magnified
+_READABLE = (0.02, 0.2)  # displacements of this size, over what is shown, are drawn as they are
+_MISFIT = 0.01  # of what is shown: false gaps and overlaps that magnification may make
+_AROUND = 0.15  # of a view from near by: cells so far outside of it are taken along
+_NEAR = 0.4  # neighbourhoods smaller than this share of the body are looked at from near by
+
+
+@dataclass(frozen=True)
+class View:
+    """What is shown of the body, and from where.
+
+    Attributes:
+        body: The cells shown, with all fields.
+        low: Lowest coordinates shown, (3,).
+        high: Highest coordinates shown, (3,).
+        is_near: Whether only the neighbourhood of the contact is shown.
+        flat: Whether the model is plane or axisymmetric.
+        towards: From the body to the camera, a unit vector, (3,).
+        marks: How contact points look.
+        factor: Magnification of the displacements.
+        hides: Whether a body may stand before contact points.
+        axisymmetric: Whether x is the radius.
+    """
+
+    body: Any
+    low: Array
+    high: Array
+    is_near: bool
+    flat: bool
+    towards: Array
+    marks: tuple[Mark, ...]
+    factor: float
+    hides: bool
+    axisymmetric: bool
+
+    @property
+    def size(self) -> float:
+        """Diagonal of what is shown (length)."""
+        return float(np.linalg.norm(self.high - self.low))
+
+    @property
+    def screen(self) -> tuple[Array, Array]:
+        """Unit vectors to the right and upwards on the screen, (3,) each."""
+        upright = np.array([0.0, 1.0, 0.0] if self.flat else [0.0, 0.0, 1.0])
+        right = np.cross(upright, self.towards)
+        right /= np.linalg.norm(right)
+        return right, np.cross(self.towards, right)
+
+
+def choose_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
+    """The whole body, or the neighbourhood of a contact zone that is small in it.
+
+    Args:
+        body: A pyvista grid with the fields of a run.
+        result: The content of its ``result.json``.
+        table: The content of its ``contact.csv``.
+    """
+    low, high = np.array(body.bounds).reshape(3, 2).T
+    kinematics = result["model"]["kinematics"]
+    flat, axial = kinematics != "3D", kinematics == "axisymmetric"
+    laws = {contact["law"] for contact in result["contacts"]}
+    looks = marks("none" if laws <= {"none"} else "static")
+    pairs = [contact for contact in result["contacts"] if "master" in contact]
+    gap = max((contact["quantities"]["closed_gap"] for contact in pairs), default=0.0)
+    hides = bool(pairs) and not flat
+    front = np.zeros(3) if hides else _front(table)
+    on_contact = body["status"] >= 0
+    if on_contact.any():
+        closed = body["status"][on_contact] > 0
+        first, last = neighbourhood(body.points[on_contact], closed)
+        if (last - first).max() < _NEAR * (high - low).max():
+            near = np.maximum(low, first), np.minimum(high, last)
+            aside = (near[0] + near[1] - low - high) / (high - low).max()
+            body = _cells_around(body, *near)
+            sight, factor = _towards(flat, front, aside), _factor(body, *near, gap)
+            return View(body, *near, True, flat, sight, looks, factor, hides, axial)
+    sight, factor = _towards(flat, front, np.zeros(3)), _factor(body, low, high, gap)
+    return View(body, low, high, False, flat, sight, looks, factor, hides, axial)
+
+
+def cells_inside(body: Any, view: View) -> Any:
+    """Of the body at another time, the cells that a view from near by shows."""
+    if not view.is_near:
+        return body
+    return _cells_around(body, view.low, view.high)
+
+
+def _cells_around(body: Any, low: Array, high: Array) -> Any:
+    """The cells in a box and somewhat around, so that it stays full where they move."""
+    aside = _AROUND * (high - low).max()
+    inside = ((body.points >= low - aside) & (body.points <= high + aside)).all(axis=1)
+    return _cells_at(body, inside)
+
+
+def _factor(body: Any, low: Array, high: Array, closed_gap: float) -> float:
+    """Magnification of the displacements.
+
+    Gaps between bodies are not magnified: where they have closed, bodies that are drawn with
+    other displacements than theirs overlap, or seem apart.
+
+    Args:
+        body: The cells shown.
+        low: Lowest coordinates shown, (3,).
+        high: Highest coordinates shown, (3,).
+        closed_gap: The widest gap between bodies, as meshed, that has closed (length).
+    """
+    size = float(np.linalg.norm(high - low))
+    largest = np.linalg.norm(body["displacement"], axis=1).max()
+    if largest == 0 or _READABLE[0] <= largest / size <= _READABLE[1]:
+        return 1.0
+    factor = _round_factor(_MOVE * size / largest)
+    fits = abs(factor - 1) * closed_gap <= _MISFIT * size
+    return factor if fits else 1.0
+
+
+def _cells_at(body: Any, points: Any) -> Any:
+    """The cells that have one of the points; VTK 9.3's own extraction crashes now and then."""
+    corners = body.cell_connectivity.reshape(body.n_cells, -1)  # all cells are of one type
+    kept = points[corners].any(axis=1)
+    used, renumbered = np.unique(corners[kept], return_inverse=True)
+    cells = renumbered.reshape(-1, corners.shape[1])
+    sizes = np.full((len(cells), 1), corners.shape[1])
+    part = type(body)(np.hstack([sizes, cells]).ravel(), body.celltypes[kept], body.points[used])
+    for name in body.point_data:
+        part.point_data[name] = body.point_data[name][used]
+    return part
+
+
+def _front(table: ContactTable) -> Array:
+    """Mean normal of the contact surfaces, 0 without any."""
+    if len(table.status) == 0:
+        return np.zeros(3)
+    return np.asarray(table.vectors("nx", "ny", "nz").mean(axis=0))
+
+
+def _towards(flat: bool, front: Array, aside: Array) -> Array:
+    """Before the contact surface, and on that side of the body to which the zone is shifted."""
+    if flat:
+        return np.array([0.0, 0.0, 1.0])
+    side = np.where(aside < -0.05, -1.0, 1.0)
+    side = np.where(np.abs(front) > 0.1, np.sign(front), side)
+    return np.asarray(side / np.sqrt(3))
+
+
+def _round_factor(factor: float) -> float:
+    """A magnification people can read: 1, 2 or 5 times a power of ten."""
+    power = 10.0 ** np.floor(np.log10(factor))
+    return float(power * max(step for step in (1, 2, 5) if step * power <= factor * 1.000001))

@@ -1,0 +1,158 @@
+"""Stresses on the axis below the contact of an axisymmetric model (the paper's Fig. 9)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.report.contacts.curves import formula_words
+from fenics_contact.report.drawing.figures import new_figure, save
+from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.drawing.style import COLUMN, FORMULA, LINES
+from fenics_contact.report.formulas.recognition import AnalyticContact
+from fenics_contact.results.contact_table import ContactTable
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+_DEPTH = 3.0  # what is shown, in contact radii
+_SINGULAR = 3.0  # a peak this many times the mean pressure says nothing: Hertz has 1.5
+
+
+@dataclass(frozen=True)
+class AxisStress:
+    """Stresses at the nodes on the axis, the highest first.
+
+    Attributes:
+        depth: Below the surface (length), (nodes,).
+        axial: σ_zz (stress).
+        radial: σ_rr, on the axis also σ_θθ (stress).
+    """
+
+    depth: Array
+    axial: Array
+    radial: Array
+
+    @classmethod
+    def of(cls, body: Any, rows: ContactTable) -> AxisStress | None:
+        """None where the body has no axis, or the contact does not lie across it.
+
+        Args:
+            body: A pyvista grid with the field ``stress``; it may hold a body opposite, too.
+            rows: Points of the contact, which say on which side the surface is.
+        """
+        points = np.asarray(body.points)
+        on_axis = points[:, 0] < 1e-9 * np.ptp(points, axis=0).max()
+        up = float(rows.numbers["ny"].mean())
+        if on_axis.sum() < 3 or abs(up) < 0.5:
+            return None
+        heights = np.sign(up) * points[:, 1]
+        nearest = np.sign(up) * rows.numbers["y"][np.argmin(rows.numbers["x"])]
+        surface = heights[on_axis][np.argmin(np.abs(heights[on_axis] - nearest))]
+        on_axis &= _below(body, heights, surface, on_axis)
+        depth, first = np.unique(surface - heights[on_axis], return_index=True)
+        stress = np.asarray(body["stress"]).reshape(-1, 3, 3)[on_axis][first]
+        return cls(depth, stress[:, 1, 1], (stress[:, 0, 0] + stress[:, 2, 2]) / 2)
+
+    @property
+    def shear(self) -> Array:
+        """Principal shear stress, half the difference of the principal stresses."""
+        shear: Array = np.abs(self.axial - self.radial) / 2
+        return shear
+
+
+def _below(body: Any, heights: Array, surface: float, on_axis: Flags) -> Flags:
+    """The nodes of the cells on the axis below a surface: a node there may be on either side."""
+    corners = body.cell_connectivity.reshape(body.n_cells, -1)  # all cells are of one type
+    below = on_axis[corners].any(axis=1) & (heights[corners].mean(axis=1) < surface)
+    found = np.zeros(len(heights), dtype=bool)
+    found[corners[below]] = True
+    return found
+
+
+def contact_radius(rows: ContactTable, contact: dict[str, Any]) -> float:
+    """Outer radius of the contact zone, from its area and where it begins (length)."""
+    inner = rows.numbers["x"][rows.closed].min()
+    return float(np.sqrt(contact["quantities"]["contact_area"] / np.pi + inner**2))
+
+
+def draw_axis_stress(
+    body: Any,
+    rows: ContactTable,
+    contact: dict[str, Any],
+    path: Path,
+    analytic: AnalyticContact | None = None,
+) -> Picture | None:
+    """Draw stresses over the contact pressure against depth over the contact's radius.
+
+    Args:
+        body: A pyvista grid with the field ``stress``.
+        rows: Points of the contact.
+        contact: Its entry in ``result.json``.
+        path: PNG file to write.
+        analytic: What formulas give, where there are some.
+
+    Returns:
+        None where there is no contact or no axis below it.
+    """
+    stress = AxisStress.of(body, rows) if rows.closed.any() else None
+    if stress is None:
+        return None
+    radius = contact_radius(rows, contact)
+    unit, symbol = _unit(contact["quantities"])
+    shown = stress.depth <= _DEPTH * radius
+    title = f"Stresses on the axis below '{contact.get('slave', contact['name'])}'"
+    figure, (panel,) = new_figure(title, (COLUMN, 3.4))
+    labels = (
+        r"$\sigma_{zz}$",
+        r"$\sigma_{rr} = \sigma_{\theta\theta}$",
+        r"$\tau = |\sigma_{zz} - \sigma_{rr}|\,/\,2$",
+    )
+    computed = (stress.axial, stress.radial, stress.shear)
+    joined = "none" if analytic is not None and not analytic.punch else "-"
+    for values, label, (colour, _), mark in zip(computed, labels, LINES, "os^", strict=False):
+        panel.plot(
+            values[shown] / unit,
+            stress.depth[shown] / radius,
+            marker=mark,
+            linestyle=joined,
+            color=colour,
+            markerfacecolor="white",
+            markevery=0.06,
+            label=label,
+        )
+    said = ""
+    if analytic is not None and not analytic.punch:
+        depth = np.linspace(0, _DEPTH * radius, 200)
+        axial, radial = analytic.axis_stress(depth)
+        name = analytic.label if analytic.smooth else "Hertz, without friction"
+        curves = np.stack([axial, radial, np.abs(axial - radial) / 2], axis=1) / unit
+        first, *_ = panel.plot(curves, depth / radius, zorder=1, **FORMULA)
+        first.set_label(name)
+        said = f" Lines: {formula_words(analytic)}."
+    panel.axvline(0, color="black", linewidth=0.5, zorder=0)
+    panel.invert_yaxis()
+    panel.set_xlabel(f"stress over {symbol}")
+    panel.set_ylabel("depth over the radius of the contact, $z\\,/\\,a$")
+    panel.legend()
+    save(figure, path)
+    caption = (
+        "Axial stress σ_zz, radial stress σ_rr and the principal shear stress τ on the axis of "
+        f"revolution below the contact, against the depth z over the contact radius a.{said}"
+    )
+    return Picture(path, title, caption)
+
+
+def _unit(quantities: dict[str, Any]) -> tuple[float, str]:
+    """The peak of the pressure, or its mean where the peak is singular, and what it is called."""
+    peak = quantities["max_contact_pressure"]
+    carried = quantities.get("pressure_integral")  # not known of a run from before there was one
+    carried = quantities["normal_force"] if carried is None else carried
+    mean = abs(carried) / quantities["contact_area"]
+    if peak > _SINGULAR * mean:
+        return mean, "the mean pressure, $p_m$"
+    return peak, "the peak of the pressure, $p_0$"

@@ -1,0 +1,195 @@
+"""Curves along the contact line of a flat model: pressure, friction traction (Fig. 2), gap."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.report.contacts.line import SurfaceLine
+from fenics_contact.report.drawing.figures import in_words, new_figure, save, surface_of, title_of
+from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.drawing.style import FORMULA, WIDE
+from fenics_contact.report.formulas.recognition import AnalyticContact
+from fenics_contact.results.contact_table import ContactTable
+
+Array = NDArray[np.float64]
+
+_MARGIN, _STRIP = 0.45, 0.16
+_HEIGHTS = {"contact pressure": 1.9, "friction traction": 1.9, "gap": 1.05}
+_SYMBOLS = {"contact pressure": "p", "friction traction": "σ_T", "gap": "gap"}
+_POINTS = 400  # of a formula's curve
+
+
+def draw_curves(
+    rows: ContactTable,
+    contact: dict[str, Any],
+    axes: str,
+    path: Path,
+    analytic: AnalyticContact | None = None,
+) -> Picture:
+    """Draw what happens along a contact line.
+
+    Args:
+        rows: Its points.
+        contact: The contact's entry in ``result.json``.
+        axes: Letters of the model's axes.
+        path: PNG file to write.
+        analytic: What formulas give, where there are some.
+    """
+    line = SurfaceLine.of(rows, contact)
+    names = _panels(line, contact)
+    heights = [*(_HEIGHTS[name] for name in names), _STRIP]
+    title = title_of(names, contact)
+    figure, panels = new_figure(
+        f"Along {surface_of(contact)}",
+        (WIDE, sum(heights) + _MARGIN),
+        nrows=len(heights),
+        sharex=True,
+        height_ratios=heights,
+    )
+    low, high = line.view
+    shown = np.linspace(low, high, _POINTS)
+    draw = {"contact pressure": _pressure, "friction traction": _friction, "gap": _gap}
+    for name, panel in zip(names, panels, strict=False):
+        draw[name](panel, line, contact)
+        if analytic is not None:
+            _formula(panel, name, line, analytic, shown)
+        panel.axhline(0, color="black", linewidth=0.5, zorder=0)
+    _legends(panels[:-1])
+    draw_strip(panels[-1], line, contact)
+    margin = 0.03 * (high - low)
+    panels[-1].set_xlim(low - margin, high + margin)
+    panels[-1].set_xlabel(f"position along the surface, ${axes[line.axis]}$")
+    figure.align_ylabels(panels[:-1])
+    save(figure, path)
+    return Picture(path, title, _caption(names, contact, axes[line.axis], analytic))
+
+
+def _caption(
+    names: list[str], contact: dict[str, Any], axis: str, analytic: AnalyticContact | None
+) -> str:
+    what = in_words([f"{name}{_symbol(name)}" for name in names])
+    said = f"{what[0].upper()}{what[1:]} along the surface {surface_of(contact)} against {axis}."
+    status = "in contact and open" if contact["law"] == "none" else "that stick, slip and are open"
+    said += f" The strip below shows the parts {status}."
+    if analytic is not None:
+        said += f" Black lines: {formula_words(analytic)}."
+    return said
+
+
+def _symbol(name: str) -> str:
+    return "" if name == "gap" else f" {_SYMBOLS[name]}"
+
+
+def formula_words(analytic: AnalyticContact) -> str:
+    """What the formulas are, with the size of the contact."""
+    size = "half-width" if analytic.line else "radius"
+    words = (
+        f"{analytic.label}, for the force that was found ({size} a = {analytic.hertz.radius:.4g}"
+    )
+    words += "" if analytic.punch else f", peak p₀ = {analytic.hertz.peak:.4g}"
+    if analytic.stick:
+        words += f"; Cattaneo and Mindlin: sticks up to c = {analytic.stick:.4g}"
+    return words + ")"
+
+
+def draw_strip(panel: Any, line: SurfaceLine, contact: dict[str, Any]) -> None:
+    """A strip in the colours of the status along the surface."""
+    colours = {status: mark.colour for mark in line.marks for status in mark.status}
+    for start, end, status in line.runs():
+        panel.axvspan(start, end, color=colours[status], linewidth=0)
+    panel.set_yticks([])
+    panel.spines["left"].set_visible(False)
+
+
+def _legends(panels: list[Any]) -> None:
+    """Each label once, in the first panel that has it."""
+    said: set[str] = set()
+    for panel in panels:
+        entries = dict(zip(*reversed(panel.get_legend_handles_labels()), strict=True))
+        new = {label: handle for label, handle in entries.items() if label not in said}
+        if new:
+            panel.legend(list(new.values()), list(new))
+        said |= set(new)
+
+
+def _panels(line: SurfaceLine, contact: dict[str, Any]) -> list[str]:
+    """The curves worth drawing: what is found, and what is not zero all along."""
+    found, frictional = contact["contact"] != "prescribed", contact["law"] != "none"
+    apart = np.isfinite(line.rows.numbers["gap"]) & ~line.rows.closed
+    return [
+        *(["contact pressure"] if found or not frictional else []),
+        *(["friction traction"] if frictional else []),
+        *(["gap"] if found and apart.any() else []),
+    ]
+
+
+def _pressure(panel: Any, line: SurfaceLine, contact: dict[str, Any]) -> None:
+    _plot(panel, line, line.rows.numbers["contact_pressure"])
+    cut_peaks(panel, line.rows.numbers["contact_pressure"][line.rows.closed])
+    panel.set_ylabel("contact pressure, $p$")
+
+
+def _friction(panel: Any, line: SurfaceLine, contact: dict[str, Any]) -> None:
+    """With the friction bound ±g, on the side (or sides) where the traction lies."""
+    traction = line.traction
+    _plot(panel, line, traction)
+    cut_peaks(panel, traction[line.rows.closed])
+    panel.set_ylabel(r"friction traction, $\sigma_T$")
+    coefficient = contact["parameters"]["friction_coefficient"]
+    if not isinstance(coefficient, float | int) or coefficient == 0:
+        return
+    bound = coefficient * line.rows.numbers["contact_pressure"]
+    label: str | None = r"friction bound, $\pm\mu p$"
+    for side in (1, -1):
+        if (side * traction > 0.02 * bound.max()).any():
+            panel.plot(line.position, side * bound, ":", color="0.3", label=label, zorder=1)
+            label = None
+
+
+def _gap(panel: Any, line: SurfaceLine, contact: dict[str, Any]) -> None:
+    gap = line.rows.numbers["gap"]
+    _plot(panel, line, np.where(np.isfinite(gap), gap, np.nan))
+    panel.set_ylabel("gap")
+
+
+def _formula(
+    panel: Any, name: str, line: SurfaceLine, analytic: AnalyticContact, shown: Array
+) -> None:
+    """The formula's curve; it leaves the panel's limits as they are where it is infinite."""
+    distance = np.abs(shown - analytic.centre[line.axis])
+    limits = panel.get_ylim() if analytic.punch else None
+    if name == "contact pressure":
+        panel.plot(shown, analytic.pressure(distance), label=analytic.label, **FORMULA)
+    elif name == "friction traction" and analytic.direction == line.axis:
+        friction = analytic.friction(distance)
+        panel.plot(shown, friction, "--", label="Cattaneo, Mindlin", **FORMULA)
+    if limits:
+        panel.set_ylim(limits)
+
+
+def _plot(panel: Any, line: SurfaceLine, values: Array) -> None:
+    """Values at the points shown, marked by their kind."""
+    shown = (line.position >= line.view[0]) & (line.position <= line.view[1])
+    panel.plot(line.position[shown], values[shown], color="0.6", linewidth=0.7, zorder=1)
+    size = 3.5 if shown.sum() < 60 else 2.5
+    for mark in line.marks:
+        mine = np.isin(line.rows.status, mark.status) & shown
+        if mine.any():
+            panel.plot(line.position[mine], values[mine], markersize=size, zorder=2, **mark.look)
+
+
+def cut_peaks(panel: Any, values: Array) -> None:
+    """Cut off what a few points have alone, such as those at the edge of a punch, and say so."""
+    most = float(np.percentile(np.abs(values), 90)) if len(values) else 0.0
+    if np.abs(values).max(initial=0.0) <= 4 * most:
+        return
+    low, high = np.clip([values.min(), values.max()], -2 * most, 2 * most)
+    panel.set_ylim(min(low, 0) - 0.1 * most, max(high, 0) + 0.1 * most)
+    beyond = [f"{value:.3g}" for value in (values.min(), values.max()) if abs(value) > 2 * most]
+    text = f"peaks cut off ({', '.join(beyond)})"
+    height = 0.97 if values.max() > 0 else 0.88  # below the line at 0
+    panel.text(0.5, height, text, transform=panel.transAxes, ha="center", va="top", fontsize=7)

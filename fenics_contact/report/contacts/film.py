@@ -1,0 +1,292 @@
+"""What happens on a contact surface, load step by load step, as an animation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.atomic_files import replaced_file
+from fenics_contact.report.contacts.line import SurfaceLine
+from fenics_contact.report.contacts.maps import Surface, draw_arrows, draw_status, draw_values
+from fenics_contact.report.drawing.fields import nodes_at
+from fenics_contact.report.drawing.figures import new_figure, set_title, style, surface_of
+from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.drawing.style import COLOURS, marks
+from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.load_history import Drive, History
+
+Array = NDArray[np.float64]
+
+# Load steps from which a run is worth an animation, and the frames that it has at most.
+FEWEST_STEPS, _MOST_FRAMES = 10, 60
+_SECONDS, _PER_SECOND, _DPI = 6, 10, 120  # about how long, and frames a second at most
+_HEIGHT, _WIDTHS = 2.6, {"zones": 2.6, "traction": 3.1, "line": 4.2, "drive": 2.7}
+_STATUS = np.array(["OPEN", "STICK", "SLIP"])  # values 0, 1, 2 of the field `status`
+
+
+@dataclass(frozen=True)
+class Film:
+    """A contact in the load steps whose fields were written.
+
+    Attributes:
+        contact: Its entry in ``result.json``.
+        time: Pseudo-times of the frames.
+        frames: Its points that are nodes, as they are then.
+        zone: The same points, STICK where they ever touch.
+        drive: What is moved, with a value a frame; None where nothing moves.
+    """
+
+    contact: dict[str, Any]
+    time: Array
+    frames: list[ContactTable]
+    zone: ContactTable
+    drive: Drive | None
+
+    @classmethod
+    def of(
+        cls,
+        series: Iterable[tuple[float, Any]],
+        rows: ContactTable,
+        contact: dict[str, Any],
+        result: dict[str, Any],
+        far: tuple[str, ...] = (),
+    ) -> Film:
+        """Take the fields at the contact's nodes.
+
+        Args:
+            series: Pseudo-times and pyvista grids with their fields.
+            rows: Points of the contact, at the end.
+            contact: Its entry in ``result.json``.
+            result: The content of that.
+            far: Names of supports that are no drives.
+        """
+        times, frames = [], []
+        for time, body in series:
+            frames.append(frame_rows(rows, body, contact))
+            times.append(time)
+        ever = np.any([frame.closed for frame in frames], axis=0)
+        zone = replace(frames[-1], status=np.where(ever, "STICK", "OPEN"))
+        return cls(contact, np.array(times), frames, zone, _drive(result, contact, times, far))
+
+    @property
+    def touches(self) -> bool:
+        """Whether any of its points ever does."""
+        return bool((self.zone.status != "OPEN").any())
+
+
+def frame_rows(rows: ContactTable, body: Any, contact: dict[str, Any]) -> ContactTable:
+    """The points of a contact that are nodes, with a step's fields in place of the last one's.
+
+    Args:
+        rows: Points of the contact, at the end.
+        body: A pyvista grid with the step's fields.
+        contact: Its entry in ``result.json``.
+    """
+    rows, nodes = nodes_at(body, rows, contact)
+    traction = np.asarray(body["friction_traction"])[nodes]
+    fields = {f"traction_{axis}": traction[:, i] for i, axis in enumerate("xyz")}
+    fields["contact_pressure"] = np.asarray(body["contact_pressure"])[nodes]
+    status = _STATUS[np.asarray(body["status"])[nodes].round().astype(int)]
+    return replace(rows, status=status, numbers=rows.numbers | fields)
+
+
+def _drive(
+    result: dict[str, Any], contact: dict[str, Any], times: list[float], far: tuple[str, ...]
+) -> Drive | None:
+    """What is moved last of what moves: of an obstacle, how it moves along the surface."""
+    history = History.of(result)
+    drives = history.drives(result["contacts"], far)
+    own = [drive for drive in drives if f"'{contact['name']}'" in drive.title]
+    if not drives:
+        return None
+    drive = (own or drives)[-1]
+    kept = np.abs(history.time[:, None] - np.array(times)).argmin(axis=0)
+    return replace(drive, x=drive.x[kept], y=drive.y[kept])
+
+
+def frame_numbers(steps: int, most: int = _MOST_FRAMES) -> NDArray[np.int64]:
+    """Which of so many steps are shown: all, or as many evenly spread, with the last."""
+    return np.unique(np.linspace(0, steps - 1, min(steps, most)).round().astype(np.int64))
+
+
+def draw_film(film: Film, flat: bool, axes: str, path: Path) -> Picture:
+    """Write a film as a GIF.
+
+    Args:
+        film: What it shows.
+        flat: Whether the contact is a line.
+        axes: Letters of the model's axes.
+        path: Where to.
+    """
+    rough = film.contact["law"] != "none"
+    names = ["line"] if flat else (["zones", "traction"] if rough else ["zones"])
+    names += ["drive"] if film.drive else []
+    widths = [_WIDTHS[name] for name in names]
+    screen = _Line(film, axes) if flat else _Map(film, axes)
+    with style():
+        figure, panels = new_figure(
+            "", (sum(widths), screen.height), ncols=len(names), width_ratios=widths, dpi=_DPI
+        )
+        pictures = [_picture(figure, panels, screen, film, n) for n in range(len(film.time))]
+    write_gif(pictures, path)
+    what = "friction traction σ_T" if rough else "contact pressure p"
+    said = f"Status and {what} on {surface_of(film.contact)} over the load steps"
+    said += (
+        f"; on the right, {film.drive.title}: force against displacement." if film.drive else "."
+    )
+    return Picture(path, f"Contact {surface_of(film.contact)} over the load steps", said)
+
+
+def _picture(
+    figure: Any, panels: list[Any], screen: _Map | _Line, film: Film, number: int
+) -> NDArray[np.uint8]:
+    """A frame, drawn where the one before was."""
+    for panel in panels:
+        panel.clear()
+    screen.draw(figure, panels, number)
+    if film.drive:
+        _follow(panels[-1], film.drive, number)
+    set_title(panels[0], f"{surface_of(film.contact)}, t = {film.time[number]:.4g}", screen.pad)
+    if number == 0:
+        for _ in range(2):  # then nothing moves any more
+            figure.canvas.draw()
+        figure.set_layout_engine("none")
+    figure.canvas.draw()
+    found: NDArray[np.uint8] = np.asarray(figure.canvas.buffer_rgba())[..., :3].copy()
+    return found
+
+
+def write_gif(pictures: list[NDArray[np.uint8]], path: Path) -> None:
+    """Write frames with the colours of a few of them, so that none flickers."""
+    from PIL import Image
+
+    some = [pictures[i] for i in np.linspace(0, len(pictures) - 1, 4).round().astype(int)]
+    # Without a share of their own, colours of a few points alone would be given up.
+    height, width = some[0].shape[:2]
+    own = [np.full((height // 12, width, 3), _rgb(colour)) for colour in COLOURS.values()]
+    palette = Image.fromarray(np.concatenate([*some, *own]).astype(np.uint8)).quantize(256)
+    no_dither = Image.Dither.NONE
+    first, *others = (
+        Image.fromarray(picture).quantize(palette=palette, dither=no_dither) for picture in pictures
+    )
+    pace = min(_PER_SECOND, max(len(pictures) / _SECONDS, 2))  # frames a second
+    with replaced_file(path) as temporary:
+        first.save(
+            temporary, save_all=True, append_images=others, duration=round(1000 / pace), loop=0
+        )
+
+
+def _rgb(colour: str) -> tuple[int, ...]:
+    return tuple(int(colour[i : i + 2], 16) for i in (1, 3, 5))
+
+
+class _Map:
+    """A contact surface in 3D: what sticks and slips, and the friction traction.
+
+    Attributes:
+        height: Of the figure in inches.
+        pad: Between the first panel and its title, in points: the legend is there.
+    """
+
+    pad = 16.0
+
+    def __init__(self, film: Film, _: str) -> None:
+        self._film = film
+        self._surface = Surface.of(film.zone, film.contact)
+        across, up = np.ptp(self._surface.points, axis=0)
+        self.height = float(np.clip(_WIDTHS["zones"] * up / across + 1.0, 2.4, 4.5))
+        shown = self._surface.shown
+        rows = [frame.rows(shown) for frame in film.frames]
+        self._status = [frame.status for frame in rows]
+        self._traction = [frame.vectors("traction_x", "traction_y", "traction_z") for frame in rows]
+        self._most = max(float(np.linalg.norm(t, axis=1).max()) for t in self._traction) or 1.0
+        self._has_bar = False
+
+    def draw(self, figure: Any, panels: list[Any], number: int) -> None:
+        """A frame."""
+        points = self._surface.points
+        self._zones(panels[0], self._status[number])
+        drawn = panels[:1]
+        if self._film.contact["law"] != "none":
+            drawn = panels[:2]
+            traction = self._traction[number]
+            sizes = np.linalg.norm(traction, axis=1)
+            colours = draw_values(panels[1], self._surface, sizes, 0, self._most)
+            draw_arrows(panels[1], self._surface, traction, self._most)
+            if not self._has_bar:
+                label = r"friction traction, $|\sigma_T|$"
+                figure.colorbar(colours, ax=panels[1], label=label, shrink=0.85, aspect=25)
+                self._has_bar = True
+        for panel in drawn:
+            self._surface.label(panel, panel is panels[0])
+            panel.set_xlim(points[:, 0].min(), points[:, 0].max())
+            panel.set_ylim(points[:, 1].min(), points[:, 1].max())
+
+    def _zones(self, panel: Any, status: NDArray[np.str_]) -> None:
+        draw_status(panel, self._surface.points, status, self._film.contact["law"])
+        entries = [panel.plot([], [], **mark.look)[0] for mark in marks(self._film.contact["law"])]
+        above = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.99), "ncols": 3}
+        panel.legend(handles=entries, handletextpad=0.1, **above)
+
+
+class _Line:
+    """A contact line of a flat model: friction traction and its bound, or the pressure.
+
+    Attributes:
+        height: Of the figure in inches.
+        pad: Between the panel and its title, in points.
+    """
+
+    height, pad = _HEIGHT, 6.0
+
+    def __init__(self, film: Film, axes: str) -> None:
+        self._film, self._axes = film, axes
+        self._lines = [SurfaceLine.of(frame, film.contact) for frame in film.frames]
+        self._view = SurfaceLine.of(film.zone, film.contact).view
+        given = film.contact["parameters"]["friction_coefficient"]
+        rough = film.contact["law"] != "none"
+        self._coefficient = float(given) if isinstance(given, float | int) and rough else None
+        self._values = [
+            line.traction if rough else line.rows.numbers["contact_pressure"]
+            for line in self._lines
+        ]
+        self._label = r"friction traction, $\sigma_T$" if rough else "contact pressure, $p$"
+        self._most = max(float(np.abs(values).max()) for values in self._values)
+        if self._coefficient:
+            self._most = self._coefficient * max(
+                float(line.rows.numbers["contact_pressure"].max()) for line in self._lines
+            )
+
+    def draw(self, figure: Any, panels: list[Any], number: int) -> None:
+        """A frame."""
+        panel, line, values = panels[0], self._lines[number], self._values[number]
+        panel.plot(line.position, values, color="0.6", linewidth=0.7, zorder=1)
+        for mark in line.marks:
+            mine = np.isin(line.rows.status, mark.status)
+            panel.plot(line.position[mine], values[mine], **mark.look)
+        if self._coefficient:
+            bound = self._coefficient * line.rows.numbers["contact_pressure"]
+            for side, label in ((1, r"$\pm\mu p$"), (-1, None)):
+                panel.plot(line.position, side * bound, ":", color="0.3", label=label)
+        panel.axhline(0, color="black", linewidth=0.5, zorder=0)
+        panel.set_xlim(*self._view)
+        panel.set_ylim(-1.1 * self._most, 1.4 * self._most)
+        panel.set_xlabel(f"position along the surface, ${self._axes[line.axis]}$")
+        panel.set_ylabel(self._label)
+        panel.legend(loc="upper center", ncols=4)
+
+
+def _follow(panel: Any, drive: Drive, number: int) -> None:
+    """Force against displacement: all of the way in grey, and how far it has come."""
+    panel.plot(drive.x, drive.y, color="0.8", linewidth=0.8)
+    panel.plot(drive.x[: number + 1], drive.y[: number + 1], color=COLOURS["STICK"])
+    panel.plot(drive.x[number], drive.y[number], "o", color=COLOURS["SLIP"], markersize=5)
+    panel.axhline(0, color="black", linewidth=0.5, zorder=0)
+    panel.set_xlabel(drive.moved)
+    panel.set_ylabel(drive.force)
+    panel.locator_params(axis="x", nbins=5)

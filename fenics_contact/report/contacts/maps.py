@@ -1,0 +1,223 @@
+"""Maps of a contact surface in 3D: what sticks and slips, pressure and friction traction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import QhullError
+
+from fenics_contact.report.drawing.figures import in_words, new_figure, plain, save, surface_of
+from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.drawing.style import COLOUR_MAP, DOUBLE, EDGE, marks, neighbourhood
+from fenics_contact.results.contact_table import ContactTable
+
+Array = NDArray[np.float64]
+
+_LONG = 3.0  # sides of triangles, over their median, that bridge what is no surface
+_MOST_ARROWS = 350
+_SHORT = 0.03  # of the longest: vectors that are left out
+_HEIGHTS = (1.8, 4.5)  # of a panel, in inches
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A contact surface, seen along the axis across which it extends least.
+
+    Attributes:
+        rows: Its points, those that are shown.
+        axes: Numbers of the two axes of the map.
+        points: Coordinates on these, shape (points, 2).
+        shown: Which of all points these are.
+    """
+
+    rows: ContactTable
+    axes: NDArray[np.int64]
+    points: Array
+    shown: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, rows: ContactTable, contact: dict[str, Any]) -> Surface:
+        """The whole surface where its pressure is given, else the zone's neighbourhood."""
+        points = rows.vectors("x", "y", "z")
+        axes = np.sort(np.argsort(np.ptp(points, axis=0))[-2:])
+        points, shown = points[:, axes], np.ones(len(points), dtype=bool)
+        if contact["contact"] != "prescribed":
+            low, high = neighbourhood(points, rows.closed)
+            shown = ((points >= low) & (points <= high)).all(axis=1)
+            rows, points = rows.rows(shown), points[shown]
+        return cls(rows, axes, points, shown)
+
+    def label(self, panel: Any, first: bool = True) -> None:
+        """Equal scales, and the names of the axes; upwards only at the first panel."""
+        panel.set_aspect("equal")
+        panel.set_xlabel(f"${'xyz'[self.axes[0]]}$")
+        if first:
+            panel.set_ylabel(f"${'xyz'[self.axes[1]]}$")
+        panel.locator_params(nbins=5)
+
+    @property
+    def arrows(self) -> NDArray[np.int64]:
+        """Points at which vectors are drawn: all, or of many some, evenly spread."""
+        count = len(self.points)
+        if count <= _MOST_ARROWS:
+            return np.arange(count)
+        from scipy.spatial import cKDTree
+
+        low, high = self.points.min(axis=0), self.points.max(axis=0)
+        step = np.sqrt(np.prod(high - low) / _MOST_ARROWS)
+        grid = np.stack(
+            np.meshgrid(*(np.arange(a, b, step) for a, b in zip(low, high, strict=True)))
+        )
+        _, found = cKDTree(self.points).query(grid.reshape(2, -1).T)
+        return np.unique(found)
+
+
+def triangulation(points: Array) -> Any:
+    """Matplotlib's triangles between points of a plane, without those that bridge gaps.
+
+    Args:
+        points: Shape (points, 2) (length).
+
+    Returns:
+        None where all points lie on a line.
+    """
+    from matplotlib.tri import Triangulation
+    from scipy.spatial import Delaunay
+
+    try:
+        corners = Delaunay(points).simplices
+    except QhullError:
+        return None
+    sides = np.linalg.norm(points[corners] - points[np.roll(corners, 1, axis=1)], axis=2).max(
+        axis=1
+    )
+    return Triangulation(points[:, 0], points[:, 1], corners, mask=sides > _LONG * np.median(sides))
+
+
+def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> Picture:
+    """Draw what happens on a contact surface.
+
+    Args:
+        rows: Its points.
+        contact: The contact's entry in ``result.json``.
+        path: PNG file to write.
+    """
+    surface = Surface.of(rows, contact)
+    found, frictional = contact["contact"] != "prescribed", contact["law"] != "none"
+    draw = {
+        "status": _status,
+        **({"contact pressure p": _pressure} if found or not frictional else {}),
+        **({"friction traction σ_T": _friction} if frictional else {}),
+    }
+    across, up = np.ptp(surface.points, axis=0)
+    width = DOUBLE / len(draw)
+    height = float(np.clip((width - 0.5) * up / across + 1.2, *_HEIGHTS))
+    title = f"Contact zone {surface_of(contact)}"
+    figure, panels = new_figure("", (DOUBLE, height), ncols=len(draw), sharey=True)
+    for draw_panel, panel in zip(draw.values(), panels, strict=True):
+        draw_panel(figure, panel, surface, contact)
+        surface.label(panel, panel is panels[0])
+        panel.margins(0.08)
+    figure.set_layout_engine("compressed")  # for panels of equal scales
+    figure.suptitle(plain(title), x=0.01, ha="left", fontsize=8.5)
+    save(figure, path, tight=True)
+    said = f"{in_words(list(draw))} on {surface_of(contact)}."
+    said += " Arrows on the left: slip; on the right: the friction traction." if frictional else ""
+    return Picture(path, title, f"{said[0].upper()}{said[1:]}")
+
+
+def _status(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) -> None:
+    """Points by their status, and their slip."""
+    draw_status(panel, surface.points, surface.rows.status, contact["law"])
+    panel.legend(loc="lower left", bbox_to_anchor=(-0.05, 1.0), ncols=3, handletextpad=0.1)
+    slip = surface.rows.vectors("slip_x", "slip_y", "slip_z")[:, surface.axes]
+    slides = surface.arrows[surface.rows.status[surface.arrows] == "SLIP"]
+    if contact["law"] != "none" and np.linalg.norm(slip[slides], axis=1).any():
+        panel.quiver(*surface.points[slides].T, *slip[slides].T, color="black", width=0.006)
+
+
+def draw_status(panel: Any, points: Array, status: NDArray[np.str_], law: str) -> None:
+    """Points in the colours of their status.
+
+    Args:
+        panel: Matplotlib's axes.
+        points: On the map, shape (points, 2).
+        status: Of each.
+        law: The friction law.
+    """
+    size = float(np.clip(70 / np.sqrt(len(status)), 1.2, 6))
+    for mark in marks(law):
+        mine = np.isin(status, mark.status)
+        if mine.any():
+            is_open = mark.status == ("OPEN",)
+            look = mark.look | {
+                "markersize": size * (0.7 if is_open else 1.0),
+                "markerfacecolor": mark.colour,
+                "markeredgecolor": EDGE if is_open else mark.colour,
+                "markeredgewidth": 0.3,
+            }
+            panel.plot(*points[mine].T, **look)
+
+
+def _pressure(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) -> None:
+    pressure = surface.rows.numbers["contact_pressure"]
+    colours = draw_values(panel, surface, pressure, min(pressure.min(), 0), pressure.max())
+    figure.colorbar(colours, ax=panel, label="contact pressure, $p$", location="top", aspect=25)
+
+
+def _friction(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) -> None:
+    traction = surface.rows.vectors("traction_x", "traction_y", "traction_z")
+    size = np.linalg.norm(traction, axis=1)
+    colours = draw_values(panel, surface, size, 0, size.max())
+    label = r"friction traction, $|\sigma_T|$"
+    figure.colorbar(colours, ax=panel, label=label, location="top", aspect=25)
+    draw_arrows(panel, surface, traction, size.max())
+
+
+def draw_arrows(panel: Any, surface: Surface, vectors: Array, most: float) -> None:
+    """Vectors at some of the points, white with a dark rim on any colour.
+
+    Args:
+        panel: Matplotlib's axes.
+        surface: The map.
+        vectors: At its points, (points, 3).
+        most: Length of the longest, also in other pictures.
+    """
+    from matplotlib.patheffects import withStroke
+
+    if not most:  # else their scale would be none
+        return
+    some = surface.arrows
+    some = some[np.linalg.norm(vectors[some], axis=1) > _SHORT * most]
+    panel.quiver(
+        *surface.points[some].T,
+        *vectors[some][:, surface.axes].T,
+        color="white",
+        width=0.005,
+        scale=14 * most,
+        path_effects=[withStroke(linewidth=0.8, foreground="0.15")],
+    )
+
+
+def draw_values(panel: Any, surface: Surface, values: Array, low: float, high: float) -> Any:
+    """Values as colours between the points.
+
+    Args:
+        panel: Matplotlib's axes.
+        surface: The map.
+        values: At its points, (points,).
+        low: Value of the first colour.
+        high: Value of the last.
+
+    Returns:
+        What a colour bar is made for.
+    """
+    look = {"cmap": COLOUR_MAP, "vmin": low, "vmax": high if high > low else low + 1.0}
+    triangles = triangulation(surface.points)
+    if triangles is None:
+        return panel.scatter(*surface.points.T, c=values, **look)
+    return panel.tripcolor(triangles, values, shading="gouraud", rasterized=True, **look)

@@ -1,0 +1,106 @@
+"""Matplotlib figures of panels that look alike, each as a PNG and, for papers, as a PDF."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from textwrap import wrap
+from typing import Any
+
+from fenics_contact.common.atomic_files import replaced_file
+from fenics_contact.common.plain_text import printable
+from fenics_contact.report.drawing.style import STYLE
+
+_LETTER = 0.068  # width of a letter of a title in inches, about
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Within it, all that matplotlib draws is in the style of this program."""
+    import matplotlib
+
+    settings: Any = STYLE
+    with matplotlib.rc_context(settings):
+        yield
+
+
+def new_figure(title: str, size: tuple[float, float], **panels: Any) -> tuple[Any, list[Any]]:
+    """A figure and its panels; matplotlib's state, as of a notebook, stays as it is.
+
+    Args:
+        title: Of the first panel, any text.
+        size: Width and height in inches.
+        **panels: For matplotlib's ``subplots``; also ``height_ratios`` and ``dpi``.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with style():
+        figure = Figure(figsize=size, layout="constrained", dpi=panels.pop("dpi", None))
+        FigureCanvasAgg(figure)
+        ratios: dict[str, Any] = {
+            key: panels.pop(key) for key in ("height_ratios", "width_ratios") if key in panels
+        }
+        axes = figure.subplots(squeeze=False, gridspec_kw=ratios, **panels)
+        set_title(axes[0, 0], title)
+    return figure, list(axes.flat)
+
+
+def set_title(panel: Any, title: str, pad: float | None = None) -> None:
+    """Set a panel's title, any text, on several lines if it is long: dollars are dollars.
+
+    Args:
+        panel: Matplotlib's axes.
+        title: Of it.
+        pad: Distance from it, in points; by default the style's.
+    """
+    columns = panel.get_gridspec().ncols
+    width = int(panel.figure.get_figwidth() / columns / _LETTER)
+    panel.set_title("\n".join(wrap(plain(title), width)), pad=pad)
+
+
+def plain(text: str) -> str:
+    """Any text for matplotlib, as in a legend: a dollar is one, and begins no formula."""
+    return printable(text).replace("$", r"\$")
+
+
+def save(figure: Any, path: Path, tight: bool = False) -> None:
+    """Write a figure as a PNG, and beside it as a PDF that is the same in every run.
+
+    Args:
+        figure: Matplotlib's.
+        path: Of the PNG file.
+        tight: Whether its margins are cut off, where panels of equal scales leave some.
+    """
+    box = {"bbox_inches": "tight", "pad_inches": 0.04} if tight else {}
+    with style():
+        with replaced_file(path) as temporary:
+            figure.savefig(temporary, **box)
+        figure.set_layout_engine("none")  # as it is now: to lay out again takes as long as to draw
+        with replaced_file(path.with_suffix(".pdf")) as temporary:
+            figure.savefig(temporary, metadata={"CreationDate": None}, **box)
+
+
+def save_png(figure: Any, path: Path) -> None:
+    """Write a figure as a PNG alone, as the pages of the documentation want it."""
+    with style(), replaced_file(path) as temporary:
+        figure.savefig(temporary)
+
+
+def surface_of(contact: dict[str, Any]) -> str:
+    """The surface that a contact of ``result.json`` is of, and the one opposite, in words."""
+    if "master" in contact:
+        return f"'{contact['slave']}' against '{contact['master']}'"
+    return f"'{contact['name']}'"
+
+
+def in_words(parts: list[str]) -> str:
+    """Such as: pressure, friction and gap."""
+    return " and ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
+
+
+def title_of(panels: list[str], contact: dict[str, Any]) -> str:
+    """Such as: Contact pressure and gap on 'top'."""
+    words = in_words(panels)
+    return f"{words[0].upper()}{words[1:]} on {surface_of(contact)}"

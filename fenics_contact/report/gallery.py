@@ -1,0 +1,190 @@
+"""Pictures from the files of a run, by matplotlib and pyvista. No MPI, no FEniCSx."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fenics_contact.common.errors import InputError
+from fenics_contact.report.bodies.film import MOST_BODIES, Overview, draw_body_film
+from fenics_contact.report.bodies.mesh import draw_mesh
+from fenics_contact.report.bodies.picture import draw_body
+from fenics_contact.report.contacts.axis_stress import draw_axis_stress
+from fenics_contact.report.contacts.curves import draw_curves
+from fenics_contact.report.contacts.displacement import draw_surface_displacement
+from fenics_contact.report.contacts.film import FEWEST_STEPS, Film, draw_film, frame_numbers
+from fenics_contact.report.contacts.maps import draw_maps
+from fenics_contact.report.contacts.profile import draw_profile
+from fenics_contact.report.contacts.section_stress import draw_section
+from fenics_contact.report.drawing.fields import read_body, read_series, times_of_fields
+from fenics_contact.report.drawing.figures import style
+from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.formulas.recognition import AnalyticContact, recognise
+from fenics_contact.report.histories.load_steps import draw_history
+from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.scene.reading import scene_of_text
+from fenics_contact.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class _Run:
+    """What the files of a run hold.
+
+    Attributes:
+        folder: Where they are.
+        result: The content of ``result.json``.
+        table: That of ``contact.csv``.
+        body: A pyvista grid with the fields of the last step.
+        scene: What was solved; None where it was made of what a file cannot hold.
+        analytic: Its formulas, if it has some.
+    """
+
+    folder: Path
+    result: dict[str, Any]
+    table: ContactTable
+    body: Any
+    scene: Scene | None
+    analytic: AnalyticContact | None
+
+    @property
+    def flat(self) -> bool:
+        """Whether the model is plane or axisymmetric."""
+        return bool(self.result["model"]["kinematics"] != "3D")
+
+    @property
+    def axes(self) -> str:
+        """Letters of the axes."""
+        if not self.flat:
+            return "xyz"
+        return "rz" if self.result["model"]["kinematics"] == "axisymmetric" else "xy"
+
+    @property
+    def contacts(self) -> list[tuple[ContactTable, dict[str, Any]]]:
+        """Points and entries of the contacts."""
+        return [(self.table.of(contact["name"]), contact) for contact in self.result["contacts"]]
+
+    @property
+    def far(self) -> tuple[str, ...]:
+        """The outer boundary of a half-space, as supports are called."""
+        if self.scene is None or self.scene.half_space is None:
+            return ()
+        on = self.scene.half_space.on
+        return (*on, ", ".join(on))
+
+
+def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Picture]:
+    """Draw what the files of a run show.
+
+    Args:
+        folder: Holds ``contact.csv`` and ``fields.pvd``.
+        result: The content of its ``result.json``.
+
+    Returns:
+        The deformed body; of each contact pressure and friction, beside formulas where there are
+        some, and the stress below it; displacements and stresses along lines of flat models;
+        curves over the load steps where there are several, and animations where there are many;
+        the mesh of an adaptive run. Beside each PNG is a PDF of its name.
+
+    Raises:
+        InputError: matplotlib, pyvista or a display is missing; says what to install.
+    """
+    require("matplotlib", "pyvista")
+    table, body = ContactTable.read(folder / "contact.csv"), read_body(folder)
+    scene = _scene(folder, result)
+    run = _Run(folder, result, table, body, scene, recognise(scene, result, table, body))
+    with style():
+        return [
+            draw_body(body, result, table, folder / "deformed.png"),
+            *_of_contacts(run),
+            *_along_lines(run),
+            *draw_history(folder, result, run.far),
+            *_animations(run),
+            *_adapted(run),
+        ]
+
+
+def require(*libraries: str) -> None:
+    """Whether libraries for pictures are there.
+
+    Raises:
+        InputError: One is not; says what to install.
+    """
+    for library in libraries:
+        try:
+            importlib.import_module(library)
+        except ImportError:
+            raise InputError(
+                f"pictures need {library}: install it with pip install 'fenics-contact[pictures]'"
+            ) from None
+
+
+def _scene(folder: Path, result: dict[str, Any]) -> Scene | None:
+    """The scene that was solved, None where it cannot be run again."""
+    try:
+        return scene_of_text(result["scene"], folder / "result.json")
+    except InputError:  # made in Python, of what a file cannot hold
+        return None
+
+
+def _of_contacts(run: _Run) -> Iterator[Picture]:
+    """Pressure and friction of each contact, and the stress below."""
+    for number, (rows, contact) in enumerate(run.contacts):
+        path, analytic = run.folder / f"contact_{number}.png", run.analytic
+        if run.flat:
+            yield draw_curves(rows, contact, run.axes, path, analytic)
+        else:
+            yield draw_maps(rows, contact, path)
+            if analytic is not None:
+                profile = run.folder / f"contact_{number}_formula.png"
+                yield draw_profile(rows, contact, analytic, profile)
+        path = run.folder / f"stress_{number}.png"
+        if contact["contact"] != "prescribed":
+            below = draw_section(run.body, run.result, rows, contact, path, analytic)
+            if below is not None:
+                yield below
+
+
+def _along_lines(run: _Run) -> Iterator[Picture]:
+    """Of flat models: stresses on the axis, if there is one; displacements of the surface."""
+    contacts = run.result["contacts"]
+    if not contacts or not run.flat:
+        return
+    if run.axes == "rz":
+        rows, contact = run.contacts[0]
+        path = run.folder / "axis_stress.png"
+        below = draw_axis_stress(run.body, rows, contact, path, run.analytic)
+        if below is not None:
+            yield below
+    path = run.folder / "surface_displacement.png"
+    yield draw_surface_displacement(run.body, run.table, contacts, run.axes, path)
+
+
+def _adapted(run: _Run) -> list[Picture]:
+    """The last mesh of an adaptive run; in 3D the deformed body shows it."""
+    if not run.result.get("levels") or not run.flat:
+        return []
+    return [draw_mesh(run.body, run.result, run.table, run.folder / "mesh.png")]
+
+
+def _animations(run: _Run) -> Iterator[Picture]:
+    """The body and each contact that ever touches over the load steps, if there are many."""
+    steps = len(times_of_fields(run.folder))
+    if steps < FEWEST_STEPS:
+        return
+    numbers = frame_numbers(steps).tolist()
+    fewer = frame_numbers(steps, MOST_BODIES).tolist()
+    bodies = (body for _, body in read_series(run.folder, fewer))
+    overview = Overview.of(bodies, run.result, run.table)
+    series = read_series(run.folder, fewer)
+    path = run.folder / "animation_body.gif"
+    if overview is not None:
+        yield draw_body_film(series, overview, run.body, run.contacts, path)
+    for number, (rows, contact) in enumerate(run.contacts):
+        series = read_series(run.folder, numbers)
+        film = Film.of(series, rows, contact, run.result, run.far)
+        if film.touches:
+            path = run.folder / f"animation_{number}.gif"
+            yield draw_film(film, run.flat, run.axes, path)

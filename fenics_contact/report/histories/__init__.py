@@ -1,0 +1,1 @@
+"""Pictures over load steps, iterations and meshes."""

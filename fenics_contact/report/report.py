@@ -1,0 +1,72 @@
+"""Pictures and a page from the files of a run (``fenics-contact report``)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fenics_contact.common.atomic_files import replace_file
+from fenics_contact.common.errors import InputError
+from fenics_contact.report.drawing.field_files import whole_body
+from fenics_contact.report.drawing.figures import style
+from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.gallery import draw_pictures, require
+from fenics_contact.report.histories.convergence import draw_convergence
+from fenics_contact.report.page.html import Html
+from fenics_contact.report.page.page import Content, page
+from fenics_contact.report.view.view_3d import make_view, view_html
+from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.result_file import read_result
+from fenics_contact.scene.writing import SCENE_FILE
+
+PAGE = "report.html"
+
+
+def write_report(folder: Path) -> list[Picture]:
+    """Draw the pictures of a run and write ``report.html``, which holds them, beside them.
+
+    Of a run that did not converge they are those of the last load step that was done, if any.
+
+    Args:
+        folder: Output folder of a run.
+
+    Returns:
+        The pictures that were drawn.
+
+    Raises:
+        InputError: The folder holds no run, or a file of it cannot be read; a library is missing.
+    """
+    result = read_result(folder)
+    require("matplotlib", "pyvista", "plotly")
+    view, pictures = Html(), []
+    if (folder / "fields.pvd").exists() and result["quantities"]:
+        # what was done, without a load step that was not
+        done = result | {"steps": [step for step in result["steps"] if step["quantities"]]}
+        body, table = whole_body(folder), _points(folder, result["model"]["contact_points"])
+        view = view_html(make_view(body, done, table))
+        pictures = draw_pictures(folder, done)
+    with style():
+        convergence = draw_convergence(folder, result)
+    kept = _is_in(folder, result["scene"])
+    content = Content(folder.resolve().name, result, kept, pictures, convergence, view)
+    replace_file(folder / PAGE, page(content).encode())
+    return [*pictures, *convergence]
+
+
+def _points(folder: Path, number: int) -> ContactTable:
+    """The contact points, of which the run had so many.
+
+    Raises:
+        InputError: Some are missing, or the file cannot be read.
+    """
+    path = folder / "contact.csv"
+    table = ContactTable.read(path)
+    if len(table.status) != number:
+        there = f"it has {len(table.status)} points, but the run had {number}"
+        raise InputError(f"{path}: damaged: {there}; make the run again")
+    return table
+
+
+def _is_in(folder: Path, scene: str) -> bool:
+    """Whether the folder's ``scene.toml`` is the one that was solved, and not the user's own."""
+    path = folder / SCENE_FILE
+    return path.exists() and path.read_text(encoding="utf-8", errors="replace") == scene

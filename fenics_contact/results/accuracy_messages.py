@@ -1,0 +1,77 @@
+"""What is said of the accuracy that a scene asks for. No FEniCSx in here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from fenics_contact.results.result import UNKNOWN
+from fenics_contact.scene.accuracy import Accuracy
+from fenics_contact.scene.quantity_names import in_words
+
+_ADVICE = {
+    "penalty": "contact.penalty_parameter is given; make it smaller, or leave it out",
+    "regularisation": "contact.regularisation_parameter is given; make it smaller, or leave it out",
+    "iteration": "lower solver.tolerance and solver.outer_tolerance",
+    "step": "take more load steps",
+    "domain": "model more of the body around the contact",
+}
+
+
+def source_advice(source: str) -> str:
+    """What to do against errors of a source other than the mesh."""
+    return _ADVICE[source]
+
+
+def plan(asked: Mapping[str, float], accuracy: Accuracy) -> str:
+    """What is to be done, for ``fenics-contact check``."""
+    limits = ", ".join(f"{percent(v)} of {in_words(name)}" for name, v in asked.items())
+    return (
+        f"Adaptive: finer meshes until the estimated errors are below {limits}; at most "
+        f"{accuracy.max_levels} meshes, and {accuracy.max_dofs} dofs."
+    )
+
+
+def reached(meshes: int) -> str:
+    """A sentence for the verdict."""
+    return f"The accuracy asked for was reached with mesh {meshes}."
+
+
+def not_reached(reason: str) -> str:
+    """A sentence for the verdict; the reason may be one or several."""
+    return f"The accuracy asked for was not reached: {reason.rstrip('.')}."
+
+
+def level_line(number: int, level: Mapping[str, Any], asked: Mapping[str, float]) -> str:
+    """A level on one line, with the estimated errors and those allowed."""
+    errors = ", ".join(
+        f"{in_words(name)} {percent(level['errors'][name])} of {percent(limit)}"
+        for name, limit in asked.items()
+    )
+    return f"mesh {number}: {level['dofs']} dofs, {level['seconds']:.1f} s; errors: {errors}"
+
+
+def percent(value: float | None) -> str:
+    """A relative error, ``?`` where it was not estimated."""
+    return UNKNOWN if value is None else f"{100 * value:.2g} %"
+
+
+def level_rows(levels: list[dict[str, Any]], accuracy: Mapping[str, Any]) -> list[list[str]]:
+    """A table of the levels of ``result.json``, its head first, what was asked last.
+
+    Args:
+        levels: Those of the result, none where it asks for no accuracy.
+        accuracy: Likewise.
+    """
+    if not levels:
+        return []
+    names = list(accuracy["asked"])
+    rows = [["mesh", "dofs", "cells", "seconds", *(in_words(name) for name in names)]]
+    for number, level in enumerate(levels):
+        errors = [percent(level["errors"][name]) for name in names]
+        seconds = f"{level['seconds']:.1f}"
+        rows.append([str(number + 1), str(level["dofs"]), str(level["cells"]), seconds, *errors])
+    rows.append(
+        ["asked for", "", "", "", *(percent(limit) for limit in accuracy["asked"].values())]
+    )
+    return rows

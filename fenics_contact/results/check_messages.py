@@ -1,0 +1,169 @@
+"""What each check compares, and what it means when it fails, in words: in this one place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from fenics_contact.results.result import Check
+
+
+@dataclass(frozen=True)
+class CheckWords:
+    """Of a check.
+
+    Attributes:
+        compares: What is compared, and over what its value is taken; a sentence.
+        failure: What is wrong when it fails, with ``{share}`` for its value.
+        kinds: The same for checks of several comparisons, by ``Check.kind``.
+    """
+
+    compares: str
+    failure: str = ""
+    kinds: Mapping[str, str] = field(default_factory=dict)
+
+
+WORDS: Mapping[str, CheckWords] = {
+    "equilibrium": CheckWords(
+        "Forces and moments of loads, supports and contacts on each connected part add up to "
+        "zero; over the sum of its nodal forces.",
+        "{share} of the forces are out of balance",
+    ),
+    "resultant": CheckWords(
+        "Resultants that the body takes from contacts against what is put on: the force that "
+        "drives an obstacle, a given pressure times the area, the loads on a part that only "
+        "contacts hold; over the forces added up.",
+        kinds={
+            "obstacle": "the obstacle's force on the body is {share} off the one that drives it",
+            "pressure": "the force of the given pressure is {share} off pressure times area",
+            "part": "what the body takes from contacts is {share} off the loads",
+        },
+    ),
+    "stabilisation": CheckWords(
+        "The largest force where motions that nothing resists are held, which is to vanish; over "
+        "all forces applied.",
+        "where a motion that nothing resists is held, {share} of the forces act; the loads push "
+        "it, so give it a support, or friction",
+    ),
+    "action_and_reaction": CheckWords(
+        "Forces on both bodies of a contact, and their moments, add up to zero; over the forces "
+        "on one.",
+        "what one body gets and the other gives differ by {share}",
+    ),
+    "boundary_stress": CheckWords(
+        "Stress in the body, integrated over a contact, against the contact's pressure and "
+        "friction; over these and the body's mean stress.",
+        "the stress in the body carries {share} more or less than the contact",
+    ),
+    "friction_cone": CheckWords(
+        "Friction that the body needs at a node against the most that friction can carry there; "
+        "over the largest such bound.",
+        "traction exceeds its bound by {share} of the largest bound",
+    ),
+    "friction_law": CheckWords(
+        "Friction that the body needs at a node against the friction law's at the slip there; "
+        "over the largest bound.",
+        "traction is off the friction law by {share} of the largest bound",
+    ),
+    "outer_loop": CheckWords(
+        "The bound that friction was solved with against the coefficient times the pressure that "
+        "came out; over the largest such bound.",
+        "friction was solved with a bound that is off the pressure's by {share} of the largest; "
+        "the loop on the pressure ended too early",
+    ),
+    "dissipation": CheckWords(
+        "Friction acts against the slip at every point; over the largest bound and slip.",
+        "friction pushes along the slip, by {share} of the largest bound and slip",
+    ),
+    "stick_creep": CheckWords(
+        "Creep of points that stick, |u_T| ≤ ε: the share of ε against the share of the bound "
+        "that the body needs; and creep against what the body gives way under the same friction.",
+        kinds={
+            "law": "creep over ε is off the share of the bound by {share} of the largest bound",
+            "share": "points that stick creep by {share} of what the body gives way; the "
+            "regularisation_parameter is too large for this scene",
+        },
+    ),
+    "contact_law": CheckWords(
+        "Pressure that the body needs at a node against the penalty's or foundation's; over the "
+        "peak pressure.",
+        "pressure is off the contact law by {share} of the peak",
+    ),
+    "complementarity": CheckWords(
+        "Pressure that the body needs where the gap is open; over the peak pressure.",
+        "{share} of the peak pressure acts across an open gap",
+    ),
+    "tension": CheckWords(
+        "Tension that the body needs at a node of a contact that cannot pull; over the peak "
+        "pressure.",
+        "the contact pulls with {share} of the peak pressure",
+    ),
+    "penetration": CheckWords(
+        "Energy in the penalties against the strain energy: the share by which contact forces "
+        "are off.",
+        "penalties hold {share} of the strain energy; the penalty_parameter is too large for "
+        "this scene",
+    ),
+    "penetration_depth": CheckWords(
+        "The deepest penetration against what the pressure closes, p L/E*, which is about the "
+        "indentation, and against the shortest edge of the cells at the contact; of glue, how far "
+        "it is pulled apart against what the bodies give way under the same tractions.",
+        kinds={
+            "closing": "penetration is {share} of what the pressure closes; the "
+            "penalty_parameter is too large for this scene",
+            "cell": "penetration is {share} of the shortest edge of a cell",
+            "glue": "glue gives way by {share} of what the bodies do; the penalty_parameter is too "
+            "large for this scene",
+        },
+    ),
+    "pressure_recovery": CheckWords(
+        "The penalty's pressure against that recovered from nodal forces of the body: median "
+        "difference over the mean pressure.",
+        "the two pressures differ by {share} of their mean; pressures are not resolved",
+    ),
+    "linear_range": CheckWords(
+        "No part of the body is turned inside out, and none passes through what holds it, in any "
+        "load step; over the volume of a part, of a material, or of what lies near a surface that "
+        "is touched, loaded or held, of which a thousandth is left out.",
+        kinds={
+            "turned": "{share} of the volume is turned inside out; the loads or displacements are "
+            "too large for linear theory",
+            "beyond": "{share} of the volume passes through a plane of symmetry or the axis; the "
+            "loads or displacements are too large for linear theory",
+            "overlap": "the body passes into an obstacle that it slides along, by {share} of the "
+            "radius or thickness; linear theory measures the gap where points first were",
+        },
+    ),
+    "energy_balance": CheckWords(
+        "Work done along the load steps less strain energy, penalties' energy and dissipation; "
+        "over the work done.",
+        "{share} of the work done is not accounted for",
+    ),
+}
+
+
+def compares(name: str) -> str:
+    """What a check compares; empty for one that is not known, as of another version's file."""
+    return WORDS[name].compares if name in WORDS else ""
+
+
+def failure(name: str, check: Check) -> str:
+    """What is wrong, how much, and where: ``friction cone: traction exceeds …``."""
+    words = WORDS[name]
+    said = words.kinds[check.kind] if check.kind else words.failure
+    said = said.format(share=_share(check.value))
+    if check.value != check.value:
+        said = "its value is not a number"
+    return f"{name.replace('_', ' ')}: {said}{_where(check)}"
+
+
+def _share(value: float) -> str:
+    return f"{value:.3g} times" if value > 10 else f"{100 * value:.3g} %"
+
+
+def _where(check: Check) -> str:
+    at = f" at '{check.contact}'" if check.contact else ""
+    at += f" in '{check.part}'" if check.part else ""
+    if check.place:
+        at += f" near ({', '.join(f'{x + 0.0:.4g}' for x in check.place)})"
+    return at

@@ -1,0 +1,90 @@
+"""The rows of ``contact.csv``, for pictures."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.plain_text import one_line
+
+Array = NDArray[np.float64]
+
+CSV_HEADER = [
+    *("contact", "x", "y", "z", "nx", "ny", "nz", "gap", "contact_pressure"),
+    *("traction_x", "traction_y", "traction_z", "slip_x", "slip_y", "slip_z", "status"),
+]
+_STATUS = ("OPEN", "STICK", "SLIP")
+
+
+@dataclass(frozen=True)
+class ContactTable:
+    """The rows of ``contact.csv`` as columns.
+
+    Attributes:
+        contact: Name of each row's contact, in one line and printable.
+        status: OPEN, STICK or SLIP.
+        numbers: The other columns, by their names in the header.
+    """
+
+    contact: NDArray[np.str_]
+    status: NDArray[np.str_]
+    numbers: dict[str, Array]
+
+    @classmethod
+    def read(cls, path: Path) -> ContactTable:
+        """Read a ``contact.csv``.
+
+        Raises:
+            InputError: There is none, or it is damaged; says where.
+        """
+        try:
+            with path.open(newline="", encoding="utf-8") as file:
+                head, *rows = list(csv.reader(file)) or [[]]
+            _require_whole(head, rows)
+            numbers = np.array([[float(cell) for cell in row[1:-1]] for row in rows])
+        except OSError as error:
+            raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+        except (ValueError, csv.Error) as error:
+            raise InputError(f"{path}: damaged: {error}; make the run again") from None
+        columns = numbers.reshape(len(rows), len(CSV_HEADER) - 2).T
+        return cls(
+            contact=np.array([one_line(row[0]) for row in rows], dtype=str),
+            status=np.array([row[-1] for row in rows], dtype=str),
+            numbers=dict(zip(CSV_HEADER[1:-1], columns, strict=True)),
+        )
+
+    @property
+    def closed(self) -> NDArray[np.bool_]:
+        """Which points touch the obstacle."""
+        return np.asarray(self.status != "OPEN")
+
+    def of(self, contact: str) -> ContactTable:
+        """The rows of one contact."""
+        return self.rows(self.contact == one_line(contact))
+
+    def rows(self, wanted: NDArray[np.bool_] | NDArray[np.int64]) -> ContactTable:
+        """Some of the rows, or all of them in another order."""
+        numbers = {name: column[wanted] for name, column in self.numbers.items()}
+        return ContactTable(self.contact[wanted], self.status[wanted], numbers)
+
+    def vectors(self, *names: str) -> Array:
+        """Columns side by side, shape (rows, names)."""
+        return np.stack([self.numbers[name] for name in names], axis=1)
+
+
+def _require_whole(head: list[str], rows: list[list[str]]) -> None:
+    """That the columns are those that runs write, and every row has them all.
+
+    Raises:
+        ValueError: They are not.
+    """
+    if head != CSV_HEADER:
+        raise ValueError("its first line does not name the columns")
+    for number, row in enumerate(rows, start=2):
+        if len(row) != len(CSV_HEADER) or row[-1] not in _STATUS:
+            raise ValueError(f"line {number} is not whole")

@@ -1,0 +1,141 @@
+"""The part of a scene that asks for an accuracy, for which the mesh is then made."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Collection, Iterator, Mapping
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from fenics_contact.scene.quantity_names import looks_like_quantity
+from fenics_contact.scene.values import Integer, Number, scene_class
+
+_Share = Annotated[Number, Field(gt=0, lt=1)]
+_Asked = _Share | None
+# Of a scene that says but one number; in each, those that it has.
+MAIN = ("normal_force", "max_contact_pressure", "contact_area", "stick_area")
+
+
+@scene_class
+class Accuracy:
+    """Estimated errors that the answer may have, relative; `accuracy = 1e-3` asks for all main.
+
+    >>> Accuracy(main=1e-2, normal_force=1e-4).asked(["normal_force", "contact_area"])
+    {'normal_force': 0.0001, 'contact_area': 0.01}
+    >>> Accuracy(of={"left.reaction_x": 1e-2}).asked([])
+    {'left.reaction_x': 0.01}
+    """
+
+    main: Annotated[
+        _Asked,
+        Field(
+            description="of `normal_force`, `max_contact_pressure`, `contact_area` and, with "
+            "friction whose bound is not given, `stick_area`"
+        ),
+    ] = None
+    normal_force: Annotated[
+        _Asked, Field(description="over itself; where it is not known, that of `pressure_integral`")
+    ] = None
+    pressure_integral: Annotated[_Asked, Field(description="over itself")] = None
+    friction_force: Annotated[_Asked, Field(description="over the normal force")] = None
+    contact_force: Annotated[_Asked, Field(description="over itself")] = None
+    reaction: Annotated[_Asked, Field(description="of all supports together, over itself")] = None
+    max_contact_pressure: Annotated[_Asked, Field(description="over itself")] = None
+    contact_area: Annotated[_Asked, Field(description="over itself")] = None
+    stick_area: Annotated[_Asked, Field(description="over the area in contact")] = None
+    slip_area: Annotated[_Asked, Field(description="over the area in contact")] = None
+    contact_radius: Annotated[_Asked, Field(description="over itself")] = None
+    stick_radius: Annotated[_Asked, Field(description="over the contact radius")] = None
+    max_slip: Annotated[_Asked, Field(description="over itself")] = None
+    indentation: Annotated[_Asked, Field(description="over itself")] = None
+    strain_energy: Annotated[_Asked, Field(description="over itself")] = None
+    external_work: Annotated[_Asked, Field(description="over itself")] = None
+    friction_work: Annotated[_Asked, Field(description="over the strain energy")] = None
+    of: Annotated[
+        Mapping[str, _Share],
+        Field(
+            description="of further quantities by their names: `NAME.quantity` of the contact or "
+            "the supports called NAME (`left.reaction`), `displacement_NAME` of a `[[point]]`, "
+            "and components (`left.reaction_x`), over the length of the vector. In a file these "
+            'may stand beside the other keys, in quotes (`"left.reaction" = 1e-2`) or without'
+        ),
+    ] = Field(default_factory=dict)
+    max_levels: Annotated[
+        Integer, Field(ge=1, le=50, description="meshes at the most, with the first")
+    ] = 10
+    max_dofs: Annotated[Integer, Field(ge=100, description="of a mesh at the most")] = 200_000
+
+    def __post_init__(self) -> None:
+        for name in self.of:
+            if name in QUANTITIES:
+                raise ValueError(f"'{name}' is a key of its own, beside of")
+        if not any(getattr(self, name) for name in QUANTITIES) and not (self.main or self.of):
+            raise ValueError(
+                f"ask for that of main or of any of {', '.join(QUANTITIES)}, or of a quantity by "
+                "its name, such as 'left.reaction'"
+            )
+
+    def asked(self, present: Collection[str]) -> dict[str, float]:
+        """Quantities asked for by their names, each with the relative error that it may have.
+
+        Args:
+            present: Quantities that the scene has; others are left out of those of ``main``.
+        """
+        asked = {name: getattr(self, name) for name in QUANTITIES}
+        if self.main is not None:
+            asked |= {name: asked[name] or self.main for name in MAIN if name in present}
+        return {name: limit for name, limit in asked.items() if limit is not None} | dict(self.of)
+
+
+QUANTITIES = tuple(
+    field.name
+    for field in dataclasses.fields(Accuracy)
+    if field.name not in ("main", "of", "max_levels", "max_dofs")
+)
+
+
+def as_accuracy(value: Any) -> Any:
+    """A number asks for that of all main quantities; quantities by their names go to ``of``."""
+    if _is_number(value):
+        return {"main": float(value)}
+    if value is None or isinstance(value, Accuracy):
+        return value
+    if not isinstance(value, Mapping):
+        raise ValueError("must be a number, as in accuracy = 1e-3, or a table")
+    keys = {key: part for key, part in value.items() if not _is_name(key, part)}
+    beside = {key: part for key, part in value.items() if key not in keys and key != "of"}
+    further = value.get("of", {})
+    if not isinstance(further, Mapping):
+        return value  # refused for its type
+    named = [*_flat(beside), *_flat(further)]
+    for number, (name, share) in enumerate(named):
+        if any(name == other for other, _ in named[:number]):
+            raise ValueError(f"'{name}' is given twice")
+        if not _is_number(share) or not 0 < share < 1:
+            raise ValueError(f"'{name}' = {share!r}: must be a number greater than 0, less than 1")
+    return keys | {"of": {name: float(share) for name, share in named}}
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, float | int) and not isinstance(value, bool)
+
+
+def _is_name(key: str, value: Any) -> bool:
+    """Whether a key is, or a table begins, the name of a quantity that has no key of its own."""
+    return isinstance(value, Mapping) or (looks_like_quantity(key) and key not in QUANTITIES)
+
+
+def _flat(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    """Names and values: dotted keys, which make tables in tables, mean the same as in quotes.
+
+    Raises:
+        ValueError: A table is empty.
+    """
+    if before and not table:
+        raise ValueError(f"'{before[:-1]}' is an empty table")
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{before}{key}.")
+        else:
+            yield before + key, value

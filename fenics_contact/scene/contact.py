@@ -1,0 +1,275 @@
+"""The part of a scene that says what the body touches."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from fenics_contact.scene.values import (
+    CONSTANT,
+    RAMP,
+    LoadPath,
+    Number,
+    Path,
+    Positive,
+    Text,
+    Value,
+    scene_class,
+)
+
+Direction = Annotated[tuple[Number, ...], Field(min_length=2, max_length=3)]
+Kind = Literal["prescribed", "unilateral", "winkler", "bonded"]
+Shape = Literal[
+    "plane", "parabola", "paraboloid", "cylinder", "sphere", "flat punch", "annular punch"
+]
+
+
+@scene_class
+class Obstacle:
+    """A rigid obstacle: its shape, where it stands, and what drives it.
+
+    Without a shape and a gap it touches the contact surface everywhere.
+
+    >>> Obstacle(shape="sphere", radius=8, force=4144.2).indentation is None  # it is found
+    True
+    >>> Obstacle(shape="plane", normal=(0.3, 1), position=(0, 0)).path(0.5)  # a ramp by default
+    0.5
+    """
+
+    shape: Annotated[
+        Shape | None,
+        Field(
+            description="`paraboloid` and `sphere` in axisymmetric and 3D models, `parabola` and "
+            "`cylinder` in plane and 3D ones; a `flat punch` ends at its radius"
+        ),
+    ] = None
+    radius: Annotated[
+        Positive | None,
+        Field(
+            description="of a sphere or cylinder, of curvature at the apex of a parabola or "
+            "paraboloid, or outer radius (half width in plane models) of a punch (length)"
+        ),
+    ] = None
+    inner_radius: Annotated[Positive | None, Field(description="of an annular punch (length)")] = (
+        None
+    )
+    gap: Annotated[
+        Value | None,
+        Field(
+            description="instead of a shape: gap along the surface's normal, negative where they "
+            "overlap (length); in Python a function of x that returns UFL"
+        ),
+    ] = None
+    position: Annotated[
+        Direction | None,
+        Field(
+            description="apex, a point of a plane, or where a gap's force acts on a half-space "
+            "(length); by default the origin"
+        ),
+    ] = None
+    normal: Annotated[
+        Direction | None,
+        Field(
+            description="outward normal at the apex, of any length; slanting for a tilted "
+            "obstacle; by default against that of a flat contact surface"
+        ),
+    ] = None
+    along: Annotated[
+        Direction | None,
+        Field(description="direction of the straight lines of a 3D parabola or cylinder"),
+    ] = None
+    direction: Annotated[
+        Direction | None,
+        Field(description="in which it is driven, of any length; by default its normal"),
+    ] = None
+    indentation: Annotated[
+        Number | None,
+        Field(description="how far it is driven (length); by default 0, unless by a force"),
+    ] = None
+    force: Annotated[
+        Annotated[Number, Field(ge=0)] | None,
+        Field(description="drives it instead; on the part that is modelled (force)"),
+    ] = None
+    displacement: Annotated[
+        Direction | None,
+        Field(
+            description="how far it moves besides, one entry an axis (length); along a half-space "
+            "in plane strain relative to what lies straight below, at the far end of the mesh"
+        ),
+    ] = None
+    path: Annotated[LoadPath, Field(description="of indentation or force over the load steps")] = (
+        RAMP
+    )
+    displacement_path: Annotated[
+        LoadPath, Field(description="of the displacement over the load steps")
+    ] = RAMP
+
+    def __post_init__(self) -> None:
+        if self.shape is not None and self.gap is not None:
+            raise ValueError("give either a shape or a gap")
+        if self.force is not None and self.indentation is not None:
+            raise ValueError("give either an indentation or a force")
+        if self.shape is None and self.gap is None and self.position is not None:
+            raise ValueError("position: only a shape or a gap has one")
+        if self.along is not None and self.shape not in ("parabola", "cylinder"):
+            raise ValueError("along: only a 3D parabola or cylinder has such a direction")
+        needs_radius = self.shape not in (None, "plane")
+        if needs_radius and self.radius is None:
+            raise ValueError(f"radius is missing for the shape '{self.shape}'")
+        if not needs_radius and self.radius is not None:
+            raise ValueError("radius: only a curved shape or a punch has one")
+        if (self.shape == "annular punch") != (self.inner_radius is not None):
+            raise ValueError("inner_radius belongs to the shape 'annular punch', and only there")
+        if self.radius and self.inner_radius and self.inner_radius >= self.radius:
+            raise ValueError(f"inner_radius = {self.inner_radius:g} must be less than the radius")
+        for key in ("normal", "along", "direction"):
+            vector = getattr(self, key)
+            if vector is not None and not any(vector):
+                raise ValueError(f"{key} must not be a zero vector")
+
+
+@scene_class
+class Contact:
+    """A contact surface (the paper's Γ_C): what it meets there, and friction.
+
+    >>> Contact("bottom", friction_coefficient=0.3).kind
+    'unilateral'
+    >>> Contact("top", pressure=lambda x: 200 + 25 * x[0], friction_coefficient=0.3).kind
+    'prescribed'
+    >>> Contact("bottom", foundation_stiffness=100).kind
+    'winkler'
+    """
+
+    on: Annotated[Text, Field(description="physical group of the contact surface")]
+    pressure: Annotated[
+        Value | None,
+        Field(description="of `prescribed` contact, ≥ 0, which also loads the body (stress)"),
+    ] = None
+    pressure_path: Annotated[
+        LoadPath,
+        Field(
+            description="of that pressure over the load steps, factors ≥ 0; load and friction "
+            "bound follow it; by default it acts from the start"
+        ),
+    ] = CONSTANT
+    name: Annotated[str, Field(description="name in the results; by default that of the group")] = (
+        ""
+    )
+    contact: Annotated[
+        Kind | None,
+        Field(
+            description="`prescribed`: its pressure is given; `unilateral`: an obstacle that the "
+            "body may leave but not enter; `winkler`: the same on springs; `bonded`: glued to it; "
+            "by default `prescribed` where there is a pressure, `winkler` where there is a "
+            "foundation_stiffness, else `unilateral`"
+        ),
+    ] = None
+    obstacle: Annotated[
+        Obstacle | None,
+        Field(description="what stands against it; by default it touches everywhere, and is fixed"),
+    ] = None
+    against: Annotated[
+        Text | None,
+        Field(
+            description="instead of an obstacle: physical group of the surface opposite, of "
+            "another body or of the same one; meshes need not match"
+        ),
+    ] = None
+    slave: Annotated[
+        Literal["auto", "on", "against"],
+        Field(
+            description="of two surfaces, the one whose points contact acts at, and `contact.csv` "
+            "has; `auto` takes the one that the other covers, not a much finer one"
+        ),
+    ] = "auto"
+    penalty_parameter: Annotated[
+        Positive | Literal["auto"],
+        Field(
+            description="the paper's ε₁ of `unilateral` and `bonded` contact: penetration over "
+            "pressure (length/stress); `auto` keeps its bias below .1 %"
+        ),
+    ] = "auto"
+    foundation_stiffness: Annotated[
+        Value | None,
+        Field(description="of a `winkler` foundation, ≥ 0: pressure over depth (stress/length)"),
+    ] = None
+    law: Annotated[
+        Literal["static", "incremental", "none"],
+        Field(
+            description="friction law: `static` acts on the total displacement (the paper's), "
+            "`incremental` on the slip since the last load step (Coulomb's)"
+        ),
+    ] = "static"
+    friction_coefficient: Annotated[
+        Value, Field(description="Coulomb's coefficient, ≥ 0; 0 leaves friction out")
+    ] = 0.0
+    regularisation_parameter: Annotated[
+        Positive | Literal["auto"],
+        Field(description="the paper's ε, a slip (length); `auto` keeps its bias below .1 %"),
+    ] = "auto"
+
+    def __post_init__(self) -> None:
+        prescribed = self.kind == "prescribed"
+        if prescribed != (self.pressure is not None):
+            raise ValueError(
+                "the pressure is missing: prescribed contact needs it"
+                if prescribed
+                else f"pressure: in {self.kind} contact it is found, not given"
+            )
+        if not prescribed and self.pressure_path != CONSTANT:
+            raise ValueError("pressure_path: only a pressure that is given has one")
+        if isinstance(self.pressure_path, Path) and min(self.pressure_path.factor) < 0:
+            raise ValueError("pressure_path: the factors must be ≥ 0, contact does not pull")
+        if (self.kind == "winkler") != (self.foundation_stiffness is not None):
+            raise ValueError("foundation_stiffness belongs to winkler contact, and only there")
+        if self.against is not None and (prescribed or self.obstacle is not None):
+            other = "a pressure that is given" if prescribed else "an obstacle"
+            raise ValueError(f"against: a contact has either a surface opposite or {other}")
+        if self.against == self.on:
+            raise ValueError(f"against = '{self.on}': a surface cannot stand against itself")
+        if self.against is None and self.slave != "auto":
+            raise ValueError("slave: only contact of two surfaces has one; see against")
+        if prescribed and self.obstacle is not None:
+            raise ValueError("obstacle: prescribed contact has none, only its pressure")
+        if self.penalty_parameter != "auto" and self.kind not in ("unilateral", "bonded"):
+            raise ValueError(f"penalty_parameter: {self.kind} contact has none")
+        if self.kind == "bonded" and self.friction_coefficient != 0:
+            raise ValueError("friction_coefficient: bonded contact sticks, it has none")
+        for key in ("pressure", "friction_coefficient", "foundation_stiffness"):
+            value = getattr(self, key)
+            if isinstance(value, float | int) and value < 0:
+                raise ValueError(f"{key} = {value} must be ≥ 0")
+
+    @property
+    def kind(self) -> Kind:
+        """What is known of the contact, also where the scene leaves it to the other keys."""
+        if self.contact is not None:
+            return self.contact
+        if self.foundation_stiffness is not None:
+            return "winkler"
+        return "unilateral" if self.pressure is None else "prescribed"
+
+    @property
+    def label(self) -> str:
+        """Name in results and messages."""
+        return self.name or self.on
+
+
+@scene_class
+class HalfSpace:
+    """Makes the body a piece of a half-space.
+
+    On its outer boundary the displacement is that of the half-space under the forces that
+    the contacts carry, into it (Boussinesq) and along its surface (Cerruti).
+    """
+
+    on: Annotated[
+        tuple[Text, ...],
+        Field(min_length=1, description="physical groups of the outer boundary, inside the body"),
+    ]
+
+    @property
+    def label(self) -> str:
+        """Name in results, as that of a support."""
+        return ", ".join(self.on)

@@ -1,0 +1,88 @@
+"""The part of a scene that says what the body is made of."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BeforeValidator, Field
+
+from fenics_contact.scene.values import VOIGT, Value, scene_class
+
+
+def _stiffness_matrix(value: Any) -> Any:
+    """A tensor E_ijkl of shape (3, 3, 3, 3) as the 6 × 6 matrix; anything else as it is."""
+    if isinstance(value, list | tuple) and _depth(value) == 4:
+        value = np.array(value, dtype=float)
+    if isinstance(value, np.ndarray) and value.shape == (3, 3, 3, 3):
+        for axes in ((1, 0, 2, 3), (0, 1, 3, 2), (2, 3, 0, 1)):
+            if not np.allclose(value, value.transpose(axes), rtol=1e-10):
+                raise ValueError("E_ijkl must equal E_jikl, E_ijlk and E_klij")
+        value = np.array([[value[i, j, k, m] for k, m in VOIGT] for i, j in VOIGT])
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def _depth(value: Any) -> int:
+    """How deep lists are nested, by the first of each."""
+    depth = 0
+    while isinstance(value, list | tuple) and value:
+        value, depth = value[0], depth + 1
+    return depth
+
+
+_Row = Annotated[tuple[Value, ...], Field(min_length=6, max_length=6)]
+Stiffness = Annotated[
+    tuple[_Row, ...], Field(min_length=6, max_length=6), BeforeValidator(_stiffness_matrix)
+]
+
+
+@scene_class
+class Material:
+    """Linear elasticity (paper, (1.1)): isotropic, or any elastic tensor E_ijkl.
+
+    Fibres along x, in a material with E_ijkl = λ δ_ij δ_kl + 2μ I_ijkl otherwise:
+
+    >>> import numpy as np
+    >>> delta = np.eye(3)
+    >>> tensor = 100 * np.einsum("ij,kl->ijkl", delta, delta)
+    >>> tensor += 80 * np.einsum("ik,jl->ijkl", delta, delta)
+    >>> tensor += 80 * np.einsum("il,jk->ijkl", delta, delta)
+    >>> tensor[0, 0, 0, 0] += 500
+    >>> [row[0] for row in Material(stiffness=tensor).stiffness]
+    [760.0, 100.0, 100.0, 0.0, 0.0, 0.0]
+    >>> Material(youngs_modulus=1000, poissons_ratio=0.5)
+    Traceback (most recent call last):
+    fenics_contact.common.errors.SceneError: Material: poissons_ratio = 0.5 must lie between -1 and 0.5
+    """  # noqa: E501
+
+    youngs_modulus: Annotated[Value | None, Field(description="Young's modulus, > 0 (stress)")] = (
+        None
+    )
+    poissons_ratio: Annotated[
+        Value | None,
+        Field(description="Poisson's ratio, between −1 and 0.5; from .49 nothing locks"),
+    ] = None
+    stiffness: Annotated[
+        Stiffness | None,
+        Field(
+            description="instead of the two: 6 × 6 matrix of E_ijkl in the mesh's axes, ordered "
+            "xx, yy, zz, yz, xz, xy (no factors 2); symmetric, positive definite (stress)"
+        ),
+    ] = None
+    on: Annotated[
+        str, Field(description="physical group of cells that it fills; by default the body")
+    ] = ""
+
+    def __post_init__(self) -> None:
+        isotropic = (self.youngs_modulus, self.poissons_ratio)
+        if self.stiffness is None:
+            for key, value in zip(("youngs_modulus", "poissons_ratio"), isotropic, strict=True):
+                if value is None:
+                    raise ValueError(f"{key} is missing (or give a stiffness)")
+        elif isotropic != (None, None):
+            raise ValueError("give either youngs_modulus and poissons_ratio, or stiffness")
+        young, poisson = isotropic
+        if isinstance(young, float | int) and young <= 0:
+            raise ValueError(f"youngs_modulus = {young:g} must be greater than 0")
+        if isinstance(poisson, float | int) and not -1 < poisson < 0.5:
+            raise ValueError(f"poissons_ratio = {poisson:g} must lie between -1 and 0.5")

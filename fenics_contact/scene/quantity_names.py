@@ -1,0 +1,172 @@
+"""Quantities by the names under which they are asked for. No FEniCSx in here.
+
+``normal_force`` is that of the whole model, ``left.reaction`` that of a contact or of supports,
+``displacement_tip`` that of a point; ``_x``, ``_y`` or ``_z`` at the end is a component.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Hashable
+from dataclasses import dataclass
+
+from fenics_contact.scene.values import AXES
+
+# Resultants of a contact, which several do not have together.
+OF_ONE_CONTACT = ("normal_force", "pressure_integral", "friction_force", "contact_force")
+
+# Those that have a component along each axis.
+VECTORS = ("friction_force", "contact_force", "reaction")
+
+OF_CONTACTS = (
+    *OF_ONE_CONTACT,
+    *("max_contact_pressure", "contact_area", "stick_area", "slip_area", "contact_radius"),
+    *("stick_radius", "max_slip", "indentation", "friction_work"),
+)
+_OF_SUPPORTS = ("reaction",)
+_OF_ALL = (*OF_CONTACTS, "reaction", "strain_energy", "external_work")
+_POINT = "displacement_"
+
+
+@dataclass(frozen=True)
+class QuantityName:
+    """What a name stands for.
+
+    Attributes:
+        owner: Name of the contact or of the supports; empty for the whole model.
+        quantity: As in ``result.json``.
+        axis: Number of the component, None for all of it.
+    """
+
+    owner: str
+    quantity: str
+    axis: int | None = None
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """Key of the reaction of a support by its number, or of all supports of a name together.
+
+    Keys of a contact's quantities are pairs of its number and the quantity, those of the whole
+    model's the quantity alone.
+    """
+
+    of: int | str
+
+
+@dataclass(frozen=True)
+class QuantityNames:
+    """The names that a scene gives to contacts, supports and points.
+
+    Attributes:
+        contacts: Each once.
+        supports: Several supports may have the same.
+        points: Each once.
+        dimension: Number of components of a vector.
+
+    >>> names = QuantityNames(("top",), ("left", "upper.left"), ("tip",), 2)
+    >>> names.find("upper.left.reaction_x")
+    QuantityName(owner='upper.left', quantity='reaction', axis=0)
+    >>> names.find("left.normal_force")
+    Traceback (most recent call last):
+    ValueError: 'left.normal_force': the support 'left' has reaction, reaction_x, reaction_y
+    """
+
+    contacts: tuple[str, ...]
+    supports: tuple[str, ...]
+    points: tuple[str, ...]
+    dimension: int
+
+    def find(self, text: str) -> QuantityName:
+        """What a name stands for.
+
+        Args:
+            text: ``quantity`` or ``NAME.quantity``; the quantity is what follows the last dot.
+
+        Raises:
+            ValueError: The scene has nothing of this name, or two things; says what it has.
+        """
+        owner, _, quantity = text.rpartition(".")
+        readings = self._readings(owner) if owner or "." not in text else {}
+        if quantity not in readings:
+            raise ValueError(f"'{text}': {self._accepted(owner, quantity, list(readings))}")
+        found = readings[quantity]
+        if len(found) > 1:
+            names = " and ".join(f"'{name.quantity.removeprefix(_POINT)}'" for name in found)
+            raise ValueError(
+                f"'{text}' could be of the points {names}: give one of them another name"
+            )
+        return found[0]
+
+    def key(self, name: QuantityName) -> Hashable:
+        """That of the quantity among those that are measured."""
+        if not name.owner:
+            return name.quantity
+        if name.quantity in _OF_SUPPORTS:
+            return Reaction(name.owner)
+        return (self.contacts.index(name.owner), name.quantity)
+
+    def _readings(self, owner: str) -> dict[str, list[QuantityName]]:
+        """What each quantity of an owner may stand for: of points, names may end as components."""
+        quantities = list(_OF_ALL) if not owner else []
+        quantities += [_POINT + point for point in self.points] if not owner else []
+        quantities += OF_CONTACTS if owner in self.contacts else ()
+        quantities += _OF_SUPPORTS if owner in self.supports else ()
+        found: dict[str, list[QuantityName]] = {}
+        for quantity in quantities:
+            found.setdefault(quantity, []).append(QuantityName(owner, quantity))
+            if quantity in VECTORS or quantity.startswith(_POINT):
+                for axis, letter in enumerate(AXES[: self.dimension]):
+                    component = QuantityName(owner, quantity, axis)
+                    found.setdefault(f"{quantity}_{letter}", []).append(component)
+        return found
+
+    def _accepted(self, owner: str, quantity: str, quantities: list[str]) -> str:
+        """What there is instead of an unknown name."""
+        if not quantities:
+            known = list(dict.fromkeys([*self.contacts, *self.supports]))
+            return (
+                f"no contact and no support is called '{owner}'; {_nearest(owner, known)}"
+                f"There are {', '.join(known) or 'none'}"
+            )
+        hint = _nearest(quantity, quantities)
+        if not owner:
+            return f"{hint}The whole model has {', '.join(quantities)}"
+        kinds = [
+            f"the {kind} '{owner}'"
+            for kind, names in (("contact", self.contacts), ("support", self.supports))
+            if owner in names
+        ]
+        return f"{hint}{' and '.join(kinds)} has {', '.join(quantities)}"
+
+
+def _nearest(text: str, known: list[str]) -> str:
+    """A question after the nearest of the known names; empty where none is near."""
+    near = difflib.get_close_matches(text, known, n=1)
+    return f"did you mean '{near[0]}'? " if near else ""
+
+
+def looks_like_quantity(key: str) -> bool:
+    """Whether a key can only be meant as a quantity by its name, known or not."""
+    base = key[:-2] if key.endswith(("_x", "_y", "_z")) else key
+    return "." in key or key.startswith(_POINT) or base in _OF_ALL
+
+
+def in_words(text: str) -> str:
+    """A quantity's name as text.
+
+    >>> in_words("upper_left.reaction_x"), in_words("normal_force")
+    ('reaction x of upper_left', 'normal force')
+    """
+    owner, _, quantity = text.rpartition(".")
+    return quantity.replace("_", " ") + (f" of {owner}" if owner else "")
+
+
+def require_name(name: str) -> None:
+    """Refuse a name that cannot be told from others where it is read.
+
+    Raises:
+        ValueError: It has characters that are not printed, or blanks at its ends.
+    """
+    if not name.isprintable() or name != name.strip():
+        raise ValueError(f"name = {name!r} may have only printable characters, and no blank ends")

@@ -1,0 +1,169 @@
+"""Scene files: TOML to the frozen dataclasses of ``fenics_contact.scene.scene``."""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from fenics_contact.common.errors import InputError
+from fenics_contact.scene.messages import sentence, written
+from fenics_contact.scene.scene import Scene
+
+_SMALLEST, _LARGEST = 1e-100, 1e100  # sizes of numbers that a scene may hold
+_DEEPEST = 20  # tables and lists within each other; a scene has half as many
+_LONGEST = 2**26  # characters of a scene file, which may be one without an end
+
+
+def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
+    """Read a scene file.
+
+    Args:
+        path: TOML file; relative mesh files in it are sought beside it.
+        overrides: ``table.key=value`` settings that replace those of the file;
+            entries of a list are counted from 0 (``contact.0.pressure=200``).
+
+    Returns:
+        The scene, with paths of meshes that begin at the file's folder.
+
+    Raises:
+        InputError: Naming the file, the key, the value and what is accepted.
+
+    >>> from fenics_contact import main
+    >>> main(["new", "slab", "--quiet"])  # writes slab.toml and slab.geo
+    0
+    >>> load_scene("slab.toml", ["contact.0.pressure=200"]).contact[0].pressure
+    200.0
+    >>> load_scene("nowhere.toml")
+    Traceback (most recent call last):
+    fenics_contact.common.errors.InputError: nowhere.toml: cannot be read: No such file or directory
+    """
+    path = Path(path)
+    data = _parsed(_read(path), path)
+    for setting in overrides:
+        _override(data, setting)
+    return _beside(_scene(data, path), path.parent)
+
+
+def scene_of_text(text: str, path: Path) -> Scene:
+    """A scene of the text of a scene file; paths of its meshes are as they stand there.
+
+    Args:
+        text: TOML.
+        path: What messages say that it is from.
+
+    Raises:
+        InputError: As ``load_scene``.
+    """
+    return _scene(_parsed(text, path), path)
+
+
+def _scene(data: dict[str, Any], path: Path) -> Scene:
+    _refuse_extremes(data, path)
+    if data.get("mesh", []) == []:
+        raise InputError(f"{path}: the table [mesh] is missing; it names the mesh's file")
+    try:
+        return TypeAdapter(Scene).validate_python(data)
+    except ValidationError as error:
+        raise InputError(f"{path}: {sentence(error, data, Scene)}") from None
+
+
+def _read(path: Path) -> str:
+    try:
+        with path.open(encoding="utf-8") as file:
+            text = file.read(_LONGEST + 1)
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file in UTF-8") from None
+    except (OSError, ValueError) as error:  # a name with a null byte
+        said = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"{path}: cannot be read: {said}") from None
+    if len(text) > _LONGEST:
+        raise InputError(f"{path}: cannot be read: it has more than {_LONGEST >> 20} MB")
+    return text
+
+
+def _parsed(text: str, path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not valid TOML: {error}") from None
+    except (ValueError, RecursionError) as error:  # thousands of digits, or of brackets
+        raise InputError(f"{path}: cannot be read: {error}") from None
+
+
+def _refuse_extremes(data: Any, file: Path, path: tuple[Any, ...] = ()) -> None:
+    """Numbers whose squares or products would overflow are slips of the pen."""
+    if len(path) > _DEEPEST:
+        raise InputError(f"{file}: {written(path)[:60]}…: tables within tables, too many")
+    if isinstance(data, dict | list):
+        for step, part in data.items() if isinstance(data, dict) else enumerate(data):
+            _refuse_extremes(part, file, (*path, step))
+    elif isinstance(data, int | float) and data != 0 and not _SMALLEST < abs(data) < _LARGEST:
+        raise InputError(
+            f"{file}: {written(path)} = {_in_short(data)}: must be a finite number, and 0 or of "
+            f"a size between {_SMALLEST:g} and {_LARGEST:g}"
+        )
+
+
+def _in_short(number: float) -> str:
+    """A number of however many digits: Python writes out a few thousand at the most."""
+    is_long = isinstance(number, int) and number.bit_length() > 10000
+    return (hex(int(number)) if is_long else str(number))[:20]
+
+
+def _beside(scene: Scene, folder: Path) -> Scene:
+    """The scene with its mesh files' paths taken from the scene file's folder."""
+    meshes = [dataclasses.replace(mesh, file=str(folder / mesh.file)) for mesh in scene.mesh]
+    return dataclasses.replace(scene, mesh=tuple(meshes))
+
+
+def _override(data: dict[str, Any], setting: str) -> None:
+    """Replace or add one value, such as ``solver.tolerance=1e-8``."""
+    path, equals, text = setting.partition("=")
+    if not equals or not path.strip():
+        raise InputError(f"--set {setting}: write it as table.key=value")
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except (ValueError, RecursionError):
+        value = text.strip()  # a bare word is a string
+    *tables, key = _keys(path.strip(), setting)
+    target: Any = data
+    for name in tables:
+        if isinstance(target, list):
+            target = _entry(target, name, setting)
+        elif isinstance(target, dict):
+            target = target.setdefault(name, {})
+        else:
+            raise InputError(f"--set {setting}: '{name}' is not a table of the scene")
+    if isinstance(target, list):
+        _entry(target, key, setting)
+        target[int(key)] = value
+    elif isinstance(target, dict):
+        target[key] = value
+    else:
+        raise InputError(f"--set {setting}: '{path.strip()}' is not a key of the scene")
+
+
+def _keys(path: str, setting: str) -> list[str]:
+    """Keys between dots; in quotes they may have dots themselves, as in TOML."""
+    if '"' not in path and "'" not in path:
+        return path.split(".")
+    try:
+        table = tomllib.loads(f"{path} = 0")
+    except (ValueError, RecursionError):
+        raise InputError(f"--set {setting}: write it as table.key=value") from None
+    keys = []
+    while isinstance(table, dict):
+        key, table = next(iter(table.items()))
+        keys.append(key)
+    return keys
+
+
+def _entry(entries: list[Any], name: str, setting: str) -> Any:
+    if not (name.isascii() and name.isdigit()) or int(name) >= len(entries):
+        raise InputError(f"--set {setting}: '{name}' must be a number from 0 to {len(entries) - 1}")
+    return entries[int(name)]

@@ -1,0 +1,158 @@
+"""What a scene may contain, read off the classes: for ``docs/scene.md`` and for hints.
+
+``python docs/make_scene.py`` writes the page.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import types
+import typing
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from annotated_types import Ge, Gt, Le, Lt
+from pydantic.fields import FieldInfo
+
+from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.values import PathFunction, PositionFunction, Profile
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key of a scene: its name, what it takes, its default and its meaning."""
+
+    name: str
+    accepts: str
+    default: str
+    description: str
+    table: type | None
+    is_list: bool
+
+
+def keys_of(table: type) -> list[Key]:
+    """The keys that a scene class accepts, in order."""
+    hints = typing.get_type_hints(table, include_extras=True)
+    return [_key(field, hints[field.name]) for field in dataclasses.fields(table)]
+
+
+def _key(field: Any, hint: Any) -> Key:
+    plain, information = _unwrap(hint)
+    description = next((i.description for i in information if _is_described(i)), "")
+    table = next((c for c in _classes(plain) if c is not Profile), None)
+    return Key(
+        name=field.name,
+        accepts=_accepted(hint),
+        default=_default(field),
+        description=description or "",
+        table=table,
+        is_list=typing.get_origin(plain) is tuple,
+    )
+
+
+def _is_described(information: Any) -> bool:
+    return isinstance(information, FieldInfo) and information.description is not None
+
+
+def _unwrap(hint: Any) -> tuple[Any, list[Any]]:
+    """An annotated type apart: the bare type and all that is said about it."""
+    information: list[Any] = []
+    while typing.get_origin(hint) is typing.Annotated:
+        hint, *more = typing.get_args(hint)
+        information += more
+    return hint, information
+
+
+def _classes(hint: Any) -> list[type]:
+    """Scene classes inside a type."""
+    hint, _ = _unwrap(hint)
+    if dataclasses.is_dataclass(hint):
+        return [typing.cast(type, hint)]
+    return [found for part in typing.get_args(hint) for found in _classes(part)]
+
+
+def _default(field: Any) -> str:
+    default = field.default
+    if isinstance(default, FieldInfo):
+        factory = default.default_factory
+        if factory is None:
+            return "required"
+        return "none" if factory is dict else "see below"
+    if default is dataclasses.MISSING:
+        return "required" if field.default_factory is dataclasses.MISSING else "none"
+    if default in ((), None, ""):
+        return "none"
+    return f"`{default!r}`".replace("'", '"')
+
+
+def _accepted(hint: Any) -> str:
+    """What a key takes, in words."""
+    plain, information = _unwrap(hint)
+    origin, parts = typing.get_origin(plain), typing.get_args(plain)
+    if origin is typing.Literal:
+        return " or ".join(f'`"{word}"`' for word in parts)
+    if origin in (typing.Union, types.UnionType):
+        unsaid = (type(None), PositionFunction, PathFunction)
+        words = [_accepted(part) for part in parts if part not in unsaid]
+        return " or ".join(dict.fromkeys(words))
+    if origin is tuple:
+        return f"list of {_accepted(parts[0])}".replace("list of table", "list of tables")
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return f"table of name = {_accepted(parts[1])}"
+    if dataclasses.is_dataclass(plain):
+        return "a profile" if plain is Profile else "table"
+    name = {float: "number", int: "whole number", str: "text", bool: "`true` or `false`"}[plain]
+    return name + _bounds(information)
+
+
+def _bounds(information: list[Any]) -> str:
+    words = []
+    flat = [m for i in information for m in (i.metadata if isinstance(i, FieldInfo) else [i])]
+    for limit in flat:
+        if isinstance(limit, Gt):
+            words.append(f"> {limit.gt:g}")
+        elif isinstance(limit, Ge):
+            words.append(f"≥ {limit.ge}")
+        elif isinstance(limit, Lt):
+            words.append(f"< {limit.lt:g}")
+        elif isinstance(limit, Le):
+            words.append(f"≤ {limit.le}")
+    return f" {' and '.join(words)}" if words else ""
+
+
+def render() -> str:
+    """The reference page, in Markdown."""
+    text = [
+        "# Scene reference",
+        "",
+        "Generated from the code by `python docs/make_scene.py`; do not edit.",
+        "",
+        "A scene is a TOML file, or the same frozen dataclasses in Python. Unknown keys are",
+        "errors. Units are yours, consistent; nothing is converted. Where a *profile* is",
+        "accepted, a table varies the value along an axis, and Python also takes a function of",
+        "the points (array of shape (3, n) in, n values out). In place of a load path, a table,",
+        "Python also takes a function of the pseudo-time (a number in, its factor out).",
+    ]
+    text += _section("The scene", "top level", Scene)
+    for key in keys_of(Scene):
+        if key.table is not None:
+            header = f"[[{key.name}]]" if key.is_list else f"[{key.name}]"
+            text += _section(f"`{header}`", "a list" if key.is_list else "a table", key.table)
+            for inner in keys_of(key.table):
+                if inner.table is not None:
+                    title = f"`[{key.name}.{inner.name}]`"
+                    text += _section(title, f"a table of the last {header}", inner.table)
+    text += _section("A profile", "in place of a number", Profile)
+    text += ["", "```toml", 'pressure = { along = "x", at = [0, 8], values = [100, 300] }', "```"]
+    return "\n".join(text) + "\n"
+
+
+def _section(title: str, subtitle: str, table: type) -> list[str]:
+    document = (table.__doc__ or "").strip().splitlines()[0]
+    lines = ["", f"## {title} ({subtitle})", "", document, ""]
+    lines += ["| key | takes | default | meaning |", "|---|---|---|---|"]
+    lines += [
+        f"| `{k.name}` | {k.accepts} | {k.default} | {k.description} |" for k in keys_of(table)
+    ]
+    return lines

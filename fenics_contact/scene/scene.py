@@ -1,0 +1,396 @@
+"""A scene: what the user says, as frozen data. No FEniCSx in here.
+
+Every class is a frozen, validated dataclass; the same words are the keys of a
+scene file (``fenics_contact.scene.reading``). Units are the user's, consistent.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from fenics_contact.scene.accuracy import Accuracy, as_accuracy
+from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
+from fenics_contact.scene.material import Material
+from fenics_contact.scene.quantity_names import QuantityNames, require_name
+from fenics_contact.scene.steps import SolverSettings as SolverSettings
+from fenics_contact.scene.steps import Steps as Steps
+from fenics_contact.scene.values import (
+    AXES,
+    RAMP,
+    AxisName,
+    Integer,
+    Kinematics,
+    LoadPath,
+    Number,
+    Positive,
+    Profile,
+    Text,
+    Value,
+    Vector,
+    scene_class,
+)
+
+_MOST = 1000  # meshes, supports, loads …, each of which takes up to a hundredth of a second
+
+
+@scene_class
+class MeshSource:
+    """Where the mesh of a body comes from.
+
+    >>> MeshSource("slab.geo", cell="quadrilateral", parameters={"cells_along": 16}).order
+    1
+    """
+
+    file: Annotated[
+        Text,
+        Field(
+            description="Gmsh geometry (`.geo`), mesh (`.msh`) or CAD file (`.step`, `.stp`, "
+            "`.brep`); relative to the scene file"
+        ),
+    ]
+    parameters: Annotated[
+        Mapping[str, Number],
+        Field(description="values for the `DefineConstant` names of a `.geo` file"),
+    ] = Field(default_factory=dict)
+    cell: Annotated[
+        Literal["as meshed", "triangle", "quadrilateral"],
+        Field(description="shape of the cells made from a geometry"),
+    ] = "as meshed"
+    order: Annotated[
+        Integer, Field(ge=1, le=2, description="order of the cells' geometry made from a geometry")
+    ] = 1
+    size: Annotated[
+        Positive | None,
+        Field(description="largest cell made from a geometry (length); by default Gmsh's choice"),
+    ] = None
+    curvature: Annotated[
+        Annotated[Integer, Field(ge=3)] | None,
+        Field(description="cells along a full circle made from a geometry, for finer holes"),
+    ] = None
+    time_limit: Annotated[
+        Positive,
+        Field(description="seconds that Gmsh may take to mesh or to read the file, each time"),
+    ] = 600.0
+    groups: Annotated[
+        Mapping[str, tuple[Integer, ...]],
+        Field(
+            description="boundary groups named here: name → Gmsh's numbers of surfaces (3D) or "
+            "curves (2D), such as `{ fixed = [3, 4] }`"
+        ),
+    ] = Field(default_factory=dict)
+    name: Annotated[
+        str,
+        Field(
+            description="of all its cells; where there are several meshes each needs one, and its "
+            "groups are called `name.group`"
+        ),
+    ] = ""
+
+    def __post_init__(self) -> None:
+        if "." in self.name:
+            raise ValueError(f"name = '{self.name}' must not contain a '.'")
+
+
+@scene_class
+class Discretisation:
+    """The finite element space."""
+
+    degree: Annotated[
+        Integer, Field(ge=1, le=2, description="degree of the Lagrange displacements")
+    ] = 2
+
+
+@scene_class
+class Support:
+    """Prescribed displacement components (the paper's Γ_D).
+
+    >>> Support("left", {"x": 0, "y": lambda x: 0.01 * x[1]}).path(2.0)
+    1.0
+    """
+
+    on: Annotated[Text, Field(description="physical group: a boundary, or the whole body")]
+    displacement: Annotated[
+        Mapping[AxisName, Value],
+        Field(min_length=1, description="component → value (length), such as `{ x = 0 }`"),
+    ]
+    path: Annotated[LoadPath, Field(description="of the displacement over the load steps")] = RAMP
+    name: Annotated[
+        Text | None,
+        Field(
+            description="name in the results, by default that of the group; reactions of supports "
+            "of the same name add up"
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        if self.name is not None:
+            require_name(self.name)
+
+    @property
+    def label(self) -> str:
+        """Name in results and messages."""
+        return self.name or self.on
+
+
+@scene_class
+class Load:
+    """A given load (the paper's f): exactly one of the three kinds.
+
+    >>> Load("right", traction=(-300, 0), pressure=300)
+    Traceback (most recent call last):
+    fenics_contact.common.errors.SceneError: Load: give exactly one of traction, pressure and body_force
+    """  # noqa: E501
+
+    on: Annotated[Text, Field(description="physical group: boundary, or body for a body force")]
+    traction: Annotated[
+        Vector | None, Field(description="force per area, one entry per axis (stress)")
+    ] = None
+    pressure: Annotated[
+        Value | None, Field(description="pressure, > 0 pushes on the body (stress)")
+    ] = None
+    body_force: Annotated[
+        Vector | None, Field(description="force per volume, one entry per axis")
+    ] = None
+    path: Annotated[LoadPath, Field(description="of the load over the load steps")] = RAMP
+
+    def __post_init__(self) -> None:
+        if sum(kind is not None for kind in (self.traction, self.pressure, self.body_force)) != 1:
+            raise ValueError("give exactly one of traction, pressure and body_force")
+
+
+@scene_class
+class Point:
+    """A point of the body at which the displacement is a quantity.
+
+    ``Point("middle", (0, 0))`` makes ``displacement_middle``, one entry an axis (length).
+    """
+
+    name: Annotated[
+        Text,
+        Field(
+            description="the quantity is `displacement_` and this name; letters, digits, `-`, `_`"
+        ),
+    ]
+    at: Annotated[
+        tuple[Number, ...],
+        Field(
+            min_length=2,
+            max_length=3,
+            description="its place in the undeformed body, one entry per axis (length); where "
+            "two bodies touch it belongs to the first mesh",
+        ),
+    ]
+
+    def __post_init__(self) -> None:
+        if not re.fullmatch(r"[\w-]+", self.name):
+            raise ValueError(f"name = '{self.name}' may have only letters, digits, '-' and '_'")
+
+
+def _as_list(value: Any) -> Any:
+    """One table as a list of one."""
+    return value if isinstance(value, list | tuple) else (value,)
+
+
+@scene_class
+class Scene:
+    """Everything a run needs to know.
+
+    A block on a rough floor is pressed down by 10 and pulled by 3, both per area. It stands on
+    its lower side, 2 wide, so equilibrium tells what the floor has to carry:
+
+    >>> from fenics_contact import main, run
+    >>> main(["new", "own", "--quiet"])  # for its geometry, own.geo
+    0
+    >>> scene = Scene(
+    ...     kinematics="plane strain",
+    ...     mesh=MeshSource("own.geo", cell="quadrilateral"),
+    ...     material=Material(youngs_modulus=1000, poissons_ratio=0.3),
+    ...     load=(Load("top", pressure=10), Load("right", traction=(3, 0))),
+    ...     contact=(Contact("bottom", friction_coefficient=0.5),),
+    ... )
+    >>> found = run(scene)
+    >>> abs(found.quantities["normal_force"] - 10) < 1e-8  # the geometry is 1 wide by default
+    True
+    >>> abs(found.quantities["friction_force"][0] + 3) < 1e-8
+    True
+    """
+
+    kinematics: Annotated[
+        Kinematics, Field(description="in axisymmetric models x is the radius and y the axis")
+    ]
+    material: Annotated[
+        tuple[Material, ...],
+        BeforeValidator(_as_list),
+        Field(
+            min_length=1,
+            max_length=_MOST,
+            description="the elastic material: one `[material]`, or several `[[material]]`, "
+            "each `on` its group of cells",
+        ),
+    ]
+    mesh: Annotated[
+        tuple[MeshSource, ...],
+        BeforeValidator(_as_list),
+        Field(
+            max_length=_MOST,
+            description="one `[mesh]`, or several `[[mesh]]`, each with a `name`; in Python it may "
+            "be left out and a `Body` passed instead",
+        ),
+    ] = ()
+    title: Annotated[str, Field(description="one line for results and pictures")] = ""
+    thickness: Annotated[
+        Value | None,
+        Field(description="of a plane stress model, > 0 (length); without it, all is per unit"),
+    ] = None
+    discretisation: Annotated[Discretisation, Field(description="the finite element space")] = (
+        Field(default_factory=Discretisation)
+    )
+    support: Annotated[
+        tuple[Support, ...], Field(description=f"supports, up to {_MOST}", max_length=_MOST)
+    ] = ()
+    load: Annotated[
+        tuple[Load, ...], Field(description=f"loads, up to {_MOST}", max_length=_MOST)
+    ] = ()
+    contact: Annotated[
+        tuple[Contact, ...],
+        Field(description=f"contact surfaces, up to {_MOST}", max_length=_MOST),
+    ] = ()
+    point: Annotated[
+        tuple[Point, ...], Field(description="points whose displacement is a quantity, any number")
+    ] = ()
+    symmetry: Annotated[
+        tuple[Text, ...],
+        Field(
+            description="physical groups on planes of symmetry across an axis of the mesh; results "
+            "are those of the part that is modelled"
+        ),
+    ] = ()
+    half_space: Annotated[
+        HalfSpace | None, Field(description="makes the body a piece of a half-space")
+    ] = None
+    accuracy: Annotated[
+        Accuracy | None,
+        BeforeValidator(as_accuracy),
+        Field(
+            description="makes meshes until estimated errors are below it: a number (`accuracy = "
+            "1e-3`, before the first table) for all main quantities, or a table"
+        ),
+    ] = None
+    steps: Annotated[Steps, Field(description="load steps, by default one")] = Field(
+        default_factory=Steps
+    )
+    solver: Annotated[SolverSettings, Field(description="the nonlinear solver")] = Field(
+        default_factory=SolverSettings
+    )
+
+    def __post_init__(self) -> None:
+        dimension = self.dimension
+        for number, support in enumerate(self.support):
+            for axis in support.displacement:
+                if AXES.index(axis) >= dimension:
+                    raise ValueError(
+                        f"support[{number}].displacement.{axis}: a {self.kinematics} model has "
+                        f"only the axes {', '.join(AXES[:dimension])}"
+                    )
+        for number, load in enumerate(self.load):
+            for key in ("traction", "body_force"):
+                vector = getattr(load, key)
+                if vector is not None and len(vector) != dimension:
+                    raise ValueError(
+                        f"load[{number}].{key} has {len(vector)} entries; "
+                        f"a {self.kinematics} model needs {dimension}"
+                    )
+        if self.thickness is not None and self.kinematics != "plane stress":
+            raise ValueError(f"thickness is for plane stress, not for {self.kinematics}")
+        if isinstance(self.thickness, float | int) and self.thickness <= 0:
+            raise ValueError(f"thickness = {self.thickness:g} must be greater than 0")
+        if dimension == 2 and any(profile.along == "z" for profile in _profiles(self)):
+            raise ValueError(f"a profile along z: a {self.kinematics} model has only x and y")
+        for number, contact in enumerate(self.contact):
+            _require_axes(contact.obstacle, dimension, f"contact[{number}].obstacle")
+        if self.half_space is not None and self.load:
+            raise ValueError("half_space: only the contacts' forces reach it, so leave out load")
+        if self.half_space is not None and self.kinematics == "plane stress":
+            raise ValueError("half_space is for plane strain, axisymmetric and 3D models")
+        if len(self.mesh) > 1:
+            _require_names(self.mesh)
+        for number, point in enumerate(self.point):
+            if len(point.at) != dimension:
+                raise ValueError(
+                    f"point[{number}].at has {len(point.at)} entries; "
+                    f"a {self.kinematics} model needs {dimension}"
+                )
+        _require_distinct("points", [point.name for point in self.point])
+        _require_distinct("contacts", [contact.label for contact in self.contact])
+        _require_known(self)
+
+    @property
+    def dimension(self) -> int:
+        """Number of displacement components, 3 in 3D, else 2."""
+        return 3 if self.kinematics == "3D" else 2
+
+    @property
+    def names(self) -> QuantityNames:
+        """The names by which quantities can be asked for."""
+        supports = [*(support.label for support in self.support), *self.symmetry]
+        if self.half_space is not None:
+            supports.append(self.half_space.label)
+        return QuantityNames(
+            contacts=tuple(contact.label for contact in self.contact),
+            supports=tuple(supports),
+            points=tuple(point.name for point in self.point),
+            dimension=self.dimension,
+        )
+
+
+def _require_known(scene: Scene) -> None:
+    """Every quantity that an accuracy is asked of is one of the scene."""
+    for name in () if scene.accuracy is None else scene.accuracy.of:
+        try:
+            scene.names.find(name)
+        except ValueError as error:
+            raise ValueError(f"accuracy: {error}") from None
+
+
+def _require_names(meshes: tuple[MeshSource, ...]) -> None:
+    """Several meshes are told apart by their names."""
+    for number, mesh in enumerate(meshes):
+        if not mesh.name:
+            raise ValueError(f"mesh[{number}].name is missing: each of several meshes needs one")
+    _require_distinct("meshes", [mesh.name for mesh in meshes])
+
+
+def _require_distinct(things: str, names: Sequence[str]) -> None:
+    """Things of one kind are told apart by their names."""
+    name, count = Counter(names).most_common(1)[0] if names else ("", 0)
+    if count > 1:
+        raise ValueError(f"two {things} are called '{name}': give each its own name")
+
+
+def _require_axes(obstacle: Obstacle | None, dimension: int, key: str) -> None:
+    """Vectors of an obstacle have one entry an axis."""
+    for name in ("position", "normal", "along", "direction", "displacement"):
+        vector = getattr(obstacle, name, None)
+        if vector is not None and len(vector) != dimension:
+            raise ValueError(f"{key}.{name} has {len(vector)} entries; it needs {dimension}")
+
+
+def _profiles(part: Any) -> Iterator[Profile]:
+    """All profiles inside a scene or a part of it."""
+    if isinstance(part, Profile):
+        yield part
+    elif dataclasses.is_dataclass(part):
+        for field in dataclasses.fields(part):
+            yield from _profiles(getattr(part, field.name))
+    elif isinstance(part, Mapping):
+        for value in part.values():
+            yield from _profiles(value)
+    elif isinstance(part, tuple):
+        for value in part:
+            yield from _profiles(value)

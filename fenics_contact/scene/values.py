@@ -1,0 +1,187 @@
+"""Kinds of values in a scene: numbers, texts, profiles, functions of position."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import inspect
+import textwrap
+from collections.abc import Callable
+from typing import Annotated, Any, Literal, TypeVar, cast, dataclass_transform
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ConfigDict, Field, Strict, ValidationError
+from pydantic.dataclasses import dataclass
+
+from fenics_contact.common.errors import SceneError
+from fenics_contact.scene.messages import sentence
+
+Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Positive = Annotated[Number, Field(gt=0)]
+Integer = Annotated[int, Strict()]
+Text = Annotated[str, Field(min_length=1)]
+AxisName = Literal["x", "y", "z"]
+Kinematics = Literal["plane strain", "plane stress", "axisymmetric", "3D"]
+
+AXES: tuple[AxisName, ...] = ("x", "y", "z")
+# Index pairs of a stress or strain in the order of a 6 × 6 stiffness matrix.
+VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+Class = TypeVar("Class", bound=type)
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(Field,))
+def scene_class(plain: Class) -> Class:
+    """A frozen dataclass that validates what it is given, and knows no other keys.
+
+    What it refuses in Python is a ``SceneError`` of one sentence; in a file, ``load_scene`` says
+    where.
+    """
+    made: Any = dataclass(frozen=True, config=ConfigDict(extra="forbid"))(plain)
+    validate = made.__init__
+
+    @functools.wraps(validate)
+    def checked(self: Any, *values: Any, **named: Any) -> None:
+        try:
+            validate(self, *values, **named)
+        except ValidationError as error:
+            names = [field.name for field in dataclasses.fields(made)]
+            given = dict(zip(names, values, strict=False)) | named
+            words = sentence(error, given, made, names)
+            raise SceneError(f"{made.__name__}: {words}") from None
+
+    made.__init__ = checked
+    made.__doc__ = f"{inspect.getdoc(plain)}\n\n{_attributes(made)}"
+    return cast(Class, made)
+
+
+def _attributes(made: Any) -> str:
+    """The part of a docstring that says what the keys are, as their fields describe them."""
+    lines = ["Attributes:"]
+    for name, field in made.__pydantic_fields__.items():
+        text = f"{name}: {field.description[0].upper()}{field.description[1:]}."
+        lines += textwrap.wrap(text, 92, initial_indent=" " * 4, subsequent_indent=" " * 8)
+    return "\n".join(
+        [
+            *lines,
+            "",
+            "Raises:",
+            "    SceneError: A value is none that is accepted, or keys contradict each other.",
+        ]
+    )
+
+
+@scene_class
+class Profile:
+    """A value that varies along one axis, linear between the listed points.
+
+    >>> import numpy as np
+    >>> pressure = Profile(along="x", at=(0, 2, 4), values=(100, 300, 0))
+    >>> pressure(np.array([[-1, 1, 3, 9], [0, 0, 0, 0], [0, 0, 0, 0]])).tolist()
+    [100.0, 200.0, 150.0, 0.0]
+    """
+
+    along: Annotated[AxisName, Field(description="axis of the mesh along which it varies")]
+    at: Annotated[
+        tuple[Number, ...], Field(min_length=2, description="increasing coordinates (length)")
+    ]
+    values: Annotated[
+        tuple[Number, ...],
+        Field(min_length=2, description="the value at each; constant beyond the ends"),
+    ]
+
+    def __post_init__(self) -> None:
+        if len(self.at) != len(self.values):
+            raise ValueError(f"at has {len(self.at)} entries and values {len(self.values)}")
+        if any(b <= a for a, b in zip(self.at, self.at[1:], strict=False)):
+            raise ValueError("the coordinates in at must increase")
+
+    def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values at points.
+
+        Args:
+            points: Coordinates in the mesh's axes, (3, points) (length).
+
+        Returns:
+            A value for each, (points,) (the unit of ``values``).
+        """
+        return np.asarray(np.interp(points[AXES.index(self.along)], self.at, self.values))
+
+
+PositionFunction = Callable[[NDArray[np.float64]], Any]
+Value = Number | Profile | PositionFunction
+Vector = Annotated[tuple[Value, ...], Field(min_length=2, max_length=3)]
+
+
+@scene_class
+class Path:
+    """How a quantity grows with the pseudo-time of the load steps, linear between the points.
+
+    In Python a function of the pseudo-time may stand in its place.
+
+    >>> there_and_back = Path(time=(0, 1, 2), factor=(0, 1, 0), cycles=3)
+    >>> [there_and_back(time) for time in (0.5, 1, 2, 3, 5.5, 9)]
+    [0.5, 1.0, 0.0, 1.0, 0.5, 0.0]
+    """
+
+    time: Annotated[
+        tuple[Number, ...], Field(min_length=1, description="increasing pseudo-times, ≥ 0")
+    ]
+    factor: Annotated[
+        tuple[Number, ...],
+        Field(min_length=1, description="share of the value at each; constant beyond the ends"),
+    ]
+    cycles: Annotated[
+        Integer,
+        Field(
+            ge=1,
+            le=1_000_000,
+            description="how often the table runs, one cycle after the other; its last time is "
+            "the period, and its last factor must be the first",
+        ),
+    ] = 1
+
+    def __post_init__(self) -> None:
+        if len(self.time) != len(self.factor):
+            raise ValueError(f"time has {len(self.time)} entries and factor {len(self.factor)}")
+        if any(b <= a for a, b in zip(self.time, self.time[1:], strict=False)):
+            raise ValueError("the times must increase")
+        if self.time[0] < 0:
+            raise ValueError(f"the first time, {self.time[0]:g}, must be ≥ 0")
+        if self.cycles == 1:
+            return
+        if self.time[-1] <= 0:
+            raise ValueError("cycles: the last time is the period, which must be > 0")
+        if self.factor[0] != self.factor[-1]:
+            raise ValueError(
+                f"cycles: the last factor, {self.factor[-1]:g}, must be the first, "
+                f"{self.factor[0]:g}, or every cycle would begin with a jump"
+            )
+
+    def __call__(self, time: float) -> float:
+        """Share of the value at a pseudo-time.
+
+        Args:
+            time: Pseudo-time, that of the load steps.
+        """
+        if self.cycles > 1:
+            period = self.time[-1]
+            time -= period * min(max(time // period, 0), self.cycles - 1)
+        return float(np.interp(time, self.time, self.factor))
+
+    @property
+    def knots(self) -> tuple[float, ...]:
+        """Pseudo-times at which it may change its slope."""
+        period = self.time[-1]
+        starts = [cycle * period for cycle in range(self.cycles)]
+        return tuple(sorted({start + time for start in starts for time in self.time}))
+
+
+# Its factor at a pseudo-time; in scenes made in Python.
+PathFunction = Callable[[float], Any]
+LoadPath = Path | PathFunction
+
+# From nothing at time 0 to all at time 1, and from then on.
+RAMP = Path(time=(0.0, 1.0), factor=(0.0, 1.0))
+# All from the start.
+CONSTANT = Path(time=(0.0,), factor=(1.0,))

@@ -1,0 +1,1 @@
+"""Mesh after mesh until the estimated errors are those asked for."""

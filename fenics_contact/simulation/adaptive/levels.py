@@ -1,0 +1,423 @@
+"""Mesh after mesh, until the estimated errors are those that a scene allows.
+
+Mesh, solve, estimate, find sizes: each level starts from the answer of the last one, where there
+is a single load step; histories are run anew. Penalties and regularisations that the scene left to
+the program are made smaller where it is they that decide; what the scene has set stays, and is
+named as the reason where the accuracy is not reached for it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import logging
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from fenics_contact.common.errors import FenicsContactError, StoppedError
+from fenics_contact.common.parallel import total
+from fenics_contact.evaluate.contact_areas import edges
+from fenics_contact.mesh.size_field import SINGULAR
+from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.results.accuracy_messages import (
+    level_line,
+    not_reached,
+    plan,
+    reached,
+    source_advice,
+)
+from fenics_contact.results.result import Result
+from fenics_contact.scene.accuracy import Accuracy
+from fenics_contact.scene.quantity_names import in_words
+from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.adaptive.next_mesh import Wish, hindrance, next_mesh
+from fenics_contact.simulation.adaptive.relative_errors import (
+    Errors,
+    is_met,
+    measured_keys,
+    others_than_mesh,
+    relative_errors,
+)
+from fenics_contact.simulation.adaptive.targets import asked_of, balanced
+from fenics_contact.simulation.adaptive.transfer import moved_over
+from fenics_contact.simulation.scene_run import Run
+from fenics_contact.solve.load_steps.accepted_step import Unknowns
+from fenics_contact.trust.convergence.level_history import LevelHistory, said, without_bars
+from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
+
+Array = NDArray[np.float64]
+
+logger = logging.getLogger(__name__)
+
+# Of the cells, from one level to the next: at least and at most so many times as many.
+_LEAST, _MOST = 1.2, 4.0
+# Likewise, at most, while few cells make most of the error: more of the others would not help.
+_MOST_AT_POINTS = 2.0
+# Likewise, at least, where the edges of contact or stick get smaller ones.
+_FEWER = 0.5
+# Order of a quantity's error over that of the energy norm's, before there are two levels.
+_FIRST_ORDER = 1.4
+# What an error is to become over what is allowed.
+_AIM_AT = 0.85
+# What an area's error is to become over what is allowed: cells at an edge are few, and it varies by
+# chance. And by how much these become smaller at the most, at once.
+_EDGE_AIM, _EDGE_LEAST = 0.5, 0.1
+# Quantities that are as wrong as the edge of contact, or of stick, is far from its place.
+_AREAS = (
+    ("contact_area", "slip_area", "contact_radius"),
+    ("stick_area", "slip_area", "stick_radius"),
+)
+# Meshes in a row on which an error may be unknown; and what it is then, over what is allowed.
+_PATIENCE, _UNKNOWN = 3, 2.0
+# Share that is left to the mesh whatever others take: they are to become smaller, too.
+_LEFT = 0.3
+# Of the dofs allowed: what Gmsh makes of sizes is about so many, not just so many.
+_FILLED = 0.9
+_TRIES = 3
+
+SolveLevel = Callable[[Run, Unknowns | None], Result]
+
+
+class AdaptiveRun:
+    """The levels of a scene that asks for an accuracy.
+
+    Attributes:
+        run: That of the result: of the last level that was solved.
+        levels: What came out of each, as in ``result.json``.
+
+    Args:
+        first: The scene made ready on its first mesh.
+        has_own_body: Whether its mesh was passed, and is not the scene's.
+
+    Raises:
+        InputError: The scene has nothing of what it asks for, or it cannot be estimated.
+    """
+
+    def __init__(self, first: Run, has_own_body: bool = False) -> None:
+        assert first.scene.accuracy is not None
+        self.run = first
+        self.levels: list[dict[str, Any]] = []
+        self._accuracy: Accuracy = first.scene.accuracy
+        self._has_own_body = has_own_body
+        self._seconds: dict[str, float] = {}
+        self._between = 0.0
+        self._history = LevelHistory()
+        self.asked = asked_of(first)
+        self._hindrance = hindrance(first.scene, first.problem.body, has_own_body)
+
+    def solve(self, solve_level: SolveLevel) -> Result:
+        """Solve level after level; collective.
+
+        Args:
+            solve_level: Solves one, from a guess if there is one; also writes it, if it likes.
+
+        Returns:
+            The last level's result, with ``levels`` and ``accuracy``.
+        """
+        run, guess, last = self.run, None, None
+        while True:
+            result = solve_level(run, guess)
+            if not result.converged:
+                return self._failed(result, last)
+            errors = relative_errors(result, self.asked, run.scene.names)
+            self._note(run, result, errors)
+            self.run, last = run, result
+            reason = self._unbounded(last)
+            if is_met(errors, self.asked) and not reason and not self._beyond(last):
+                return self._with_levels(last, "")
+            reason = reason or self._reason_to_stop(errors, last)
+            if reason:
+                return self._with_levels(last, reason)
+            try:
+                run = self._next_run(errors, result)
+            except _UsedUpError as error:
+                return self._with_levels(last, str(error))
+            except StoppedError:
+                return self._interrupted(last)
+            except FenicsContactError as error:
+                return self._with_levels(last, f"the next mesh failed: {error}")
+            if not run.scene.steps.several and self.run.last is not None:
+                guess = moved_over(self.run.problem, run.problem, self.run.last)
+
+    def _note(self, run: Run, result: Result, errors: Errors) -> None:
+        for phase, seconds in result.timings.items():
+            self._seconds[phase] = self._seconds.get(phase, 0.0) + seconds
+        local, energy = run.budget.local, result.quantities["strain_energy"]
+        self.levels.append(
+            {
+                "dofs": result.model["dofs"],
+                "cells": result.model["cells"],
+                "seconds": result.timings["total"] + self._between,
+                "energy_error": None if local is None else _over_energy(local, energy),
+                "errors": {name: found["total"] for name, found in errors.items()},
+                "sources": errors,
+            }
+        )
+        self._history.add(result)
+        logger.info(level_line(len(self.levels), self.levels[-1], self.asked))
+
+    def _unbounded(self, result: Result) -> str:
+        """Why some of what is asked for does not converge, or nothing."""
+        keys = measured_keys(result, self.asked, self.run.scene.names)
+        found = [why for key, why in self.run.budget.unbounded.items() if key in keys.values()]
+        away = [key for key in keys.values() if self._history.runs_away(key)]
+        return found[0] if found else said(away, result) if away else ""
+
+    def _beyond(self, result: Result) -> list[str]:
+        """What is asked for and moved, from the mesh before, by more than both bars."""
+        keys = measured_keys(result, self.asked, self.run.scene.names)
+        return [name for name, key in keys.items() if self._history.is_beyond(key)]
+
+    def _reason_to_stop(self, errors: Errors, result: Result) -> str:
+        """Why no further level can help, or nothing."""
+        unknown = self._not_estimated(errors)
+        if unknown:
+            return unknown
+        for name, found in errors.items():
+            kept = {s: v for s, v in others_than_mesh(found).items() if not self._can_reduce(s)}
+            mesh = found["mesh"] or 0.0
+            if sum(kept.values()) >= self.asked[name] and mesh < sum(kept.values()):
+                source = max(kept, key=lambda source: kept[source])
+                return (
+                    f"of the error of {name}, {kept[source]:.1e} is of the {source}, which no mesh "
+                    f"changes: {source_advice(source)}"
+                )
+        if self._hindrance:
+            return self._hindrance
+        if len(self.levels) >= self._accuracy.max_levels:
+            most = self._accuracy.max_levels
+            beyond = " and ".join(in_words(name) for name in self._beyond(result))
+            if beyond:
+                return (
+                    f"the accuracy.max_levels = {most} meshes are used up, and the last two differ "
+                    f"in {beyond} by more than their error bars"
+                )
+            return f"the accuracy.max_levels = {most} meshes are used up"
+        return ""
+
+    def _not_estimated(self, errors: Errors) -> str:
+        """What is not known and will not be on another mesh, or nothing."""
+        unknown = {
+            name: [s for s, v in found.items() if v is None and s != "total"]
+            for name, found in errors.items()
+            if found["total"] is None
+        }
+        for name, sources in unknown.items():
+            if not sources:
+                return f"the answer has no {in_words(name)}"
+            if self.run.budget.local is None or sources != ["mesh"]:
+                return f"the error of {name} by {' and '.join(sources)} could not be estimated"
+        last = [level["errors"] for level in self.levels[-_PATIENCE:]]
+        for name in unknown:
+            if len(last) == _PATIENCE and all(level[name] is None for level in last):
+                why = "; under a corner the pressure has no bound" if "pressure" in name else ""
+                return f"the error of {name} could not be estimated on {_PATIENCE} meshes{why}"
+        return ""
+
+    def _can_reduce(self, source: str) -> bool:
+        """Whether the scene left it to the program, at some contact."""
+        scene = self.run.scene
+        if source == "penalty":
+            return any(contact.penalty_parameter == "auto" for contact in scene.contact)
+        if source == "regularisation":
+            return any(contact.regularisation_parameter == "auto" for contact in scene.contact)
+        return False
+
+    def _edges(self, errors: Errors) -> Array:
+        """Sizes that cells at edges of contact and stick are not to exceed, on this rank.
+
+        An area is as wrong as a share of the pieces that its edge passes through: the error goes
+        with their size.
+        """
+        run = self.run
+        assert run.solution is not None
+        rows = [np.zeros((0, 4))]
+        for contact, state in zip(run.problem.contacts, run.solution.states, strict=True):
+            for areas, found in zip(_AREAS, edges(contact, state), strict=True):
+                ratio = self._mesh_ratio(errors, self._asked_of(areas, contact.label))
+                if ratio > 0:
+                    share = float(np.clip(_EDGE_AIM / ratio, _EDGE_LEAST, 1.0))
+                    rows.append(found * [1, 1, 1, share])
+        return np.concatenate(rows)
+
+    def _asked_of(self, quantities: Sequence[str], contact: str = "") -> list[str]:
+        """The names asked for that are of some quantities, of a contact or of all."""
+        found = {text: self.run.scene.names.find(text) for text in self.asked}
+        return [
+            text
+            for text, name in found.items()
+            if name.quantity in quantities and (not contact or name.owner in ("", contact))
+        ]
+
+    def _mesh_ratio(self, errors: Errors, names: Sequence[str]) -> float:
+        """The mesh's error over what is left to it, the largest of some quantities."""
+        ratios = [0.0]
+        for name in names:
+            found = errors[name]
+            others = sum(others_than_mesh(found).values())
+            left = max(self.asked[name] - others, _LEFT * self.asked[name])
+            ratios.append(_UNKNOWN if found["mesh"] is None else found["mesh"] / left)
+        return max(ratios)
+
+    def _next_run(self, errors: Errors, result: Result) -> Run:
+        """The scene on the next mesh; collective."""
+        began = time.perf_counter()
+        body, scene = self._next_body(errors), balanced(self.run.scene, result, errors, self.asked)
+        comm = self.run.problem.comm
+        self._between = comm.bcast(time.perf_counter() - began)
+        for phase in ("mesh", "total"):
+            self._seconds[phase] += self._between
+        return Run(scene, comm, body)
+
+    def _next_body(self, errors: Errors) -> Body:
+        """A mesh of as many cells as the errors ask for; collective.
+
+        Raises:
+            _UsedUpError: That is more than allowed.
+        """
+        run = self.run
+        assert run.budget.local is not None  # else it would have ended
+        squared, at_edges = run.budget.local.squared, self._edges(errors)
+        cells, dofs = self.levels[-1]["cells"], self.levels[-1]["dofs"]
+        most = cells * self._accuracy.max_dofs / dofs
+        has_edges = total(run.problem.comm, len(at_edges)) > 0
+        wanted = cells * self._growth(errors, has_edges)
+        used_up = _UsedUpError(
+            f"the accuracy.max_dofs = {self._accuracy.max_dofs} do not suffice for a finer mesh"
+        )
+        if _LEAST * cells > most:
+            raise used_up
+        wanted = min(wanted, _FILLED * most)
+        for _ in range(_TRIES):
+            wish = Wish(wanted, squared, at_edges)
+            body = next_mesh(run.scene, run.problem, wish, self._has_own_body)
+            found = body.mesh.topology.index_map(body.dimension).size_global
+            if found <= most:
+                return body
+            wanted *= _FILLED * most / found
+        raise used_up
+
+    def _growth(self, errors: Errors, has_edges: bool) -> float:
+        """How many times as many cells the errors ask for, but for those of areas, at edges."""
+        order = self.run.problem.spaces.degree / self.run.problem.body.dimension
+        areas = self._asked_of([*_AREAS[0], *_AREAS[1]]) if has_edges else []
+        growths = [
+            (self._mesh_ratio(errors, (name,)) / _AIM_AT)
+            ** (1 / np.clip(self._observed_order(name, order), order, 2 * order))
+            for name in errors
+            if name not in areas
+        ]
+        least = _FEWER if has_edges and growths else _LEAST
+        most = _MOST_AT_POINTS if self._is_at_points() else _MOST
+        return float(np.clip(max(growths, default=0.0), least, most))
+
+    def _is_at_points(self) -> bool:
+        """Whether few cells, as those at singular points, make most of the error."""
+        assert self.run.budget.local is not None
+        squared, comm = self.run.budget.local.squared, self.run.problem.comm
+        whole = total(comm, squared.sum())
+        large = squared > SINGULAR * whole / self.levels[-1]["cells"]
+        return bool(total(comm, squared[large].sum()) > 0.5 * whole)
+
+    def _observed_order(self, name: str, order: float) -> float:
+        """Of a quantity's error in the number of cells, between the last two levels.
+
+        At first it is taken to be between that of the energy norm and twice that.
+        """
+        if len(self.levels) < 2:
+            return _FIRST_ORDER * order
+        before, now = (level["sources"][name]["mesh"] for level in self.levels[-2:])
+        more = self.levels[-1]["cells"] / self.levels[-2]["cells"]
+        if not (before and now) or more < _LEAST:
+            return _FIRST_ORDER * order
+        return float(np.log(before / now) / np.log(more))
+
+    def _failed(self, result: Result, last: Result | None) -> Result:
+        """A level that did not converge, or was interrupted: the one before stands."""
+        if last is None:
+            return self._with_levels(result, "the first mesh has no answer")
+        if result.interrupted:
+            return self._interrupted(last)
+        return self._with_levels(last, f"the next mesh has no answer: {result.verdict}")
+
+    def _interrupted(self, last: Result) -> Result:
+        found = self._with_levels(last, "the run was interrupted")
+        return dataclasses.replace(found, interrupted=True)
+
+    def _with_levels(self, result: Result, reason: str) -> Result:
+        words = not_reached(reason) if reason else reached(len(self.levels))
+        return dataclasses.replace(
+            without_bars(result, self._history.runaways()),
+            timings=self._seconds or result.timings,
+            verdict=f"{result.verdict} {words}",
+            levels=self.levels,
+            accuracy={"asked": self.asked, "reached": not reason, "reason": reason},
+        )
+
+
+def _over_energy(local: LocalErrors, energy: float) -> float | None:
+    """Error of the displacement over it, in the energy norm."""
+    return float(local.total / np.sqrt(2 * energy)) if energy > 0 else None
+
+
+class _UsedUpError(Exception):
+    """What the scene allows does not suffice for another level."""
+
+
+def adaptive_plan(run: Run) -> str:
+    """What ``fenics-contact check`` says of the accuracy asked for; nothing without one."""
+    if run.scene.accuracy is None:
+        return ""
+    words = plan(asked_of(run), run.scene.accuracy)
+    reason = hindrance(run.scene, run.problem.body, is_own=False)
+    return f"{words} But {reason}." if reason else words
+
+
+def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None) -> Result:
+    """Solve a scene; collective.
+
+    Args:
+        scene: What to solve; one that asks for an accuracy, mesh after mesh.
+        comm: Communicator.
+        body: The mesh, if not the one the scene names.
+
+    Returns:
+        Global numbers, the same on every rank and any number of ranks.
+
+    Raises:
+        InputError: The scene or its mesh cannot be used; of it, ``NoEquilibriumError``: supports
+            and friction cannot hold the loads (paper, (2.4)).
+        MachineError: The machine has not the memory, or a file could not be written.
+
+    That Newton's method fails is no error, but a result that says so. What goes wrong on one rank
+    alone ends all ranks, with a message and ``MPI_Abort``.
+
+    A sphere on a half-space, with Hertz's force 4/3 E* √R d^(3/2) (K. L. Johnson, Contact
+    Mechanics, 1985, (4.23)):
+
+    >>> from fenics_contact import load_scene, main
+    >>> main(["new", "hertz", "--quiet"])  # writes hertz.toml and hertz.geo
+    0
+    >>> result = run(load_scene("hertz.toml"))
+    >>> exact = 4 / 3 * 1000 / (1 - 0.3**2) * 8**0.5
+    >>> abs(result.quantities["normal_force"] / exact - 1) < 0.01
+    True
+    >>> result.passed, result.exit_code
+    (True, 0)
+
+    Each contact point stands for a piece of the surface, in axisymmetric models for a ring:
+
+    >>> points = result.points
+    >>> force = float(points.weights @ points.contact_pressure)
+    >>> abs(force / exact - 1) < 0.01
+    True
+    """
+    prepared = Run(scene, comm, body)
+    if scene.accuracy is None:
+        return prepared.solve()
+    levels = AdaptiveRun(prepared, body is not None)
+    return levels.solve(lambda level, guess: level.solve(guess=guess))

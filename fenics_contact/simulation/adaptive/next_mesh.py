@@ -1,0 +1,179 @@
+"""The next mesh of a body, from the errors of the cells of the last one.
+
+Geometries are meshed again with sizes of their cells. Triangles and tetrahedra that are a mesh
+already are cut in two, and again, where their errors are large; their corners stay.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.parallel import on_root
+from fenics_contact.mesh.loading import is_geometry, load_body
+from fenics_contact.mesh.refinement import refined
+from fenics_contact.mesh.size_field import Cells, SizeField, finer_at, graded, next_sizes
+from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+_CORNERS = {"triangle": 3, "quadrilateral": 4, "tetrahedron": 4, "hexahedron": 8}
+# Cells that should become smaller than this are cut.
+_CUT = 0.7
+
+
+def hindrance(scene: Scene, body: Body, is_own: bool) -> str:
+    """Why there can be no other mesh of a body, or nothing.
+
+    Args:
+        scene: With its meshes.
+        body: The first mesh.
+        is_own: Whether it was passed in place of the scene's.
+    """
+    cell = body.mesh.topology.cell_name()
+    if cell == "hexahedron":
+        return (
+            "hexahedra cannot be made by sizes that vary: use tetrahedra, or make the mesh "
+            "finer yourself"
+        )
+    if _is_meshed_again(scene, is_own):
+        return ""
+    if cell == "quadrilateral":
+        return (
+            "quadrilaterals that are a mesh already cannot be refined: give their geometry (.geo, "
+            ".step or .brep), or a mesh of triangles"
+        )
+    if compat.geometry_nodes(body.mesh).shape[1] > _CORNERS[cell]:
+        return (
+            "cells of order 2 that are a mesh already cannot be refined: give their geometry "
+            "(.geo, .step or .brep), or a mesh of order 1"
+        )
+    return ""
+
+
+@dataclass(frozen=True, eq=False)
+class Wish:
+    """What the next mesh is to be.
+
+    Attributes:
+        number: Of cells, apart from those that ``edges`` ask for.
+        squared: Errors squared of this rank's own cells of the last one (energy).
+        edges: Rows of x, y, z and a size that cells there are not to exceed, of this rank (length).
+    """
+
+    number: float
+    squared: Array
+    edges: Array
+
+
+def next_mesh(scene: Scene, problem: Problem, wish: Wish, is_own: bool) -> Body:
+    """A mesh whose cells have errors that are about equal; collective.
+
+    Args:
+        scene: With its meshes.
+        problem: On the last mesh, which nothing hinders.
+        wish: How fine.
+        is_own: Whether the first mesh was passed in place of the scene's.
+
+    Raises:
+        InputError: Gmsh cannot make it, or it is unsound.
+    """
+    body, comm = problem.body, problem.comm
+    rows = _own_cells(scene, body, _of_a_section(problem, wish.squared)) | {"edges": wish.edges}
+    gathered = comm.gather(rows)
+
+    def found() -> tuple[_All, Array]:
+        assert gathered is not None  # on rank 0
+        every = _All(body.mesh.topology.cell_name(), gathered)
+        return every, _sizes(every, problem.spaces.degree, wish.number)
+
+    if not _is_meshed_again(scene, is_own):
+        marked: list[NDArray[np.bool_]] = []  # stay on rank 0
+        on_root(comm, lambda: marked.append(_marked(*found(), wish.number)))
+        return refined(body, marked[0] if marked else None)
+    fields: list[SizeField] = []  # stay on rank 0
+    on_root(comm, lambda: fields.extend(_fields(*found())))
+    return load_body(scene.mesh, scene.dimension, comm, fields, curved=True)
+
+
+def _of_a_section(problem: Problem, squared: Array) -> Array:
+    """Of axisymmetric bodies, errors a length around: cells at the axis are no less important.
+
+    A peak pressure often stands there, and over the whole circle they would count for nothing.
+    """
+    if problem.spaces.kinematics != "axisymmetric":
+        return squared
+    mesh = problem.body.mesh
+    nodes = compat.geometry_nodes(mesh)[: len(squared)]
+    return np.asarray(squared / (2 * np.pi * mesh.geometry.x[nodes][:, :, 0].mean(axis=1)))
+
+
+def _is_meshed_again(scene: Scene, is_own: bool) -> bool:
+    return not is_own and all(is_geometry(source) for source in scene.mesh)
+
+
+def _own_cells(scene: Scene, body: Body, squared: Array) -> dict[str, Any]:
+    """This rank's cells: number and place of the vertices, errors, and which mesh each is of."""
+    mesh = body.mesh
+    cells = mesh.topology.index_map(body.dimension).size_local
+    corners = _CORNERS[mesh.topology.cell_name()]
+    nodes = compat.geometry_nodes(mesh)[:cells, :corners]
+    sources = np.zeros(cells, dtype=np.int64)
+    for number, source in enumerate(scene.mesh if len(scene.mesh) > 1 else ()):
+        group = body.find(source.name)
+        if group is not None:
+            mine = body.entities(group)
+            sources[mine[mine < cells]] = number
+    return {
+        "vertices": np.asarray(mesh.geometry.input_global_indices)[nodes],
+        "points": mesh.geometry.x[nodes][:, :, : mesh.geometry.dim],
+        "squared": squared,
+        "sources": sources,
+    }
+
+
+class _All:
+    """Cells of all ranks, on rank 0, in the order of ranks."""
+
+    def __init__(self, cell: str, gathered: list[dict[str, Any]]) -> None:
+        joined = {name: np.concatenate([rows[name] for rows in gathered]) for name in gathered[0]}
+        self.squared, self.sources = joined["squared"], joined["sources"]
+        self.edges = joined["edges"]
+        _, first, vertices = np.unique(joined["vertices"], return_index=True, return_inverse=True)
+        points = joined["points"].reshape(-1, joined["points"].shape[2])[first]
+        self.cells = Cells(cell, points, vertices.reshape(joined["vertices"].shape))
+
+
+def _sizes(found: _All, order: int, number: float) -> Array:
+    """At the vertices of all cells, graded (length)."""
+    cells = found.cells
+    sizes = next_sizes(cells, found.squared, order, number)
+    places, wanted = found.edges[:, : cells.dimension], found.edges[:, 3]
+    return graded(cells.points, cells.edges(), finer_at(cells, sizes, places, wanted))
+
+
+def _fields(found: _All, sizes: Array) -> list[SizeField]:
+    """Sizes for every mesh of the scene; all cells together are so many."""
+    places, wanted = found.edges[:, : found.cells.dimension], found.edges[:, 3]
+    fields = []
+    for source in range(int(found.sources.max(initial=0)) + 1):
+        part, used = found.cells.part(found.sources == source)
+        fields.append(SizeField.of(part, sizes[used]).finer_at(places, wanted))
+    return fields
+
+
+def _marked(found: _All, sizes: Array, number: float) -> NDArray[np.bool_]:
+    """Cells that are to be cut, in the order of ranks: those that should become the smallest.
+
+    Cutting makes four cells of a triangle, and eight of a tetrahedron.
+    """
+    ratio = np.log(sizes)[found.cells.vertices].mean(axis=1) - np.log(found.cells.sizes())
+    most = max(int((number - len(ratio)) / (2**found.cells.dimension - 1)), 1)
+    limit = np.sort(ratio)[min(most, len(ratio)) - 1]
+    return np.asarray(ratio <= max(min(limit, np.log(_CUT)), ratio.min()))

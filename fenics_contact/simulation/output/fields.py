@@ -1,0 +1,138 @@
+"""Fields for ParaView: values at the nodes from a solution."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common import form_cache
+from fenics_contact.common.parallel import on_root
+from fenics_contact.contact.state import OPEN, STICK
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.problem.problem import Problem
+from fenics_contact.simulation.output.vtu import read_collection, write_collection, write_grid
+from fenics_contact.solve.newton.solution import Solution
+
+Array = NDArray[np.float64]
+
+# Values of the field `status`.
+NO_CONTACT, FIELD_OPEN, FIELD_STICK, FIELD_SLIP = -1.0, 0.0, 1.0, 2.0
+
+# Of a time series. A node has 19 to 20 numbers, each 8 bytes in 4/3 characters, and its cells.
+_MOST_STEPS, _MOST_BYTES, _BYTES_OF_A_NODE = 200, 2e9, 300
+
+
+class FieldSeries:
+    """``fields.pvd``, a time series of fields.
+
+    Point data: displacement, stress (3 × 3), contact_pressure, friction_traction, status
+    (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP) and, where a contact is not prescribed,
+    reaction_pressure, which knows nothing of the penalty.
+
+    Args:
+        problem: The model.
+        folder: Where to.
+        resumed: Pseudo-time up to which the series that is there is kept; None to begin anew.
+
+    Attributes:
+        most: How many steps it should hold: these 200, or fewer where they would fill the disk.
+        last: Pseudo-time of the last fields, None before there are any.
+    """
+
+    def __init__(self, problem: Problem, folder: Path, resumed: float | None = None) -> None:
+        self._problem, self._path = problem, folder / "fields.pvd"
+        self._grids: dict[str, float] = {}
+        if resumed is not None:
+            found = on_root(problem.comm, lambda: read_collection(self._path))
+            self._grids = {name: time for name, time in found.items() if time <= resumed}
+        self.last = max(self._grids.values(), default=None)
+        self._stress = NodalStress(problem)
+        nodes = problem.spaces.displacement_space.dofmap.index_map.size_global
+        self.most = int(np.clip(_MOST_BYTES // (_BYTES_OF_A_NODE * nodes), 2, _MOST_STEPS))
+
+    def write(self, forces: BulkForces, time: float, number: int) -> None:
+        """Write the fields of a step that was just solved; collective.
+
+        Args:
+            forces: Of its solution.
+            time: Its pseudo-time.
+            number: Of the step, from 1.
+        """
+        problem, solution = self._problem, forces.solution
+        fields = {
+            "displacement": _three(solution.displacement),
+            "stress": self._stress.at_nodes().reshape(-1, 9),
+            **_contact_fields(problem, solution),
+            **_reaction_pressure(forces),
+        }
+        folder, space = self._path.parent, problem.spaces.displacement_space
+        self._grids[write_grid(folder, self._path.stem, number, space, fields)] = time
+        on_root(problem.comm, lambda: write_collection(self._path, self._grids))
+        self.last = time
+
+
+class NodalStress:
+    """Cauchy stress, averaged over the cells that share a node; collective."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        mesh, spaces = problem.body.mesh, problem.spaces
+        space = spaces.displacement_space
+        points = compat.interpolation_points(space.element)
+        if spaces.kinematics == "axisymmetric":
+            # u_r / r has no value on the axis itself: look from a millionth inside.
+            points = points + 1e-6 * (points.mean(axis=0) - points)
+        self._cells = np.arange(
+            mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32
+        )
+        self._nodes = space.dofmap.list[self._cells].ravel()
+        self._expression = form_cache.expression(problem.elastic.stress(), points)
+
+    def at_nodes(self) -> Array:
+        """That of the problem's present displacement, (nodes, 3, 3) (stress)."""
+        mesh, spaces = self._problem.body.mesh, self._problem.spaces
+        values = self._expression.eval(mesh, self._cells).reshape(-1, 9)
+        nodes, count = self._nodes, len(spaces.coordinates)
+        columns = (*values.T, np.ones(len(nodes)))
+        summed = [np.bincount(nodes, column, count) for column in columns]
+        *stress, cells_around = spaces.summed(np.stack(summed, axis=1)).T
+        return np.stack(stress / np.maximum(cells_around, 1.0), axis=1).reshape(-1, 3, 3)
+
+
+def _contact_fields(problem: Problem, solution: Solution) -> dict[str, Array]:
+    """Contact pressure, friction traction and status at the nodes.
+
+    At a node of two contacts the later one's values stand.
+    """
+    count = len(problem.spaces.coordinates)
+    pressure, status = np.zeros(count), np.full(count, NO_CONTACT)
+    traction = np.zeros((count, 3))
+    for contact, at_points in zip(problem.contacts, solution.states, strict=True):
+        nodes, at_nodes = contact.nodes, slice(0, len(contact.nodes))
+        pressure[nodes] = at_points.contact_pressure[at_nodes]
+        found = at_points.status[at_nodes]
+        status[nodes] = np.select(
+            [found == OPEN, found == STICK], [FIELD_OPEN, FIELD_STICK], FIELD_SLIP
+        )
+        traction[nodes] = _three(at_points.friction_traction[at_nodes])
+    return {"contact_pressure": pressure, "friction_traction": traction, "status": status}
+
+
+def _reaction_pressure(forces: BulkForces) -> dict[str, Array]:
+    """Pressure from the bulk's nodal forces on the contacts that push, if there are any."""
+    contacts = forces.problem.contacts
+    pushing = [i for i, contact in enumerate(contacts) if contact.normal is not None]
+    if not pushing:
+        return {}
+    nodal = np.zeros(len(forces.problem.spaces.coordinates))
+    for number in pushing:
+        nodal += contacts[number].trace.surface.on_body(forces.pressure(number))
+    return {"reaction_pressure": nodal}
+
+
+def _three(vectors: Array) -> Array:
+    """Vectors padded to three components, as VTK has them."""
+    return np.hstack([vectors, np.zeros((len(vectors), 3 - vectors.shape[1]))])

@@ -1,0 +1,326 @@
+"""A run's files: ``scene.toml``, ``result.json``, ``contact.csv``, ``steps.csv``, fields."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import re
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from fenics_contact.common.atomic_files import make_folder, naming, replace_file
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.failures import failing_together
+from fenics_contact.common.parallel import on_root
+from fenics_contact.common.plain_text import one_line
+from fenics_contact.results.contact_table import CSV_HEADER
+from fenics_contact.results.result import ContactPoints, Result
+from fenics_contact.scene.scene import Steps
+from fenics_contact.scene.writing import write_scene
+from fenics_contact.simulation.adaptive.levels import AdaptiveRun
+from fenics_contact.simulation.output.fields import FieldSeries
+from fenics_contact.simulation.output.step_table import StepTable
+from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
+from fenics_contact.simulation.scene_run import Run
+from fenics_contact.solve.load_steps.accepted_step import Unknowns
+
+
+def require_writable(folder: Path, comm: MPI.Comm) -> None:
+    """Refuse an output folder that cannot be made or written to, before any work.
+
+    Raises:
+        InputError: On every rank.
+    """
+    on_root(comm, lambda: _require_writable(folder))
+
+
+def _require_writable(folder: Path) -> None:
+    """Make the folder and a file in it, and take away again what was not there."""
+    made = [path for path in (folder, *folder.parents) if not path.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(f"--out '{folder}': cannot be written to: {error.strerror}") from None
+    finally:
+        for path in made:
+            if path.is_dir():
+                path.rmdir()
+
+
+def solve_and_write(
+    run: Run,
+    folder: Path,
+    state: StateFile | None = None,
+    saved: SavedRun | None = None,
+    stopped: Callable[[], bool] | None = None,
+    announce: Callable[[int, dict[str, Any]], None] | None = None,
+    guess: Unknowns | None = None,
+) -> Result:
+    """Solve, and write the files of a run, those of steps as they are accepted; collective.
+
+    Without convergence they are of the last accepted load step; if there is none, only
+    ``result.json`` is written, with the history.
+
+    Args:
+        run: Made ready.
+        folder: Where to.
+        state: As for ``Run.solve``.
+        saved: Likewise; then its files are kept.
+        stopped: Likewise.
+        announce: Likewise.
+        guess: Likewise.
+
+    Raises:
+        MachineError: A file could not be written; those of before are whole.
+    """
+    with failing_together(run.problem.comm):
+        scene = _write_scene(run, folder)
+        return _solve(run, folder, scene, state, saved, stopped, announce, guess)
+
+
+def _solve(
+    run: Run,
+    folder: Path,
+    scene: str,
+    state: StateFile | None,
+    saved: SavedRun | None,
+    stopped: Callable[[], bool] | None,
+    announce: Callable[[int, dict[str, Any]], None] | None,
+    guess: Unknowns | None,
+) -> Result:
+    """As ``solve_and_write``, without the scene's file; its text goes into the result's."""
+    steps = StepFiles(run, folder, None if saved is None else saved.last.unknowns.time)
+    result = run.solve(state, saved, stopped, announce, steps.add, guess)
+    with run.timings.phase("output"):
+        steps.complete()
+    _finish(run, result, folder, scene)
+    return result
+
+
+def solve_levels_and_write(
+    first: Run,
+    folder: Path,
+    stopped: Callable[[], bool] | None = None,
+    announce: Callable[[int, dict[str, Any]], None] | None = None,
+) -> Result:
+    """Solve a scene that asks for an accuracy, and write the files of its last level; collective.
+
+    Each level is written beside those of the one before, and takes their place once it is whole.
+
+    Args:
+        first: Made ready on the first mesh.
+        folder: Where to.
+        stopped: As for ``Run.solve``.
+        announce: Likewise.
+
+    Raises:
+        MachineError: A file could not be written; those of before are whole.
+    """
+    comm, aside = first.problem.comm, folder / _LEVEL
+    levels = AdaptiveRun(first)
+
+    def solve_level(run: Run, guess: Unknowns | None) -> Result:
+        result = _solve(run, aside, scene, None, None, stopped, announce, guess)
+        if result.converged or not levels.levels:
+            on_root(comm, lambda: _take_place(aside, folder))
+        return result
+
+    with failing_together(comm):
+        on_root(comm, lambda: _clear(folder, f"{_OF_THE_END}|{_OF_STEPS}"))
+        scene = _write_scene(first, folder)
+        result = levels.solve(solve_level)
+        on_root(comm, lambda: _write_level(result, folder, aside, scene))
+    return result
+
+
+def _take_place(aside: Path, folder: Path) -> None:
+    """Files of a level that is whole take the place of those of the one before."""
+    with naming(folder):
+        _clear(folder, f"{_OF_THE_END}|{_OF_STEPS}")
+        for path in sorted(aside.iterdir(), key=lambda path: path.name == "result.json"):
+            path.replace(folder / path.name)
+
+
+def _write_level(result: Result, folder: Path, aside: Path, scene: str) -> None:
+    """What the last level has become: with all levels, and whether they reached what was asked."""
+    with naming(folder):
+        shutil.rmtree(aside, ignore_errors=True)
+    _write_result(result, folder, scene)
+
+
+def write(run: Run, result: Result, folder: Path) -> None:
+    """Write the files of a run that was solved, fields of its last step only; collective.
+
+    Without convergence only ``result.json`` and ``steps.csv`` are written, with the history.
+
+    Raises:
+        MachineError: A file could not be written.
+    """
+    with failing_together(run.problem.comm):
+        scene = _write_scene(run, folder)
+        steps = StepFiles(run, folder)
+        steps.catch_up()
+        if run.solution is not None:
+            steps.add_fields()
+        _finish(run, result, folder, scene)
+
+
+def _write_scene(run: Run, folder: Path) -> str:
+    """First of all, so that a run that is killed has said what it was; returns the text."""
+
+    def written() -> str:
+        make_folder(folder)
+        return write_scene(run.scene, folder, run.own_mesh)
+
+    return on_root(run.problem.comm, written)
+
+
+def _finish(run: Run, result: Result, folder: Path, scene: str) -> None:
+    with run.timings.phase("output"):
+        on_root(run.problem.comm, lambda: _write_tables(result, folder, scene))
+
+
+class StepFiles:
+    """``steps.csv`` and ``fields.pvd`` of a run, growing with its steps; collective.
+
+    Files of an earlier run in the same folder are removed first, so that none outlives its run.
+    """
+
+    def __init__(self, run: Run, folder: Path, resumed: float | None = None) -> None:
+        self._run, self._comm = run, run.problem.comm
+        names = _OF_THE_END if resumed is not None else f"{_OF_THE_END}|{_OF_STEPS}"
+        on_root(self._comm, lambda: _clear(folder, names))
+        self._table = StepTable(folder / "steps.csv")
+        self._fields = FieldSeries(run.problem, folder, resumed)
+
+    def add(self) -> None:
+        """A step was accepted."""
+        with self._run.timings.phase("output"):
+            self.catch_up()
+            steps = self._run.steps
+            before = steps[-2]["load_factor"] if len(steps) > 1 else 0.0
+            if is_kept(self._run.scene.steps, steps[-1]["load_factor"], before, self._fields.most):
+                self.add_fields()
+
+    def complete(self) -> None:
+        """No step follows: the last one has its fields."""
+        self.catch_up()
+        if self._run.solution is not None and not self._has_last:
+            self.add_fields()
+
+    def catch_up(self) -> None:
+        """Rows of the steps that have none yet."""
+        on_root(self._comm, lambda: self._table.follow(self._run.steps))
+
+    def add_fields(self) -> None:
+        """Those of the last step."""
+        steps = self._run.steps
+        self._fields.write(self._run.forces, steps[-1]["load_factor"], len(steps))
+
+    @property
+    def _has_last(self) -> bool:
+        return bool(self._fields.last == self._run.steps[-1]["load_factor"])
+
+
+def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
+    """Whether a step's fields are written, if at most so many are.
+
+    Args:
+        steps: Those of the scene.
+        time: Pseudo-time of the step.
+        before: That of the step before.
+        most: How many steps' fields are kept; of more, those evenly spread in pseudo-time.
+    """
+    if not steps.automatic and len(steps.all_times) <= most:
+        return True
+    marks = [int(most * t / steps.last * (1 + 1e-12)) for t in (before, time)]
+    return marks[1] > marks[0]
+
+
+# Files of a run and of its report, and nothing else that may lie in the folder.
+_PICTURES = (
+    r"(deformed|mesh|axis_stress|surface_displacement|convergence|accuracy|history_\w+"
+    r"|contact_\d+|contact_\d+_formula|stress_\d+)\.(png|pdf)|animation_(body|\d+)\.gif"
+)
+# Those that say how a run ended, which is not true any more when it goes on.
+_OF_THE_END = rf"result\.json|contact\.csv|report\.html|{_PICTURES}"
+_LEVEL = "next_level"  # folder of a level that is not whole yet
+_OF_STEPS = r"steps\.csv|fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
+
+
+def _clear(folder: Path, names: str) -> None:
+    make_folder(folder)
+    with naming(folder):
+        for path in folder.iterdir():
+            if re.fullmatch(rf"\.?({names})", path.name):  # with a dot: begun, and then killed
+                path.unlink()
+
+
+def _write_tables(result: Result, folder: Path, scene: str) -> None:
+    if result.points is not None:
+        names = [one_line(contact["name"]) for contact in result.contacts]
+        _replace(folder / "contact.csv", _csv_rows(result.points, names))
+    _write_result(result, folder, scene)
+
+
+def _write_result(result: Result, folder: Path, scene: str) -> None:
+    # Last, and in one move: where it exists, the run is complete.
+    content = _finite(result.as_dict()) | {"scene": scene}
+    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
+    replace_file(folder / "result.json", f"{text}\n".encode())
+
+
+def _csv_rows(points: ContactPoints, names: list[str]) -> list[list[str]]:
+    columns = [
+        _without_round_off(points.coordinates),
+        _without_round_off(points.normals),
+        # The gap is a difference of lengths; closed, round-off is most of it.
+        _without_round_off(points.gap[:, None], np.abs(points.coordinates).max(initial=0.0)),
+        _without_round_off(points.contact_pressure[:, None]),
+        _without_round_off(points.friction_traction),
+        _without_round_off(points.slip),
+    ]
+    table = np.hstack(columns)
+    numbers = ",".join(["%.8g"] * table.shape[1])  # one format a row: there may be many
+    rows = zip(points.contact.tolist(), table.tolist(), points.status.tolist(), strict=True)
+    return [
+        [names[contact], *(numbers % tuple(values)).split(","), state]
+        for contact, values, state in rows
+    ]
+
+
+def _without_round_off(values: NDArray[np.float64], size: float = 0.0) -> NDArray[np.float64]:
+    """Rounded to 1e-12 of the largest, or 1e-13 of a size, so that runs compare line by line."""
+    finite = np.abs(values[np.isfinite(values)])
+    unit = 1e-13 * size if size > 0 else 1e-12 * finite.max(initial=0.0)
+    return np.round(values / unit) * unit + 0.0 if unit > 0 else values
+
+
+def _replace(path: Path, rows: list[list[str]]) -> None:
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow(CSV_HEADER)
+    writer.writerows(rows)
+    replace_file(path, text.getvalue().encode())
+
+
+def _finite(value: Any) -> Any:
+    """JSON has no infinity: such numbers become null."""
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

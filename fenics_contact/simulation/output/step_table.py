@@ -1,0 +1,80 @@
+"""``steps.csv``: a row a load step, written as steps are accepted."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from fenics_contact.common.atomic_files import append, replace_file
+from fenics_contact.common.plain_text import one_line
+from fenics_contact.scene.quantity_names import VECTORS
+from fenics_contact.scene.values import AXES
+
+
+class StepTable:
+    """The table; a run that is killed leaves whole rows.
+
+    Args:
+        path: Of the file, which the first row makes anew.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._columns: list[str] = []
+        self._rows = 0
+
+    def follow(self, steps: Sequence[Mapping[str, Any]]) -> None:
+        """Append the rows of the steps that were accepted since the last time.
+
+        Args:
+            steps: All so far, as in ``result.json``.
+        """
+        rows = [row_of(step) for step in steps[self._rows :]]
+        for row in rows:
+            self._append({"step": self._rows + 1, **row}, rows)
+            self._rows += 1
+
+    def _append(self, row: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> None:
+        text = io.StringIO()
+        if not self._columns:  # those of a run that goes on may be more than it had
+            self._columns = ["step", *dict.fromkeys(name for one in rows for name in one)]
+            csv.writer(text).writerow(self._columns)
+        csv.DictWriter(text, self._columns).writerow(row)
+        write = append if self._rows else replace_file
+        write(self._path, text.getvalue().encode())
+
+
+def row_of(step: Mapping[str, Any]) -> dict[str, Any]:
+    """A load step by column.
+
+    Quantities are those of the whole model and, where there are several contacts, then those
+    of each, as ``contact.quantity``; vectors by component, as ``quantity_x``. What has no value
+    is empty.
+    """
+    components = len(step["quantities"]["reaction"])
+    row = {
+        "time": step["load_factor"],
+        "newton_iterations": step["newton_iterations"],
+        "outer_iterations": step["outer_iterations"],
+        **_by_component(step["quantities"], components),
+    }
+    contacts = step["contacts"]
+    for contact in contacts if len(contacts) > 1 else []:
+        found = _by_component(contact["quantities"], components)
+        row |= {f"{one_line(contact['name'])}.{name}": value for name, value in found.items()}
+    return row
+
+
+def _by_component(quantities: Mapping[str, Any], components: int) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, given in quantities.items():
+        value = [None] * components if given is None and name in VECTORS else given
+        if isinstance(value, list):
+            named = zip(AXES, value, strict=False)
+            found |= {f"{name}_{axis}": component for axis, component in named}
+        else:
+            found[name] = value
+    return found

@@ -1,0 +1,106 @@
+"""By what a saved state is known to be of the same scene and the same mesh."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import ufl
+
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.parallel import largest, smallest
+from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.scene.scene import Scene
+
+# What may change between a run and one that goes on from it: how to get there.
+_FREE = ("title", "steps", "solver", "mesh")
+# Keys that states written before they were there do not know: as long as they have their defaults
+# they do not count.
+_LATER = {"Support": {"name": None}}
+# Where functions are asked: places along each axis of the box around the body, and pseudo-times.
+_PLACES = 7
+_TIMES = np.linspace(0.0, 5.0, 51).tolist()
+
+
+def of_scene(scene: Scene, body: Body) -> dict[str, str]:
+    """A digest of every key of a scene but those that may change; collective.
+
+    Args:
+        scene: Its functions are known by what they give.
+        body: Where they are asked.
+    """
+    probe = _Probe(body)
+    return {
+        field.name: _digest(probe.plain(getattr(scene, field.name)))
+        for field in dataclasses.fields(scene)
+        if field.name not in _FREE
+    }
+
+
+def _digest(value: Any) -> str:
+    return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:16]
+
+
+class _Probe:
+    """Parts of a scene as JSON has them."""
+
+    def __init__(self, body: Body) -> None:
+        comm, columns = body.mesh.comm, body.mesh.geometry.x.T
+        self._position = ufl.SpatialCoordinate(body.mesh)
+        sides = [
+            np.linspace(smallest(comm, column), largest(comm, column), _PLACES)
+            for column in columns
+        ]
+        self._points = np.stack(np.meshgrid(*sides, indexing="ij")).reshape(3, -1)
+
+    def plain(self, value: Any) -> Any:
+        """A part of a scene."""
+        if dataclasses.is_dataclass(value) and not isinstance(value, type):
+            later = _LATER.get(type(value).__name__, {})
+            parts = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+            return {
+                name: self.plain(part)
+                for name, part in parts.items()
+                if name not in later or part != later[name]
+            }
+        if isinstance(value, Mapping):
+            return {str(key): self.plain(entry) for key, entry in value.items()}
+        if isinstance(value, list | tuple):
+            return [self.plain(entry) for entry in value]
+        if value is None or isinstance(value, bool | int | float | str):
+            return value
+        return self._given_by(value) if callable(value) else type(value).__qualname__
+
+    def _given_by(self, function: Any) -> str:
+        """What a function gives: of places, of pseudo-times, or as UFL; else only its name."""
+        ways: tuple[Callable[[], str], ...] = (
+            lambda: np.asarray(function(self._points), dtype=np.float64).tobytes().hex(),
+            lambda: np.array([float(function(t)) for t in _TIMES]).tobytes().hex(),
+            lambda: str(function(self._position)),
+        )
+        for ask in ways:
+            try:
+                return _digest(ask())
+            except Exception:  # whatever a user's function raises, when it is asked amiss
+                continue
+        return getattr(function, "__qualname__", type(function).__qualname__)
+
+
+def of_mesh(body: Body) -> str:
+    """A number that all coordinates of all cells make, on any number of ranks; collective."""
+    mesh = body.mesh
+    count = mesh.topology.index_map(mesh.topology.dim).size_local
+    original = np.asarray(mesh.topology.original_cell_index[:count], dtype=np.uint64)
+    corners = mesh.geometry.x[compat.geometry_nodes(mesh)[:count]]
+    bits = np.ascontiguousarray(corners.reshape(count, -1) + 0.0).view(np.uint64)
+    with np.errstate(over="ignore"):
+        mixed = original * np.uint64(0x9E3779B97F4A7C15)
+        for column in bits.T:
+            mixed = (mixed ^ column) * np.uint64(0xBF58476D1CE4E5B9)
+            mixed ^= mixed >> np.uint64(29)
+    found = mesh.comm.allreduce(int(mixed.sum(dtype=np.uint64)) if count else 0)
+    return f"{found % 2**64:016x}"

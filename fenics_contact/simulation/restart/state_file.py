@@ -1,0 +1,285 @@
+"""``state.npz``: the last accepted load step, for another run to go on from.
+
+It is replaced in one move after every step, so that it is whole whenever the run is killed, and
+any number of ranks can read it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.atomic_files import make_folder
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.parallel import on_root, total
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.snapshot import ContactMemory
+from fenics_contact.problem.problem import Problem
+from fenics_contact.results.earlier_results import steps_in_todays_terms
+from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.restart import fingerprint
+from fenics_contact.simulation.restart.node_keys import NodalKeys, found_among, gather_keyed
+from fenics_contact.simulation.restart.sealed_arrays import Arrays, read, write
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
+from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.newton.solution import Solution
+
+Array = NDArray[np.float64]
+
+NAME = "state.npz"
+
+
+@dataclass(frozen=True, eq=False)
+class SavedRun:
+    """What a run had reached.
+
+    Attributes:
+        last: Its last accepted load step.
+        steps: Records of all steps, as in ``result.json``.
+        pace: What is to come next.
+        forces: Largest of all steps (force).
+        energy: Sums of its energy book.
+        exit_code: Of a run that came to its end; else None.
+    """
+
+    last: AcceptedStep
+    steps: list[dict[str, Any]]
+    pace: list[float]
+    forces: float
+    energy: list[float]
+    exit_code: int | None
+
+    def is_done(self, scene: Scene) -> bool:
+        """Whether nothing is left to do of a scene."""
+        reached = self.last.unknowns.time >= scene.steps.last * (1 - 1e-9)
+        return self.exit_code is not None and reached
+
+
+class StateFile:
+    """The state file of a problem in a folder.
+
+    Args:
+        folder: Of the results.
+        problem: The model, as made ready.
+    """
+
+    def __init__(self, folder: Path, problem: Problem) -> None:
+        self.path = folder / NAME
+        self._problem, self._comm = problem, problem.comm
+        self._nodes = NodalKeys(problem.body.mesh, problem.spaces.displacement_space.dofmap)
+        self._mixed = problem.elastic.mixed
+        if self._mixed is not None:
+            dofmap = self._mixed.mean_stress.function_space.dofmap
+            self._mean_stresses = NodalKeys(problem.body.mesh, dofmap)
+        self._made_for = {
+            "version": compat.versions()["fenics_contact"],
+            "mesh": fingerprint.of_mesh(problem.body),
+            "several": problem.scene.steps.several,
+            "scene": fingerprint.of_scene(problem.scene, problem.body),
+        }
+
+    def make_folder(self) -> None:
+        """Make the folder where there is none; collective. It is not made again later on."""
+        on_root(self._comm, lambda: make_folder(self.path.parent))
+
+    def remove(self) -> None:
+        """Take away that of an earlier run; collective."""
+        on_root(self._comm, lambda: self.path.unlink(missing_ok=True))
+
+    def save(self, history: History, steps: list[dict[str, Any]], energy: list[float]) -> None:
+        """Write the last accepted step of a history; collective.
+
+        Args:
+            history: Of the run.
+            steps: Records of all steps.
+            energy: Sums of the energy book.
+
+        Raises:
+            MachineError: It could not be written; that of the step before is still there.
+        """
+        last = history.last
+        assert last is not None
+        header = {
+            "made_for": self._made_for,
+            "time": last.unknowns.time,
+            "time_before": None if last.before is None else last.before.time,
+            "steps": steps,
+            "pace": history.pace.state,
+            "forces": history.newton.system.earlier_forces,
+            "energy": energy,
+            "exit_code": None,
+            "contacts": [_plain_part(memory) for memory in last.contacts],
+            "solution": {
+                "strategy": last.solution.strategy,
+                "imbalance_limit": last.solution.imbalance_limit,
+            },
+        }
+        arrays = self._unknowns_as_arrays("last", last.unknowns)
+        if last.before is not None:
+            arrays |= self._unknowns_as_arrays("before", last.before)
+        for number, memory in enumerate(last.contacts):
+            arrays |= self._contact_as_arrays(number, memory)
+        on_root(self._comm, lambda: write(self.path, header, arrays))
+
+    def finish(self, exit_code: int) -> None:
+        """Say in it that the run came to its end; collective."""
+
+        def say() -> None:
+            header, arrays = read(self.path)
+            write(self.path, header | {"exit_code": exit_code}, arrays)
+
+        on_root(self._comm, say)
+
+    def load(self) -> SavedRun | None:
+        """What another run had reached, None without a file; collective.
+
+        Raises:
+            InputError: It is damaged, or of another scene, mesh or version.
+        """
+        if not on_root(self._comm, self.path.exists):
+            return None
+        header, arrays = on_root(self._comm, lambda: read(self.path))
+        self._require_same(header["made_for"])
+        said, signs = header["solution"], [c.sides.on_sign for c in self._problem.contacts]
+        axisymmetric = self._problem.spaces.kinematics == "axisymmetric"
+        steps = steps_in_todays_terms(header["steps"], signs, axisymmetric)
+        before = header["time_before"]
+        last = AcceptedStep(
+            unknowns=self._unknowns("last", header["time"], arrays),
+            contacts=[
+                self._contact(number, plain, arrays)
+                for number, plain in enumerate(header["contacts"])
+            ],
+            solution=Solution(
+                displacement=np.zeros(0),
+                internal_force=np.zeros(0),
+                normal_force=[],
+                friction_force=[],
+                friction_bound=[],
+                states=[],
+                residual_history=tuple(steps[-1]["residual_history"]),
+                newton_iterations=steps[-1]["newton_iterations"],
+                outer_iterations=steps[-1]["outer_iterations"],
+                strategy=said["strategy"],
+                imbalance_limit=said["imbalance_limit"],
+                factorisations=0,
+            ),
+            before=None if before is None else self._unknowns("before", before, arrays),
+        )
+        return SavedRun(
+            last, steps, header["pace"], header["forces"], header["energy"], header["exit_code"]
+        )
+
+    def _require_same(self, made_for: dict[str, Any]) -> None:
+        """Refuse what another version, mesh or scene has left."""
+        ours, theirs = self._made_for["version"], made_for["version"]
+        if ours != theirs:
+            raise self._refused(f"version {theirs} wrote it, this is {ours}")
+        scene = self._made_for["scene"]
+        assert isinstance(scene, dict)
+        other = [key for key, digest in scene.items() if made_for["scene"].get(key) != digest]
+        if other:
+            raise self._refused(
+                f"the scene's {' and '.join(other)} differ; only steps, solver and title may"
+            )
+        if self._made_for["several"] != made_for["several"]:
+            raise self._refused("of the two, one has a single load step and the other several")
+        if self._made_for["mesh"] != made_for["mesh"]:
+            raise self._refused("it is of another mesh")
+
+    def _refused(self, why: str) -> InputError:
+        return InputError(f"--resume: '{self.path}' does not belong here: {why}")
+
+    def _unknowns_as_arrays(self, name: str, unknowns: Unknowns) -> Arrays:
+        keys, values = self._nodes.gathered(unknowns.displacement)
+        arrays: Arrays = {"nodes": keys, name: values, f"{name}_scalars": unknowns.scalars}
+        if self._mixed is not None:
+            keys, values = self._mean_stresses.gathered(unknowns.mean_stress)
+            arrays |= {"mean_stresses": keys, f"{name}_mean_stress": values}
+        return arrays
+
+    def _unknowns(self, name: str, time: float, arrays: Arrays) -> Unknowns:
+        mean_stress = np.zeros(0)
+        if self._mixed is not None:
+            keys, values = arrays["mean_stresses"], arrays[f"{name}_mean_stress"]
+            mean_stress = self._spread(self._mean_stresses, keys, values)
+        displacement = self._spread(self._nodes, arrays["nodes"], arrays[name])
+        return Unknowns(time, displacement, arrays[f"{name}_scalars"], mean_stress)
+
+    def _spread(self, nodes: NodalKeys, keys: NDArray[np.int64], values: Array) -> Array:
+        found = nodes.spread(keys, values)
+        if found is None:
+            raise self._refused("its nodes are those of another mesh")
+        return found
+
+    def _contact_as_arrays(self, number: int, memory: ContactMemory) -> Arrays:
+        """What is at the points of a contact, at its nodes and at its facets' centres."""
+        trace = self._problem.contacts[number].trace
+        values = np.column_stack([memory.reference, memory.bound, *memory.before.values()])
+        count = len(trace.nodes)
+        on_body = trace.surface.on_body(trace.at_all_nodes(values[:count]))
+        wanted = self._problem.contacts[number].on_body
+        name = f"contact{number}"
+        nodes, at_nodes = self._nodes.gathered(on_body, wanted)
+        arrays: Arrays = {f"{name}_nodes": nodes, f"{name}_at_nodes": at_nodes}
+        facets, at_centres = gather_keyed(
+            self._comm, self._centre_keys(self._problem.contacts[number]), values[count:]
+        )
+        arrays |= {f"{name}_facets": facets, f"{name}_at_centres": at_centres}
+        if memory.paired_at is not None:
+            arrays[f"{name}_paired_at"] = self._nodes.gathered(memory.paired_at)[1]
+        return arrays
+
+    def _contact(self, number: int, plain: dict[str, Any], arrays: Arrays) -> ContactMemory:
+        contact, name = self._problem.contacts[number], f"contact{number}"
+        keys = arrays[f"{name}_nodes"]
+        owned = contact.on_body[: self._problem.spaces.owned_nodes]
+        if total(self._comm, int(owned.sum())) != len(keys):
+            raise self._refused(f"the contact '{contact.label}' had other facets")
+        at_nodes = self._spread(self._nodes, keys, arrays[f"{name}_at_nodes"])[contact.nodes]
+        places, known = found_among(arrays[f"{name}_facets"], self._centre_keys(contact))
+        if total(self._comm, int((~known).sum())):
+            raise self._refused("its facets are those of another mesh")
+        values = np.concatenate([at_nodes, arrays[f"{name}_at_centres"][places]])
+        paired_at = arrays.get(f"{name}_paired_at")
+        before = contact.history.at_points()
+        wide = [memory.shape[1] if memory.ndim == 2 else 1 for memory in before.values()]
+        size = self._problem.spaces.components
+        reference, bound, *parts = np.split(values, np.cumsum([size, 1, *wide])[:-1], axis=1)
+        shaped = [
+            part.reshape(like.shape).copy()
+            for part, like in zip(parts, before.values(), strict=True)
+        ]
+        return ContactMemory(
+            **plain,
+            reference=reference.copy(),
+            bound=bound[:, 0].copy(),
+            before=dict(zip(before, shaped, strict=True)),
+            paired_at=None
+            if paired_at is None
+            else self._spread(self._nodes, arrays["nodes"], paired_at),
+        )
+
+    def _centre_keys(self, contact: ContactSurface) -> NDArray[np.int64]:
+        """A number for every facet of this rank that has a point at its centre."""
+        if contact.trace.nodal:
+            return np.zeros(0, dtype=np.int64)
+        topology = self._problem.body.mesh.topology
+        cells, facets = contact.trace.surface.parents.astype(np.int64).T
+        # Of a tetrahedron, no more than eight facets.
+        return np.asarray(
+            np.asarray(topology.original_cell_index, dtype=np.int64)[cells] * 8 + facets
+        )
+
+
+def _plain_part(memory: ContactMemory) -> dict[str, Any]:
+    """What is no array."""
+    fields = dataclasses.fields(memory)
+    parts = {field.name: getattr(memory, field.name) for field in fields}
+    return {name: part for name, part in parts.items() if isinstance(part, float | bool)}

@@ -1,0 +1,135 @@
+"""What a run says of its answer."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.common.parallel import largest
+from fenics_contact.contact.kinematics.against_body import BodyKinematics
+from fenics_contact.problem.problem import Problem
+from fenics_contact.results.check_messages import failure
+from fenics_contact.results.result import Check
+from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.linear_theory.linear_range import worst_step
+
+# Slip over the size of a contact between two pairings, from which pressures are visibly off:
+# without friction a shift of .01 changes them by 1 %.
+_FAR = 0.01
+# What pressure closes, over the height of facets' arcs, below which these decide about it.
+_SAGITTAS = 10.0
+# Strains, rotations and indentations over size from which linear theory is visibly off, and what
+# each is called.
+_LARGE = 0.1
+_OF_LINEAR_RANGE = {
+    "strain": "strains of {share}",
+    "rotation": "rotations of {share} of a radian",
+    "indentation": "an indentation of {share} of the radius or thickness",
+}
+# Share of the work left open by load steps, from which it is said.
+_OPEN = 0.1
+
+
+def untouched(problem: Problem, solution: Solution) -> str:
+    """A sentence on contacts at which nothing touches, or nothing; collective."""
+    touched = [
+        largest(problem.comm, np.abs(state.contact_pressure)) > 0 for state in solution.states
+    ]
+    words = ""
+    for contact, touches in zip(problem.contacts, touched, strict=True):
+        if not touches and contact.normal is not None:
+            what = "The body does not touch the obstacle"
+            if contact.sides.opposite is not None:
+                what = "The two surfaces do not touch each other"
+            words += f" {what} at '{contact.label}'."
+    return words
+
+
+def facets_too_straight(problem: Problem, solution: Solution) -> str:
+    """A sentence on curved surfaces of two bodies whose facets are coarse, or nothing; collective.
+
+    Their chords make gaps, beside which what the pressure closes, p L/E*, must be large.
+    """
+    found = []
+    for contact, state in zip(problem.contacts, solution.states, strict=True):
+        kinematics = contact.kinematics
+        if isinstance(kinematics, BodyKinematics):
+            peak = largest(problem.comm, np.abs(state.contact_pressure))
+            closed = peak / contact.moduli.plane_strain * contact.trace.extent()
+            if 0 < closed < _SAGITTAS * kinematics.sagitta:
+                found.append(f"'{contact.label}'")
+    if not found:
+        return ""
+    return (
+        f" The facets at {' and '.join(found)} are too straight for what is pressed together "
+        "there, and pressures not to be trusted: use cells of order 2 (mesh.order), or finer ones."
+    )
+
+
+def of_checks(checks: dict[str, Check]) -> str:
+    """Whether to trust it; if not, what is wrong, how much, and where."""
+    failed = [failure(name, check) for name, check in checks.items() if not check.passed]
+    if failed:
+        return f"Converged, but do not trust it: failed {'; '.join(failed)}."
+    every = "the one check" if len(checks) == 1 else f"all {len(checks)} checks"
+    return f"Converged; {every} of the physics passed."
+
+
+def slid_far(steps: list[dict[str, Any]]) -> str:
+    """A sentence on bodies that slid far within a load step, or nothing."""
+    found: dict[str, float] = {}
+    for step in steps:
+        for contact in step["contacts"]:
+            slid = contact["quantities"].get("slip_since_pairing", 0.0)
+            found[contact["name"]] = max(slid, found.get(contact["name"], 0.0))
+    far = [f"'{name}' by {slid:.2g}" for name, slid in found.items() if slid > _FAR]
+    if not far:
+        return ""
+    return (
+        f" Bodies slid far within a load step, over the contact's size at {' and '.join(far)}: "
+        "pressures may be off by as much; take more load steps."
+    )
+
+
+def beyond_linear_theory(steps: list[dict[str, Any]]) -> str:
+    """A sentence on what is not small, as linear theory takes it to be, or nothing."""
+    found = []
+    for what, words in _OF_LINEAR_RANGE.items():
+        row = worst_step(steps, what)
+        if row is not None and row["value"] > _LARGE:
+            where = f"near '{row['on']}'" if "on" in row else f"in '{row['part']}'"
+            at = f" at time {row['time']:g}" if row["time"] != steps[-1]["load_factor"] else ""
+            share = f"{100 * row['value']:.0f} %"
+            found.append(f"{words.format(share=share)} {where}{at}")
+    if not found:
+        return ""
+    return (
+        f" Outside the range of linear theory, in which they stay below 10 %: {', '.join(found)}; "
+        "results may be off by about as much."
+    )
+
+
+def loop_expands(solution: Solution) -> str:
+    """A sentence on a loop on the pressure that does not settle by itself, or nothing."""
+    if solution.contraction is None or solution.contraction < 1:
+        return ""
+    factor = f"{solution.contraction:.2g}"
+    return (
+        f" A pass of the loop on the pressure multiplies differences by {factor}, so that it does "
+        "not settle by itself; the answer was found otherwise."
+    )
+
+
+def coarse_path(share: float) -> str:
+    """A sentence on work that the load steps leave open, or nothing.
+
+    Args:
+        share: Of the work done.
+    """
+    if share < _OPEN:
+        return ""
+    return (
+        f" The load steps leave {100 * share:.2g} % of the work open, at points that began to "
+        "touch or to slip within a step: take more for sharper energies."
+    )

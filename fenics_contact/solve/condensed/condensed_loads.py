@@ -1,0 +1,52 @@
+"""Condensed loads, remembered: those of a load path are combinations of a few."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.parallel import total
+from fenics_contact.solve.condensed.schur import CondensedBulk
+
+Array = NDArray[np.float64]
+
+# Round-off of a combination of loads, of its size.
+_SAME = 1e-13
+_MOST = 8
+
+
+class CondensedLoads:
+    """What ``CondensedBulk.condense`` makes of loads; a solve only for those that are new."""
+
+    def __init__(self, bulk: CondensedBulk) -> None:
+        self._bulk = bulk
+        self._comm = bulk.comm
+        self._known: list[tuple[Array, Array]] = []
+
+    def condense(self, load: Array) -> Array:
+        """The condensed load, on rank 0; collective."""
+        shares = self._shares(load)
+        left = load - sum(
+            (share * known for share, (known, _) in zip(shares, self._known, strict=True)),
+            np.zeros_like(load),
+        )
+        if total(self._comm, np.abs(left).sum()) > _SAME * total(self._comm, np.abs(load).sum()):
+            self._known = [*self._known[-_MOST + 1 :], (load, self._bulk.condense(load))]
+            return self._known[-1][1]
+        return np.asarray(
+            sum(
+                (share * found for share, (_, found) in zip(shares, self._known, strict=True)),
+                np.zeros(self._bulk.count),
+            )
+        )
+
+    def _shares(self, load: Array) -> Array:
+        """Of the known loads in this one, by least squares; collective."""
+        columns = np.array([known for known, _ in self._known]).reshape(len(self._known), len(load))
+        sums = total(self._comm, np.vstack([columns @ columns.T, columns @ load]))
+        gram, right = sums[:-1], sums[-1]
+        if not right.any():
+            return np.zeros(len(right))
+        size = np.sqrt(gram.diagonal())
+        scaled = np.linalg.lstsq(gram / np.outer(size, size), right / size, rcond=1e-14)[0]
+        return np.asarray(scaled / size)

@@ -1,0 +1,351 @@
+"""The problem condensed onto its contacts: what is nonlinear, and nothing else.
+
+Unknowns are the displacements of the contact surfaces that no support holds, then the scalars;
+rank 0 has all of them. The bulk is factorised once, and solved for once a load step, at its end.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from petsc4py import PETSc
+from scipy.sparse import csr_matrix
+
+from fenics_contact.common.timings import Timings
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
+from fenics_contact.solve.condensed.contact_dofs import ContactDofs
+from fenics_contact.solve.condensed.contact_jump import ContactJump, EntryPattern
+from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
+from fenics_contact.solve.condensed.schur import CondensedBulk
+from fenics_contact.solve.condensed.tangent import ContactTangent
+from fenics_contact.solve.condensed.unknowns import ContactVariables
+from fenics_contact.solve.systems.contact_stiffness import AssembledForm, Entries, SurfaceMatrix
+from fenics_contact.solve.systems.system import System
+
+Array = NDArray[np.float64]
+
+
+class CondensedSystem(System):
+    """Balance A y − b − Σ Lᵀ r_c(B y + c), with A the Schur complement and the scalars' rows.
+
+    Attributes:
+        stiffness: That of each rank's cells.
+        dofs: The contact dofs.
+        variables: What stands for them as unknowns.
+        held: Which of this rank's unknowns of the stiffness supports hold.
+    """
+
+    name = "condensed"
+    options: ClassVar = {"ksp_type": "preonly"}
+
+    def __init__(self, problem: Problem, timings: Timings) -> None:
+        super().__init__(problem)
+        with timings.phase("assemble"):
+            self.stiffness = LocalStiffness(problem)
+            self._surfaces = [SurfaceMatrix(c) if c.terms else None for c in problem.contacts]
+        self._root = self.comm.rank == 0
+        acting = [surface for surface in self._surfaces if surface is not None]
+        self.dofs = ContactDofs(problem, acting)
+        self.held = np.zeros(len(self.stiffness.numbers), dtype=bool)
+        displacements = self.stiffness.displacements
+        self.held[: len(displacements)] = self.dofs.constrained[displacements]
+        with timings.phase("factorise"):
+            self._bulk = CondensedBulk(self.stiffness, self.held, self.dofs.free)
+        self.factorisations = 1
+        self._loads = CondensedLoads(self._bulk)
+        self._far_loads = [self._far_load(unknown.column) for unknown in problem.unknowns]
+        self._size = len(self.dofs.free) + self.scalars
+        with timings.phase("factorise"):
+            self._place_contacts()
+        self._create_vectors()
+
+    def _place_contacts(self) -> None:
+        """The unknowns, the jumps over them and the tangent; collective."""
+        acting = [surface for surface in self._surfaces if surface is not None]
+        self.variables = ContactVariables(self.dofs, acting)
+        self._jumps = [None if s is None else self._jump(s) for s in self._surfaces]
+        self._patterns: dict[AssembledForm, EntryPattern | None] = {}
+        self._dense = self._dense_tangent()
+
+    def pair_anew(self) -> None:
+        """Take what faces what anew, without another factorisation of the bulk; collective."""
+        values = self._values(self.state)
+        count = self.variables.count
+        displacements = self.variables.displacements(values[:count])
+        self._place_contacts()
+        self.tangent.setPythonContext(_Operator(self._dense))
+        with self.state as array:
+            if self._root:
+                array[:count] = self.variables.unknowns(displacements)
+
+    def _supported(self, at_constrained: Array) -> Array:
+        """Displacements (nodes, components) of what is constrained, 0 elsewhere."""
+        found = np.zeros(self.dofs.constrained.shape)
+        found[self.problem.constrained] = at_constrained
+        return found.reshape(-1, self.problem.spaces.components)
+
+    def _bulk_load(self, nodal: Array, supported: Array) -> Array:
+        """This rank's share of the load, with what supports at given displacements add."""
+        moved = self.stiffness.at_unknowns(supported)
+        load = self.stiffness.share(nodal)
+        if moved.any():
+            load -= self.stiffness.matrix @ moved
+        load[self.held] = moved[self.held]
+        return load
+
+    def _far_load(self, column: Array | None) -> tuple[Array, Array]:
+        """What a unit resultant does to the bulk, and to the contact dofs that it holds."""
+        displacements = np.zeros(self.dofs.constrained.shape)
+        far_field = self.problem.far_field
+        if column is not None and far_field is not None:
+            displacements[far_field.dofs] = column
+        nodal = displacements.reshape(-1, self.problem.spaces.components)
+        return self._bulk_load(np.zeros_like(nodal), nodal), self.dofs.gathered(displacements)
+
+    def _jump(self, surface: SurfaceMatrix) -> ContactJump:
+        places = self.dofs.places(surface.dofs)
+        points = self.variables.jump(surface)
+        points.resize(len(places), self._size)
+        if not self.scalars:
+            return ContactJump(surface, points, points, points)
+        motion, work = points.tolil(), points.tolil()
+        far = motion.copy()
+        for number, unknown in enumerate(self.problem.unknowns):
+            column = len(self.dofs.free) + number
+            if unknown.column is not None:
+                columns = self._far_loads[number][1][places][:, None]
+                motion[:, column] = far[:, column] = columns
+            direction = np.resize(unknown.direction, len(places))[:, None]
+            if unknown.contact is surface.contact and unknown.kind == "indentation":
+                motion[:, column] = work[:, column] = -direction
+            elif unknown.contact is surface.contact:
+                work[:, column] = direction
+        return ContactJump(surface, csr_matrix(far), csr_matrix(motion), csr_matrix(work))
+
+    def _dense_tangent(self) -> ContactTangent | None:
+        """A on rank 0, with what resultants do to the contact dofs through the bulk."""
+        condensed = [self._loads.condense(load) for load, _ in self._far_loads]
+        schur = self._bulk.schur
+        if not self.problem.can_pair_anew:
+            self._bulk.schur = None
+        if schur is None:
+            return None
+        condensed = [self.variables.forces(load) for load in condensed]
+        columns = -np.array(condensed).reshape(self.scalars, len(self.dofs.free)).T
+        resultant = [float(unknown.kind == "resultant") for unknown in self.problem.unknowns]
+        return ContactTangent(self.variables.stiffness(schur), columns, np.array(resultant))
+
+    def _create_vectors(self) -> None:
+        own = self._size if self._root else 0
+        sizes = (own, self._size)
+        self.state = PETSc.Vec().createMPI(sizes, comm=self.comm)
+        self.residual = self.state.duplicate()
+        operator = _Operator(self._dense)
+        self.tangent = PETSc.Mat().createPython((sizes, sizes), operator, comm=self.comm)
+        self.tangent.setUp()
+
+    def surface_size(self, number: int) -> int:
+        """Number of nodes of a contact's surface, on all ranks."""
+        return int(self.problem.contacts[number].trace.surface.space.dofmap.index_map.size_global)
+
+    def compliances(
+        self, number: int, across: csr_matrix, ways: list[csr_matrix]
+    ) -> tuple[Array, list[Array]] | None:
+        """How far forces at a contact move its points across, all other contacts being open.
+
+        Args:
+            number: Of the contact, in scene order.
+            across: Takes jumps across the contact out of those at all nodes of its surface.
+            ways: Take jumps along it, in several directions.
+
+        Returns:
+            For forces across, and along each way; None where only contact holds a body, and on
+            ranks that have no part of the tangent.
+        """
+        jump = self._jumps[number]
+        compliance = None if self._dense is None else self._dense.compliance
+        if jump is None or compliance is None:
+            return None
+        unknowns = jump.relative[:, : len(compliance)]
+        moved = (across @ unknowns) @ compliance
+        return moved @ (across @ unknowns).T, [moved @ (way @ unknowns).T for way in ways]
+
+    def destroy(self) -> None:
+        """Free PETSc's objects."""
+        self._bulk.destroy()
+        for thing in (self.tangent, self.state, self.residual):
+            thing.destroy()
+
+    def prepare(self, snes: Any) -> None:
+        """Solve with the dense tangent."""
+        preconditioner = snes.getKSP().getPC()
+        preconditioner.setType("python")
+        preconditioner.setPythonContext(_Operator(self._dense))
+
+    def begin(self, displacement: Array) -> None:
+        """Start from nodal displacements, supports at their values; collective."""
+        self.follow_loads()
+        at_contacts = self.dofs.gathered(displacement.reshape(-1))
+        with self.state as array:
+            if self._root:
+                own = self.variables.unknowns(at_contacts[self.dofs.is_free])
+                array[:] = np.concatenate([own, self.starting_scalars()])
+        self._started = self._displacements(self._values(self.state))
+        self.take(self.state)
+
+    def follow_loads(self) -> None:
+        """Loads and supports at their present values; collective."""
+        problem = self.problem
+        supported = self._supported(problem.prescribed)
+        self._load = self._bulk_load(problem.load, supported)
+        self._held_values = self.dofs.gathered(supported.reshape(-1))
+        self._held_parts = [
+            None if jump is None else self.variables.held_part(jump.surface, self._held_values)
+            for jump in self._jumps
+        ]
+        self._condensed = self.variables.forces(self._loads.condense(self._load))
+
+    def follow_supports(self) -> None:
+        """Bring supports and loads to their present values; collective."""
+        self.follow_loads()
+        self.take(self.state)
+
+    def _values(self, state: Any) -> Array:
+        """All unknowns, on every rank; collective."""
+        return np.asarray(self.comm.bcast(np.array(state.array_r) if self._root else None))
+
+    def _displacements(self, values: Array) -> Array:
+        """Of all contact dofs."""
+        found = self._held_values.copy()
+        found[self.dofs.is_free] = self.variables.displacements(values[: len(self.dofs.free)])
+        for value, (_, far) in zip(self._scalars_of(values), self._far_loads, strict=True):
+            found += value * far
+        return found
+
+    def _scalars_of(self, values: Array) -> Array:
+        return values[len(self.dofs.free) :]
+
+    def take(self, state: Any) -> None:
+        """A vector of unknowns into the jumps; collective."""
+        values = self._values(state)
+        at_surfaces = [
+            None if jump is None or held is None else self._relative(jump, held, values)
+            for jump, held in zip(self._jumps, self._held_parts, strict=True)
+        ]
+        self.move_contacts(at_surfaces, self._scalars_of(values))
+
+    def _relative(self, jump: ContactJump, held: Array, values: Array) -> Array:
+        """Displacements relative to a body opposite, at this rank's nodes of a surface."""
+        surface = jump.surface.contact.trace.surface
+        found = jump.relative @ values + held
+        return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
+
+    def _take_others(self, displacement: Array) -> None:
+        """The jumps of contacts that exert no forces, from the displacement; collective."""
+        at_surfaces = [
+            contact.kinematics.relative(displacement) if jump is None else None
+            for contact, jump in zip(self.problem.contacts, self._jumps, strict=True)
+        ]
+        self.move_contacts(at_surfaces, self._scalars_of(self._values(self.state)))
+
+    def balance(self, state: Any, residual: Any) -> None:
+        """A y − b − Σ Lᵀ r_c; collective."""
+        self.take(state)
+        forces = self.all_contact_forces()
+        parts = [self._of_all(jump, force) for jump, force in zip(self._jumps, forces, strict=True)]
+        if self._dense is None:
+            return
+        driving = [
+            unknown.contact.force or 0.0 if unknown.kind == "indentation" else 0.0
+            for unknown in self.problem.unknowns
+        ]
+        left = self._dense.constant_part(np.array(state.array_r))
+        left -= np.concatenate([self._condensed, driving])
+        for jump, force in zip(self._jumps, parts, strict=True):
+            if jump is not None:
+                left -= jump.work.T @ force
+        with residual as array:
+            array[:] = left
+
+    def _of_all(self, jump: ContactJump | None, force: Array) -> Array:
+        """Forces at all dofs of a surface, on rank 0; collective."""
+        if jump is None:
+            return np.zeros(0)
+        surface = jump.surface.contact.trace.surface
+        parts = self.comm.gather(force[: surface.owned_nodes].reshape(-1))
+        return np.zeros(0) if parts is None else np.concatenate(parts)
+
+    def linearise(self, state: Any) -> None:
+        """W = Σ Lᵀ K_c B; collective."""
+        self.take(state)
+        none = np.zeros(0, dtype=np.int64)
+        found = [(none, none, np.zeros(0))]
+        for jump in (jump for jump in self._jumps if jump is not None):
+            jump.surface.contact.follow()
+            for part in jump.surface.parts():
+                found += self._entries_in_unknowns(jump, part)
+        if self._dense is not None:
+            self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
+
+    def _entries_in_unknowns(self, jump: ContactJump, part: AssembledForm) -> list[Entries]:
+        """Entries of Lᵀ K_c B, on rank 0; collective."""
+        if part not in self._patterns:
+            places = self.comm.gather((part.rows, part.columns))
+            self._patterns[part] = None if places is None else EntryPattern(jump, places)
+        parts = self.comm.gather(part.values())
+        pattern = self._patterns[part]
+        if parts is None or pattern is None:
+            return []
+        values = np.concatenate(parts)[pattern.entries] * pattern.weights
+        return [(pattern.rows, pattern.columns, values)]
+
+    def imbalance(self) -> float:
+        """1-norm of the last residual (force); collective."""
+        return float(self.comm.bcast(float(np.abs(self.residual.array_r).sum())))
+
+    def round_off(self) -> float:
+        """20 × machine epsilon × ‖|M| |y|‖₁; collective."""
+        left = 0.0 if self._dense is None else self._dense.magnitude(np.array(self.state.array_r))
+        return float(self.comm.bcast(20 * np.finfo(float).eps * left))
+
+    def moved(self) -> float:
+        """Largest displacement of the contacts since the start (length)."""
+        present = self._displacements(self._values(self.state))
+        return float(np.abs(present - self._started).max(initial=0.0))
+
+    def finish(self) -> tuple[Array, Array]:
+        """Displacement and K u at the nodes; the functions follow; collective."""
+        values = self._values(self.state)
+        load = self._load.copy()
+        for value, (far, _) in zip(self._scalars_of(values), self._far_loads, strict=True):
+            load += value * far
+        at_contacts = self.variables.displacements(values[: len(self.dofs.free)])
+        found = self._bulk.expand(load, at_contacts)
+        self.stiffness.set_functions(found)
+        self.bulk_round_off = self.stiffness.round_off(found)
+        components = self.problem.spaces.components
+        displacement = self.problem.displacement.x.array.reshape(-1, components).copy()
+        self._take_others(displacement)
+        return displacement, self.stiffness.forces(found)
+
+
+class _Operator:
+    """The dense tangent as PETSc sees it; only rank 0 has one, and all rows."""
+
+    def __init__(self, dense: ContactTangent | None) -> None:
+        self._dense = dense
+
+    def mult(self, matrix: Any, values: Any, result: Any) -> None:
+        """M y."""
+        if self._dense is not None:
+            with result as array:
+                array[:] = self._dense.multiply(np.array(values.array_r))
+
+    def apply(self, preconditioner: Any, right: Any, solution: Any) -> None:
+        """M⁻¹ r."""
+        if self._dense is not None:
+            with solution as array:
+                array[:] = self._dense.solve(np.array(right.array_r))

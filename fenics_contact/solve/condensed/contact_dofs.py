@@ -1,0 +1,52 @@
+"""The displacement dofs of all contact surfaces, in one order that every rank knows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
+
+Array = NDArray[np.float64]
+
+
+class ContactDofs:
+    """Dofs that contacts act on, sorted by their numbers over all ranks (so by ranks, too).
+
+    Attributes:
+        numbers: Of all of them.
+        is_free: Which of them no support holds.
+        free: Numbers of these, the unknowns.
+        constrained: Which of all displacement dofs of this rank are held, owned and ghost.
+
+    Args:
+        problem: The problem.
+        surfaces: Those of the contacts that exert forces.
+    """
+
+    def __init__(self, problem: Problem, surfaces: Sequence[SurfaceMatrix]) -> None:
+        self._comm = problem.comm
+        components = problem.spaces.components
+        index_map = problem.spaces.displacement_space.dofmap.index_map
+        first, last = (number * components for number in index_map.local_range)
+        none = np.zeros(0, dtype=np.int64)
+        opposite = [surface.contact.kinematics.pairing for surface in surfaces]
+        masters = [pairing.dofs for pairing in opposite if pairing is not None]
+        every = [none, *(surface.dofs for surface in surfaces), *masters]
+        self.numbers = np.unique(np.concatenate(every))
+        self._mine = self.numbers[(self.numbers >= first) & (self.numbers < last)] - first
+        self.constrained = np.zeros(len(problem.spaces.coordinates) * components, dtype=bool)
+        self.constrained[problem.constrained] = True
+        self.is_free = ~self.gathered(self.constrained.astype(float)).astype(bool)
+        self.free = self.numbers[self.is_free]
+
+    def gathered(self, values: Array) -> Array:
+        """Values at this rank's displacement dofs, at all contact dofs; collective."""
+        return np.concatenate(self._comm.allgather(values[self._mine]))
+
+    def places(self, dofs: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Where dofs of surfaces, by the body's global numbers, are among these."""
+        return np.searchsorted(self.numbers, dofs)

@@ -1,0 +1,142 @@
+"""The stiffness of the cells of each rank: what ranks share is left unsummed.
+
+So each rank can condense its own cells, with solvers that know of no other rank.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from dolfinx import fem
+from dolfinx.fem import petsc as fem_petsc
+from numpy.typing import NDArray
+from scipy.sparse import bmat, csr_matrix
+
+from fenics_contact.body.spaces import summed_over_ranks
+from fenics_contact.common.parallel import total
+from fenics_contact.problem.problem import Problem
+
+Array = NDArray[np.float64]
+
+
+class LocalStiffness:
+    """K, or [[K, Bᵀ], [B, −C]] with a mean stress, of this rank's cells.
+
+    Its unknowns are those that its cells touch: displacements, then mean stresses.
+
+    Attributes:
+        matrix: Sparse, (unknowns, unknowns) (force/length).
+        numbers: Of the unknowns over all ranks.
+        shared: Which of them cells of other ranks touch, too.
+        is_plane: Whether the body has two dimensions.
+        displacements: Displacement dofs among them, by their local number in the space.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self.comm = problem.comm
+        spaces, mixed = problem.spaces, problem.elastic.mixed
+        self.is_plane = spaces.components == 2
+        fields = [spaces.displacement_space]
+        blocks = [[_local_matrix(problem.elastic.stiffness)]]
+        if mixed is not None:
+            fields.append(mixed.mean_stress.function_space)
+            gradient, divergence = _local_matrix(mixed.gradient), _local_matrix(mixed.divergence)
+            blocks[0].append(gradient)
+            blocks.append([divergence, -_local_matrix(mixed.compressibility)])
+        whole = csr_matrix(bmat(blocks)) if mixed is not None else blocks[0][0]
+        every = [_Unknowns(space) for space in fields]
+        sizes = [len(unknowns.sharers) for unknowns in every]
+        sharers = np.concatenate([unknowns.sharers for unknowns in every])
+        touched = np.flatnonzero(sharers > 0)
+        starts = np.cumsum([0, *(unknowns.total for unknowns in every)])
+        numbers = [unknowns.numbers + start for unknowns, start in zip(every, starts, strict=False)]
+        self.matrix = whole if len(touched) == len(sharers) else whole[touched][:, touched]
+        self.numbers = np.concatenate(numbers)[touched]
+        self.shared = sharers[touched] > 1
+        self._sharers = sharers[touched]
+        self.displacements = touched[touched < sizes[0]]
+        self._stresses = touched[touched >= sizes[0]] - sizes[0]
+
+    def share(self, nodal: Array) -> Array:
+        """This rank's share of nodal forces (nodes, components), at its unknowns."""
+        found = np.zeros(len(self.numbers))
+        count = len(self.displacements)
+        found[:count] = nodal.reshape(-1)[self.displacements] / self._sharers[:count]
+        return found
+
+    def at_unknowns(self, nodal: Array) -> Array:
+        """Nodal displacements (nodes, components) at its unknowns, no mean stress."""
+        found = np.zeros(len(self.numbers))
+        found[: len(self.displacements)] = nodal.reshape(-1)[self.displacements]
+        return found
+
+    def forces(self, values: Array) -> Array:
+        """K u at the nodes, (nodes, components), of all ranks' cells; collective."""
+        spaces = self._problem.spaces
+        found = np.zeros(spaces.coordinates.shape[0] * spaces.components)
+        found[self.displacements] = (self.matrix @ values)[: len(self.displacements)]
+        return spaces.summed(found.reshape(-1, spaces.components))
+
+    def round_off(self, values: Array) -> float:
+        """20 × machine epsilon × ‖|K| |u|‖₁ (force); collective."""
+        whole = self.matrix
+        magnitude = csr_matrix((np.abs(whole.data), whole.indices, whole.indptr), whole.shape)
+        forces = (magnitude @ np.abs(values))[: len(self.displacements)]
+        return float(20 * np.finfo(float).eps * total(self.comm, forces.sum()))
+
+    def set_functions(self, values: Array) -> None:
+        """Values of the unknowns into displacement and mean stress; collective."""
+        count = len(self.displacements)
+        _set(self._problem.displacement, self.displacements, values[:count])
+        mixed = self._problem.elastic.mixed
+        if mixed is not None:
+            _set(mixed.mean_stress, self._stresses, values[count:])
+
+
+class _Unknowns:
+    """Numbers over all ranks of a space's dofs, and how many ranks' cells touch each."""
+
+    def __init__(self, space: Any) -> None:
+        dofmap, mesh = space.dofmap, space.mesh
+        index_map, size = dofmap.index_map, dofmap.index_map_bs
+        count = self.count(space) // size
+        own_cells = mesh.topology.index_map(mesh.topology.dim).size_local
+        touched = np.zeros(count)
+        touched[dofmap.list[:own_cells].ravel()] = 1.0
+        sharers = summed_over_ranks(index_map, touched[:, None])[:, 0]
+        self.sharers = np.repeat(np.where(touched > 0, sharers, 0.0), size)
+        nodes = index_map.local_to_global(np.arange(count, dtype=np.int32))
+        self.numbers = (nodes[:, None] * size + np.arange(size)).ravel()
+        self.total = index_map.size_global * size
+
+    @staticmethod
+    def count(space: Any) -> int:
+        """Number of dofs that this rank knows of."""
+        index_map = space.dofmap.index_map
+        return int(index_map.size_local + index_map.num_ghosts) * int(space.dofmap.index_map_bs)
+
+
+def _local_matrix(form: Any) -> csr_matrix:
+    """A bilinear form over this rank's cells, between its own local dofs; collective."""
+    test, trial = form.function_spaces
+    if test.dofmap.index_map_bs == trial.dofmap.index_map_bs:
+        found = csr_matrix(fem.assemble_matrix(form).to_scipy(ghosted=True))
+    else:  # of unequal blocks only PETSc makes matrices, and not as fast
+        matrix = fem_petsc.create_matrix(form, "is")
+        fem_petsc.assemble_matrix(matrix, form)
+        matrix.assemble()
+        local = matrix.getISLocalMat()
+        first, columns, values = local.getValuesCSR()
+        found = csr_matrix((values, columns, first), shape=local.getSize())
+        matrix.destroy()
+    # Rows that ranks share have made room for columns that none of its cells reach.
+    shape = (_Unknowns.count(test), _Unknowns.count(trial))
+    return found if found.shape == shape else found[: shape[0], : shape[1]]
+
+
+def _set(function: Any, dofs: NDArray[np.int64], values: Array) -> None:
+    """Values at this rank's dofs; those that only ghost cells touch come from their owners."""
+    function.x.array[dofs] = values
+    function.x.scatter_forward()

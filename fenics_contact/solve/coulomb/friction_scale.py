@@ -1,0 +1,49 @@
+"""The ε of a contact whose pressure is found: each load step's follows from its own pressures.
+
+Slip counts from the last accepted step, or from the start: in neither case does a traction remember
+the ε of the steps before, so that each may have its own.
+"""
+
+from __future__ import annotations
+
+from fenics_contact.common.parallel import largest
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.noise import carries_more_than
+
+
+def follow_pressure(contact: ContactSurface, imbalance: float) -> None:
+    """Set ε to what the present pressure needs, if that is more than round-off; collective.
+
+    Args:
+        contact: Any; one whose ε is given keeps it.
+        imbalance: That was accepted (force).
+    """
+    if not contact.finds_scale or not carries_more_than(contact, imbalance):
+        return
+    assert contact.friction is not None
+    needed = _needed(contact)
+    if needed > 0:
+        contact.friction.regularisation_parameter = needed
+        contact.is_scaled = True
+
+
+def fits(contact: ContactSurface, too_large: float, too_small: float) -> bool:
+    """Whether ε is that needed at the present pressure, but for factors; collective.
+
+    Args:
+        contact: Any; an ε that is given fits.
+        too_large: Largest of ε over that needed.
+        too_small: Largest of that needed over ε.
+    """
+    if not contact.finds_scale:
+        return True
+    assert contact.friction is not None
+    needed, chosen = _needed(contact), contact.friction.chosen_parameter
+    return contact.is_scaled and needed <= too_small * chosen and chosen <= too_large * needed
+
+
+def _needed(contact: ContactSurface) -> float:
+    """The ε whose bias is below .1 % at the present pressure, 0 without one; collective."""
+    assert contact.friction is not None
+    bound = contact.friction.bound_of(contact.pressure())
+    return contact.scales.regularisation_parameter(largest(contact.spaces.comm, bound))

@@ -1,0 +1,195 @@
+"""The cells at the contacts, whose equations are solved directly: stiff, nonlinear, and few."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from dolfinx import la
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fenics_contact.common.errors import MachineError
+from fenics_contact.common.petsc_options import ZONE_PREFIX
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.iterative.contact_matrix import ContactMatrix
+from fenics_contact.solve.systems import mumps
+
+Array = NDArray[np.float64]
+Nodes = NDArray[np.bool_]
+
+
+class ContactZone:
+    """Free displacements of the cells that touch nodes of contacts, and the scalars.
+
+    The penalty makes K + K_c as stiff as 1/ε₁ there, where no multigrid would follow; a sparse
+    factor of the zone does, and grows with the surface alone.
+
+    Attributes:
+        nodes: This rank's nodes of contacts, owned and ghost, whose cells are in it.
+        places: Of its unknowns among those of this rank.
+
+    Args:
+        problem: The problem.
+        stiffness: K with supports cleared.
+        contacts: K_c.
+        nodes: See the attributes.
+        springs: What that diagonal has too much, at this rank's dofs (force/length).
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        stiffness: Any,
+        contacts: ContactMatrix,
+        nodes: Nodes,
+        springs: Array,
+    ) -> None:
+        self._contacts = contacts
+        self.nodes = nodes
+        scalars = contacts.scalars if problem.comm.rank == 0 else 0
+        dofs = free_dofs(problem, beside(problem, nodes))
+        owned = stiffness.getLocalSize()[0]
+        self.places = np.concatenate([dofs, owned + np.arange(scalars)])
+        rows = self._indices(stiffness, dofs)
+        every = PETSc.IS().createStride(
+            owned, stiffness.getOwnershipRange()[0], 1, comm=problem.comm
+        )
+        self._rows = stiffness.createSubMatrix(rows, every)
+        inner = stiffness.createSubMatrix(rows, rows)
+        self._dofs, self._springs = dofs, springs[dofs]
+        diagonal = inner.getDiagonal()
+        with diagonal as array:
+            array -= self._springs
+        inner.setDiagonal(diagonal)
+        self._stiffness = _with_scalars(inner, scalars, contacts.scalars)
+        self._unknowns = self._indices(contacts.matrix, self.places)
+        self._added = contacts.matrix.createSubMatrix(self._unknowns, self._unknowns)
+        self._added.zeroEntries()  # room for K_c only: it has values where a zone is moved
+        self._stiffness.axpy(1.0, self._added, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        self._tangent = self._stiffness.duplicate(copy=True)
+        self._solved, self._right = self._stiffness.createVecs()
+        self._image = self._rows.createVecLeft()
+        self._factor = self._create_factor()
+        for thing in (rows, every, inner, diagonal):
+            thing.destroy()
+
+    def _indices(self, matrix: Any, local: NDArray[np.int64]) -> Any:
+        rows = (matrix.getOwnershipRange()[0] + local).astype(PETSc.IntType)
+        return PETSc.IS().createGeneral(rows, comm=matrix.comm)
+
+    def _create_factor(self) -> Any:
+        factor = PETSc.PC().create(self._tangent.comm)
+        factor.setOptionsPrefix(ZONE_PREFIX)
+        factor.setOperators(self._tangent)
+        factor.setType("lu")
+        factor.setFactorSolverType("mumps")
+        factor.setFromOptions()
+        return factor
+
+    def factorise(self) -> bool:
+        """Factorise K + K_c in the zone, and say whether that went; collective.
+
+        It does not where the zone is loose, as an obstacle under a force that nothing touches.
+
+        Raises:
+            MachineError: There is not enough memory; on every rank.
+        """
+        self._contacts.matrix.createSubMatrix(self._unknowns, self._unknowns, self._added)
+        self._stiffness.copy(self._tangent, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        self._tangent.axpy(1.0, self._added, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+        self._factor.setOperators(self._tangent)
+        self._factor.setUp()
+        error = mumps.failure_of(self._factor)
+        if isinstance(error, MachineError):
+            raise error
+        return error is None
+
+    def solve(self, right: Array) -> Array:
+        """What balances forces in the zone, all else held; collective."""
+        with self._right as array:
+            array[:] = right
+        self._factor.apply(self._right, self._solved)
+        return np.array(self._solved.array_r)
+
+    def forces_inside(self, moved: Array) -> Array:
+        """K times displacements of the zone, in the zone; collective."""
+        with self._right as array:
+            array[:] = moved
+        self._stiffness.mult(self._right, self._solved)
+        return np.array(self._solved.array_r)
+
+    def forces_of_body(self, displacement: Any) -> Array:
+        """K times displacements of the body, in the zone; collective."""
+        self._rows.mult(displacement, self._image)
+        found = np.zeros(len(self.places))
+        found[: len(self._dofs)] = self._image.array_r
+        found[: len(self._dofs)] -= self._springs * displacement.array_r[self._dofs]
+        return found
+
+    def destroy(self) -> None:
+        """Free PETSc's objects."""
+        for thing in (
+            self._factor,
+            self._rows,
+            self._stiffness,
+            self._tangent,
+            self._added,
+            self._unknowns,
+            self._solved,
+            self._right,
+            self._image,
+        ):
+            thing.destroy()
+
+
+def touching(problem: Problem) -> Nodes:
+    """Nodes at which forces of contacts depend on displacements at present; collective."""
+    found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
+    for contact in (contact for contact in problem.contacts if contact.terms):
+        acts = np.zeros(len(contact.trace.weights), dtype=bool)
+        if contact.normal is not None:
+            acts |= (contact.pressure() > 0) | (not contact.is_one_sided)
+        if contact.friction is not None:
+            acts |= contact.friction.bound > 0
+        at_nodes = contact.trace.to_nodes(acts.astype(np.float64)) > 0
+        found |= contact.kinematics.reaches(contact.trace.at_all_nodes(at_nodes))
+    return found
+
+
+def on_contacts(problem: Problem) -> Nodes:
+    """All nodes of contacts that exert forces; collective."""
+    found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
+    for contact in (contact for contact in problem.contacts if contact.terms):
+        every = np.ones(len(contact.trace.all_nodes), dtype=bool)
+        found |= contact.kinematics.reaches(every)
+    return found
+
+
+def beside(problem: Problem, nodes: Nodes) -> Nodes:
+    """Nodes of all cells that have one of the nodes; collective."""
+    dofmap = problem.spaces.displacement_space.dofmap
+    marks = la.vector(dofmap.index_map, 1)
+    marks.array[dofmap.list[nodes[dofmap.list].any(axis=1)]] = 1.0
+    marks.scatter_reverse(la.InsertMode.add)
+    marks.scatter_forward()
+    return np.asarray(marks.array > 0)
+
+
+def free_dofs(problem: Problem, nodes: Nodes) -> NDArray[np.int64]:
+    """Owned dofs of nodes that nothing constrains."""
+    spaces = problem.spaces
+    owned = np.flatnonzero(nodes[: spaces.owned_nodes])
+    dofs = owned[:, None] * spaces.components + np.arange(spaces.components)
+    return np.setdiff1d(dofs.ravel(), problem.constrained)
+
+
+def _with_scalars(matrix: Any, own: int, scalars: int) -> Any:
+    """A matrix with empty rows and columns for the scalars, last on rank 0; collective."""
+    first, columns, values = matrix.getValuesCSR()
+    start = matrix.getOwnershipRangesColumn()[1]
+    columns = np.where(columns >= start, columns + scalars, columns).astype(PETSc.IntType)
+    first = np.concatenate([first, np.full(own, first[-1])]).astype(PETSc.IntType)
+    size = matrix.getLocalSize()[0] + own
+    sizes = ((size, PETSc.DETERMINE), (size, PETSc.DETERMINE))
+    return PETSc.Mat().createAIJ(sizes, csr=(first, columns, values), comm=matrix.comm)

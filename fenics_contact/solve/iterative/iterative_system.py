@@ -1,0 +1,304 @@
+"""The system for large bodies: multigrid for the bulk, a direct solver at the contacts.
+
+K is assembled once and never factorised or copied. GAMG is set up on it once; the tangent
+K + K_c is only applied, K_c being a matrix of the contacts alone. Newton's method settles the
+nonlinear zone at the contacts by itself before each of its steps (``elimination``), so that a
+step only has to carry smooth changes into the body.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fenics_contact.common.parallel import total
+from fenics_contact.common.timings import Timings
+from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.rigid_motions import apart, null_space, rigid_fields
+from fenics_contact.solve.iterative.contact_matrix import ContactMatrix
+from fenics_contact.solve.iterative.contact_zone import (
+    ContactZone,
+    beside,
+    free_dofs,
+    on_contacts,
+    touching,
+)
+from fenics_contact.solve.iterative.multigrid import Multigrid
+from fenics_contact.solve.iterative.nonlinear_elimination import EliminatingNewton
+from fenics_contact.solve.systems.bulk_matrix import assembled
+from fenics_contact.solve.systems.displacement_system import BodySystem
+
+Array = NDArray[np.float64]
+
+# K's entries are looked at in so many parts, as Python would copy all of them.
+_PARTS = 128
+
+
+class IterativeSystem(BodySystem):
+    """Balance of forces with K in multigrid; the other attributes are those of ``System``.
+
+    Attributes:
+        multigrid: Of the bulk, set up once.
+        zone: The cells at the contacts.
+        contacts: K_c.
+    """
+
+    name = "iterative"
+    first_way = "monolithic"  # every pass of a loop would take linear solves of the body
+    options: ClassVar = {
+        "ksp_type": "fgmres",
+        "ksp_gmres_restart": 30,
+        "ksp_gmres_cgs_refinement_type": "refine_ifneeded",
+    }
+
+    def __init__(self, problem: Problem, timings: Timings) -> None:
+        super().__init__(problem)
+        with timings.phase("assemble"):
+            self._assemble()
+        with timings.phase("factorise"):
+            self._set_up()
+        self._column_sums: Array | None = None
+
+    @property
+    def factorisations(self) -> int:  # type: ignore[override]
+        """How often the bulk's multigrid was set up."""
+        return self.multigrid.setups
+
+    def _assemble(self) -> None:
+        """K with supports cleared, and its rows of supports for their forces."""
+        stiffness = assembled(self.problem.elastic.stiffness)
+        self._stiffness = stiffness
+        first = stiffness.getOwnershipRange()[0]
+        held = (first + self._owned_constrained).astype(PETSc.IntType)
+        rows = PETSc.IS().createGeneral(held, comm=self.comm)
+        every = PETSc.IS().createStride(self._owned_size, first, 1, comm=self.comm)
+        self._support_rows = stiffness.createSubMatrix(rows, every)
+        rows.destroy()
+        every.destroy()
+        self._inner, self._outer = stiffness.createVecs()
+        self._prescribed = self._support_rows.createVecLeft()
+        stiffness.getDiagonal(self._inner)
+        # An entry as any other: multigrid is not to see supports as soft or stiff.
+        self._diagonal = self._inner.sum() / max(self._inner.getSize(), 1)
+        self.contacts = ContactMatrix(self.problem, stiffness, self._diagonal)
+        stiffness.zeroRowsColumns(held, diag=self._diagonal)
+
+    def _set_up(self) -> None:
+        problem, spaces = self.problem, self.problem.spaces
+        _, fields = rigid_fields(spaces)
+        self._on_contacts = on_contacts(problem)
+        self._add_springs(self._owned_columns(apart(spaces.parts, fields)))
+        self._place_zone()
+        self.multigrid = Multigrid(self._stiffness, self._owned_columns(fields))
+        self.residual = self.contacts.matrix.createVecLeft()
+        self.state, self._work = self.residual.duplicate(), self.residual.duplicate()
+        sizes = self.contacts.matrix.getSizes()
+        self.tangent = PETSc.Mat().createPython(sizes, _Tangent(self), comm=self.comm)
+        self.tangent.setUp()
+
+    def _owned_columns(self, fields: Array) -> Array:
+        """Nodal fields (nodes, components, modes) as columns at this rank's own dofs."""
+        owned = fields[: self.problem.spaces.owned_nodes]
+        return owned.reshape(self._owned_size, fields.shape[-1])
+
+    def _place_zone(self) -> None:
+        """A zone around what touches, with its neighbours, which may touch next.
+
+        Around whole contacts where multigrid has springs there, which are to be taken off.
+        """
+        near = self._on_contacts
+        if not self._is_sprung:
+            near = near & beside(self.problem, touching(self.problem))
+        self.zone = ContactZone(self.problem, self._stiffness, self.contacts, near, self._springs)
+
+    def follow_contacts(self) -> None:
+        """Move the zone where something touches outside it; collective."""
+        outside = touching(self.problem) & ~self.zone.nodes
+        if total(self.comm, int(outside.sum())) > 0:
+            self.zone.destroy()
+            self._place_zone()
+
+    def _add_springs(self, rigid: Array) -> None:
+        """Springs at the contacts in multigrid's K where supports do not hold every body.
+
+        As stiff as the cells there; all else takes them off again.
+        """
+        self._springs = np.zeros(self._owned_size)
+        held = rigid[self._owned_constrained]
+        loose = null_space(np.asarray(total(self.comm, held.T @ held)))
+        self._is_sprung = loose.shape[1] > 0
+        if not self._is_sprung:
+            return
+        dofs = free_dofs(self.problem, self._on_contacts)
+        self._stiffness.getDiagonal(self._inner)
+        self._springs[dofs] = self._inner.array_r[dofs]
+        with self._inner as array:
+            array[:] += self._springs
+        self._stiffness.setDiagonal(self._inner)
+
+    def destroy(self) -> None:
+        """Free PETSc's objects."""
+        for thing in (
+            self.multigrid,
+            self.zone,
+            self.contacts,
+            self.tangent,
+            self._stiffness,
+            self._support_rows,
+            self._prescribed,
+            self._inner,
+            self._outer,
+            self.state,
+            self.residual,
+            self._work,
+        ):
+            thing.destroy()
+
+    def prepare(self, snes: Any) -> None:
+        """Newton's method with the zone settled before each step; multigrid inside."""
+        snes.setType("python")
+        snes.setPythonContext(EliminatingNewton(self))
+        preconditioner = snes.getKSP().getPC()
+        preconditioner.setType("python")
+        preconditioner.setPythonContext(_Preconditioner(self))
+
+    def linearise(self, state: Any) -> None:
+        """K_c of a state; collective."""
+        self.take(state)
+        for contact in self.problem.contacts:
+            contact.follow()
+        self.contacts.linearise()
+
+    def internal_forces(self, state: Any, forces: Any) -> None:
+        """K u, also where supports hold; 0 in the scalars' rows; collective."""
+        held = self._owned_constrained
+        with self._inner as array:
+            array[:] = state.array_r[: self._owned_size]
+            with self._prescribed as values:
+                values[:] = array[held]
+            array[held] = 0.0
+        self._bulk_forces()
+        self._support_rows.multTransposeAdd(self._prescribed, self._outer, self._outer)
+        with self._inner as array:
+            array[held] = self._prescribed.array_r
+        self._support_rows.mult(self._inner, self._prescribed)
+        with forces as array:
+            array[:] = 0.0
+            array[: self._owned_size] = self._outer.array_r
+            array[held] = self._prescribed.array_r
+
+    def _bulk_forces(self) -> None:
+        """K, supports cleared and without springs, times ``_inner`` into ``_outer``."""
+        self._stiffness.mult(self._inner, self._outer)
+        with self._outer as array:
+            array -= self._springs * self._inner.array_r
+
+    def apply_tangent(self, vector: Any, result: Any) -> None:
+        """(K + K_c) times a vector of all unknowns; collective."""
+        self.contacts.matrix.mult(vector, result)
+        with self._inner as array:
+            array[:] = vector.array_r[: self._owned_size]
+        self._bulk_forces()
+        with result as array:
+            array[: self._owned_size] += self._outer.array_r
+
+    def precondition(self, right: Any, solution: Any) -> None:
+        """A V-cycle in the body, then what it leaves in the zone; collective.
+
+        It leaves no forces in the zone. So nothing as stiff as 1/ε₁ is in the residuals of a
+        solve that starts without any there, and their norm is one of the body's forces.
+        """
+        with self._inner as array:
+            array[:] = right.array_r[: self._owned_size]
+        self.multigrid.apply(self._inner, self._outer)
+        with self._outer as array:
+            array[self._owned_constrained] = 0.0
+        with solution as array:
+            array[:] = 0.0
+            array[: self._owned_size] = self._outer.array_r
+        left = right.array_r[self.zone.places] - self._forces_in_zone(solution)
+        correction = self.zone.solve(left)
+        with solution as array:
+            array[self.zone.places] += correction
+        self.tie(solution)
+
+    def tie(self, change: Any) -> None:
+        """Let constrained dofs change as the resultants say, or not at all; collective.
+
+        Exactly, as the balance of forces does not see their rows.
+        """
+        far_field = self.problem.far_field
+        values = np.zeros(self._owned_size)
+        if far_field is not None:
+            mine = far_field.dofs < self._owned_size
+            scalars = self.scalar_values(change)
+            for unknown, value in zip(self.problem.unknowns, scalars, strict=True):
+                if unknown.column is not None:
+                    values[far_field.dofs[mine]] += value * unknown.column[mine]
+        held = self._owned_constrained
+        with change as array:
+            array[held] = values[held]
+
+    def _forces_in_zone(self, solution: Any) -> Array:
+        """(K + K_c) times displacements of ``_outer``, in the zone."""
+        self.contacts.matrix.mult(solution, self._work)
+        return np.asarray(
+            self.zone.forces_of_body(self._outer) + self._work.array_r[self.zone.places]
+        )
+
+    def round_off(self) -> float:
+        """20 × machine epsilon × ‖|K + K_c| |u|‖₁; collective."""
+        if self._column_sums is None:
+            self._column_sums = self._sums()
+        lengths = np.abs(self.state.array_r[: self._owned_size])
+        inside = total(self.comm, self._column_sums @ lengths)
+        return self.contact_round_off() + float(20 * np.finfo(float).eps * inside)
+
+    def contact_round_off(self) -> float:
+        """The part of K_c in ``round_off``; collective."""
+        lengths = self.state.duplicate()
+        self.state.copy(lengths)
+        lengths.abs()
+        self.contacts.magnitude(lengths, self._work)
+        lengths.destroy()
+        left = total(self.comm, self._work.array_r[: self._owned_size].sum())
+        return float(20 * np.finfo(float).eps * left)
+
+    def _sums(self) -> Array:
+        """Σ |K_ij| over a column, which for K is that over a row."""
+        first = self._stiffness.getOwnershipRange()[0]
+        every = PETSc.IS().createStride(self._owned_size, first, 1, comm=self.comm)
+        found = []
+        for part in np.array_split(np.arange(self._owned_size), _PARTS):
+            rows = PETSc.IS().createGeneral((first + part).astype(PETSc.IntType), comm=self.comm)
+            matrix = self._stiffness.createSubMatrix(rows, every)
+            starts, _, values = matrix.getValuesCSR()
+            sums = np.concatenate([[0.0], np.cumsum(np.abs(values))])
+            found.append(sums[starts[1:]] - sums[starts[:-1]])
+            matrix.destroy()
+            rows.destroy()
+        every.destroy()
+        return np.concatenate(found)
+
+
+class _Tangent:
+    """K + K_c as PETSc sees it."""
+
+    def __init__(self, system: IterativeSystem) -> None:
+        self._system = system
+
+    def mult(self, matrix: Any, vector: Any, result: Any) -> None:
+        self._system.apply_tangent(vector, result)
+
+
+class _Preconditioner:
+    """Multigrid and zone as PETSc sees them."""
+
+    def __init__(self, system: IterativeSystem) -> None:
+        self._system = system
+
+    def apply(self, preconditioner: Any, right: Any, solution: Any) -> None:
+        self._system.precondition(right, solution)

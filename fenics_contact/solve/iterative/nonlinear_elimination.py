@@ -1,0 +1,238 @@
+"""Newton's method with the contact zone eliminated.
+
+All that is nonlinear lies in the zone: before each step it is settled alone, the rest of the
+body held, by Newton steps that cost a small factorisation each. The step for the whole body
+then changes contact and slip only by what is smooth, so few digits of it are asked for, more
+as the imbalance falls (S. C. Eisenstat and H. F. Walker, SIAM J. Sci. Comput. 17 (1996) 16-32).
+See X.-C. Cai and X. Li, SIAM J. Sci. Comput. 33 (2011) 746-762.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fenics_contact.common.parallel import total
+
+if TYPE_CHECKING:
+    from fenics_contact.solve.iterative.iterative_system import IterativeSystem
+
+Array = NDArray[np.float64]
+
+# Forces that the first linear solve leaves, over those it starts with; later ones leave
+# this times the last reduction to this power.
+_FIRST_REST = 0.1
+_FACTOR, _POWER = 0.9, 2
+# The last one is to end the Newton steps.
+_BELOW_TOLERANCE = 0.5
+# The zone is settled to this share of the imbalance outside it.
+_ZONE_SHARE = 1e-2
+_MOST_ZONE_STEPS = 15
+# A search ends where the derivative of the energy along the step is this share of its first.
+_FLAT = 0.5
+_MOST_SEARCHES = 5
+# Krylov vectors are restarted; a solve that needs more than this is given up.
+_MOST_ITERATIONS = 300
+# Imbalance over the forces, below which round-off is looked at.
+_NEAR_ROUND_OFF = 1e-6
+
+
+class EliminatingNewton:
+    """A nonlinear solver of PETSc's type ``python``."""
+
+    def __init__(self, system: IterativeSystem) -> None:
+        self._system = system
+        self._comm = system.comm
+        self._tolerance = 0.0
+        self._is_nonlinear = any(
+            contact.is_one_sided or contact.friction is not None
+            for contact in system.problem.contacts
+        )
+
+    def solve(self, snes: Any, right: Any, state: Any) -> None:
+        """Solve from a state; PETSc calls this."""
+        searched = _is_searched(snes)
+        self._tolerance = snes.getTolerances()[0]
+        residual = snes.getFunction()[0]
+        step, left = state.duplicate(), state.duplicate()
+        snes.computeFunction(state, residual)
+        before, reason, number = 0.0, 0, 0
+        while True:
+            self._settle(snes, state, residual, searched)
+            reason = self._judge(snes, number, residual)
+            if reason or number == snes.getTolerances()[3]:
+                break
+            imbalance = self._system.imbalance()
+            rest = self._rest(imbalance, before)
+            before = imbalance
+            snes.computeJacobian(state, self._system.tangent)
+            self._system.follow_contacts()
+            if not self._find_step(snes.getKSP(), residual, rest, step, left):
+                reason = -3  # the linear solve failed
+                break
+            self._advance(snes, state, residual, step, searched)
+            number += 1
+        snes.setConvergedReason(reason or -5)
+        step.destroy()
+        left.destroy()
+
+    def _judge(self, snes: Any, number: int, residual: Any) -> int:
+        norm = residual.norm()
+        snes.setIterationNumber(number)
+        snes.setFunctionNorm(norm)
+        snes.monitor(number, norm)
+        return int(snes.callConvergenceTest(number, 0.0, 0.0, norm) or 0)
+
+    def _rest(self, imbalance: float, before: float) -> float:
+        """Share of the forces that a linear solve may leave."""
+        last = _BELOW_TOLERANCE * self._tolerance * self._system.forces / imbalance
+        if not self._is_nonlinear:
+            return last
+        if before == 0.0:
+            return max(_FIRST_REST, last)
+        return max(min(_FACTOR * (imbalance / before) ** _POWER, _FIRST_REST), last)
+
+    def _find_step(self, solver: Any, residual: Any, rest: float, step: Any, left: Any) -> bool:
+        """−(K + K_c)⁻¹ r: exactly in the zone first, then everywhere; collective."""
+        zone, tangent = self._system.zone, self._system.tangent
+        if not zone.factorise():
+            return False
+        inside = zone.solve(-residual.array_r[zone.places])
+        step.set(0.0)
+        with step as array:
+            array[zone.places] = inside
+        self._system.tie(step)
+        tangent.mult(step, left)
+        left.axpy(1.0, residual)
+        left.scale(-1.0)
+        solver.setOperators(tangent)
+        solver.setTolerances(rtol=rest, atol=0.0, divtol=1e10, max_it=_MOST_ITERATIONS)
+        correction = left.duplicate()
+        solver.solve(left, correction)
+        step.axpy(1.0, correction)
+        correction.destroy()
+        reason = solver.getConvergedReason()
+        return bool(np.isfinite(step.norm())) and (reason > 0 or reason == -3)
+
+    def _advance(self, snes: Any, state: Any, residual: Any, step: Any, searched: bool) -> None:
+        """Go along the step, where searched for to where the energy is flat; collective."""
+        slope = step.dot(residual)
+        start = state.copy() if searched else None
+
+        def slope_at(share: float) -> float:
+            if start is not None:
+                start.copy(state)
+            state.axpy(share, step)
+            snes.computeFunction(state, residual)
+            return float(step.dot(residual))
+
+        slope_at(1.0) if start is None else _search(slope_at, slope)
+        if start is not None:
+            start.destroy()
+
+    def _settle(self, snes: Any, state: Any, residual: Any, searched: bool) -> None:
+        """Balance the forces in the zone, displacements outside held; collective.
+
+        Needs the residual of the state, and leaves that of the new one.
+        """
+        system = self._system
+        system.follow_contacts()
+        zone = system.zone
+        left = residual.array_r[zone.places].copy()
+        size = self._norm(left)
+        outside = system.imbalance() - size
+        enough = max(_ZONE_SHARE * outside, _BELOW_TOLERANCE * self._tolerance * system.forces)
+        if not size > enough:
+            return
+        inside = _Inside(system, state, left)
+        for _ in range(_MOST_ZONE_STEPS):
+            system.linearise(state)
+            if size <= _NEAR_ROUND_OFF * system.forces and size <= system.contact_round_off():
+                break
+            if not zone.factorise():
+                break
+            step = -zone.solve(left)
+            left = inside.go_along(step, searched)
+            size = self._norm(left)
+            if not size > enough:
+                break
+        inside.keep_best()
+        system.follow_supports()  # a half-space's outer boundary, as its resultants have changed
+        snes.computeFunction(state, residual)
+
+    def _norm(self, forces: Array) -> float:
+        return float(total(self._comm, np.abs(forces).sum()))
+
+
+class _Inside:
+    """Forces in the zone as its displacements change, those outside held."""
+
+    def __init__(self, system: IterativeSystem, state: Any, left: Array) -> None:
+        self._system, self._zone, self._state = system, system.zone, state
+        self._start = state.array_r[self._zone.places].copy()
+        self._fixed = left - system.contact_residual(state)[self._zone.places]
+        self._moved = np.zeros_like(left)
+        self._tried, self._left = self._moved, left
+        self._best = (self._norm(left), self._moved)
+
+    def _norm(self, left: Array) -> float:
+        norm = float(total(self._system.comm, np.abs(left).sum()))
+        return norm if np.isfinite(norm) else np.inf
+
+    def go_along(self, step: Array, searched: bool) -> Array:
+        """Forces left after a step, or the share of it that makes the energy flat; collective."""
+
+        def slope_at(share: float) -> float:
+            return float(total(self._system.comm, step @ self._at(share, step)))
+
+        if searched:
+            _search(slope_at, float(total(self._system.comm, step @ self._left)))
+        else:
+            self._at(1.0, step)
+        return self._accept()
+
+    def _at(self, share: float, step: Array) -> Array:
+        self._tried = self._moved + share * step
+        self._go(self._tried)
+        contacts = self._system.contact_residual(self._state)[self._zone.places]
+        self._left = self._fixed + self._zone.forces_inside(self._tried) + contacts
+        return self._left
+
+    def _accept(self) -> Array:
+        self._moved = self._tried
+        norm = self._norm(self._left)
+        if norm < self._best[0]:
+            self._best = (norm, self._moved)
+        return self._left
+
+    def keep_best(self) -> None:
+        """Go back to the least imbalance found."""
+        if self._best[1] is not self._moved:
+            self._go(self._best[1])
+
+    def _go(self, moved: Array) -> None:
+        with self._state as array:
+            array[self._zone.places] = self._start + moved
+        self._system.take(self._state)
+
+
+def _search(slope_at: Any, slope: float) -> None:
+    """Secants for a zero of the energy's derivative along a step, from 1; ends at the last."""
+    near, near_slope = 0.0, slope
+    share, found = 1.0, slope_at(1.0)
+    for _ in range(_MOST_SEARCHES):
+        if abs(found) <= _FLAT * abs(slope) or found == near_slope:
+            return
+        following = share - found * (share - near) / (found - near_slope)
+        near, near_slope = share, found
+        share = float(np.clip(following, 0.05, 2.0))
+        found = slope_at(share)
+
+
+def _is_searched(snes: Any) -> bool:
+    """Whether the line search asked for is one along the energy."""
+    name = (snes.getOptionsPrefix() or "") + "snes_linesearch_type"
+    return bool(PETSc.Options().getString(name, "basic") == "cp")

@@ -1,0 +1,83 @@
+"""What is kept of a load step that is accepted, and how the next one compares with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact.snapshot import ContactMemory
+from fenics_contact.contact.state import STICK
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.newton.solution import Solution
+
+Array = NDArray[np.float64]
+
+# Steps are extrapolated to at most so many times their length.
+_FARTHEST = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class Unknowns:
+    """What Newton's method starts from.
+
+    Attributes:
+        time: Pseudo-time.
+        displacement: At the body's nodes of this rank, (nodes, components) (length).
+        scalars: Values of the scalar unknowns.
+        mean_stress: Of nearly incompressible bodies, at the dofs of this rank; else empty (stress).
+    """
+
+    time: float
+    displacement: Array
+    scalars: Array
+    mean_stress: Array
+
+    def towards(self, later: Unknowns, time: float) -> Unknowns:
+        """On the straight line through these and later ones, at a still later time."""
+        share = min((time - later.time) / (later.time - self.time), _FARTHEST)
+
+        def extrapolated(first: Array, second: Array) -> Array:
+            return second + share * (second - first)
+
+        return Unknowns(
+            time,
+            extrapolated(self.displacement, later.displacement),
+            extrapolated(self.scalars, later.scalars),
+            extrapolated(self.mean_stress, later.mean_stress),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class AcceptedStep:
+    """A load step as it was solved.
+
+    Attributes:
+        unknowns: The state.
+        contacts: That of the contacts.
+        solution: What was found.
+        before: The state of the step before; None for the first.
+    """
+
+    unknowns: Unknowns
+    contacts: list[ContactMemory]
+    solution: Solution
+    before: Unknowns | None
+
+
+def contact_change(problem: Problem, before: Solution, found: Solution) -> float:
+    """Area that opened, closed, or began or ceased to stick, over that in contact; collective."""
+    touching = np.zeros(2)
+    changed = sticking = 0.0
+    states = zip(problem.contacts, before.states, found.states, strict=True)
+    for contact, old, new in states:
+        closed = [state.contact_pressure > 0 for state in (old, new)]
+        sticks = [state.status == STICK for state in (old, new)]
+        rows = np.stack([*closed, closed[0] != closed[1], sticks[0] != sticks[1]], axis=1)
+        *areas, opened, slipped = contact.trace.integral(rows.astype(np.float64))
+        touching += areas
+        changed, sticking = changed + opened, sticking + slipped
+    if touching.min() == 0:  # the first touch, or the last: no step makes it small
+        return 0.0
+    return float(max(changed, sticking) / touching.max())

@@ -1,0 +1,313 @@
+"""The load steps of a scene, one after the other; a step that is rejected leaves no trace.
+
+The state kept is that of the last accepted step as it was solved. That its slip counts no more,
+and that two bodies are paired where they stand now, comes before the next try: so whoever goes
+back, in this run or in another one, goes back to the same.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import logging
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from fenics_contact.common.errors import NotConvergedError, StoppedError
+from fenics_contact.common.timings import Timings
+from fenics_contact.contact.snapshot import ContactMemory, recall, recall_pairing, remember
+from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.load_paths import knots
+from fenics_contact.scene.scene import Steps
+from fenics_contact.solve.coulomb.friction_scale import follow_pressure
+from fenics_contact.solve.coulomb.strategies import solve_step
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns, contact_change
+from fenics_contact.solve.load_steps.step_control import AutomaticPace, FixedPace
+from fenics_contact.solve.newton.newton import Newton
+from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.solver_choice import SolverChoice, choose_solver, create_system
+
+logger = logging.getLogger(__name__)
+
+
+class History:
+    """All load steps of a problem.
+
+    Attributes:
+        newton: Newton's method on the problem.
+        last: The last accepted step, None before there is one.
+        pace: Which step comes next.
+        tried: Pseudo-time of the step that was tried last.
+        guess: Where the first step is thought to end, if that is known.
+
+    Args:
+        newton: Made for the problem, not started.
+        accepted: Called with pseudo-time and solution of every step, before slip is counted anew.
+        kept: Called after that, when the history can be gone back to.
+    """
+
+    def __init__(
+        self,
+        newton: Newton,
+        accepted: Callable[[float, Solution], None] | None = None,
+        kept: Callable[[History], None] | None = None,
+    ) -> None:
+        self.newton = newton
+        self.problem = newton.problem
+        self.last: AcceptedStep | None = None
+        steps = self.problem.scene.steps
+        self._knots = knots(self.problem.scene)
+        self.pace = AutomaticPace(steps, self._knots) if steps.automatic else FixedPace(steps)
+        self._accepted, self._kept = accepted, kept
+        self._untouched = [remember(contact) for contact in self.problem.contacts]
+        self._first: list[ContactMemory] = []
+        self._has_moved_on = False
+        self.tried = 0.0
+        self.guess: Unknowns | None = None
+
+    @property
+    def time(self) -> float:
+        """Pseudo-time of the last accepted step."""
+        return self.last.unknowns.time if self.last else 0.0
+
+    def solve(self) -> Solution:
+        """Take the steps that are left; collective.
+
+        Returns:
+            The solution of the last one.
+
+        Raises:
+            NotConvergedError: A step, and the smallest one where they are automatic. The
+                problem is as after the last accepted step.
+            StoppedError: Likewise.
+        """
+        try:
+            while (time := self.pace.next(self.time)) is not None:
+                self.newton.require_going_on()
+                self.tried = time
+                self._take(time)
+        except (NotConvergedError, StoppedError):
+            self.go_back()
+            raise
+        assert self.last is not None  # there is a step, or one was resumed
+        return self.last.solution
+
+    def resume(self, last: AcceptedStep, pace: Sequence[float], forces: float) -> Solution:
+        """Take up a history that another run began; collective.
+
+        Args:
+            last: Its last step. Of the solution, only what it says of the way there counts.
+            pace: The state of its pace.
+            forces: Largest of its steps so far (force).
+
+        Returns:
+            The solution of that step.
+        """
+        self.last = last
+        self.pace.resume(pace)
+        self.newton.system.earlier_forces = forces
+        self.go_back()
+        said, newton = last.solution, self.newton
+        solution = dataclasses.replace(
+            newton.solution(said.outer_iterations, said.strategy),
+            residual_history=said.residual_history,
+            newton_iterations=said.newton_iterations,
+            imbalance_limit=said.imbalance_limit,
+        )
+        self.last = dataclasses.replace(last, solution=solution)
+        self.go_back()
+        return solution
+
+    def afresh(self, times: Sequence[float]) -> History:
+        """Another history over the same system, from the start; collective.
+
+        Args:
+            times: Pseudo-times of its steps, increasing.
+
+        Returns:
+            That history, with the first step's ε to begin with, where this one took that step.
+            This one is to be gone back to before it is used again.
+        """
+        assert self.last is not None
+        self._recall(self._untouched)
+        for contact, memory in zip(self.problem.contacts, self._first, strict=False):
+            contact.is_scaled = memory.is_scaled
+            if contact.friction is not None:
+                contact.friction.regularisation_parameter = memory.regularisation_parameter
+        other = History(self.newton)
+        other.pace = FixedPace(Steps(times=tuple(times)))
+        return other
+
+    def _take(self, time: float) -> None:
+        """Try a step, and accept it or cut it; collective."""
+        try:
+            found = self._try(time)
+        except NotConvergedError as error:
+            if not self.pace.cut():
+                raise
+            logger.info("time %g: %s; a smaller step", time, error)
+            self.go_back()
+            return
+        change = (
+            0.0 if self.last is None else contact_change(self.problem, self.last.solution, found)
+        )
+        if self.pace.exceeds(change) and self.pace.cut():
+            logger.info("time %g: contact changes by %.0f %%; a smaller step", time, 100 * change)
+            self.go_back()
+            return
+        self._accept(time, found)
+        self.pace.went(found.newton_iterations, change)
+        if self._kept is not None:
+            self._kept(self)
+
+    def _try(self, time: float) -> Solution:
+        """Solve a step, from where it is thought to end or else from where it begins."""
+        newton = self.newton
+        predicted = self._prediction(time)
+        newton.forget()
+        self._begin(time, predicted)
+        try:
+            return solve_step(newton)
+        except NotConvergedError as error:
+            if predicted is None:
+                raise
+            logger.debug("  %s; next: from the last load step, or from the start", error)
+        self.go_back()
+        self._begin(time, None)
+        return solve_step(newton)
+
+    def _begin(self, time: float, predicted: Unknowns | None) -> None:
+        """Bring all to a pseudo-time; collective."""
+        newton, problem = self.newton, self.problem
+        if self.last is None:
+            problem.set_time(time)
+            newton.start()
+            if predicted is not None:
+                self._place(predicted)
+                newton.continue_start()
+            return
+        if not self._has_moved_on:
+            imbalance = self.last.solution.imbalance_limit
+            for contact in problem.contacts:
+                contact.accept()
+                follow_pressure(contact, imbalance)  # a guess of what the next step needs
+            newton.pair_anew(self.last.unknowns.displacement)
+            self._has_moved_on = True
+        problem.set_time(time)
+        if predicted is not None:
+            self._place(predicted)
+            if newton.is_out_of_touch():  # an obstacle that turns leaves the straight line
+                self._place(self.last.unknowns)
+        newton.continue_start()
+
+    def _prediction(self, time: float) -> Unknowns | None:
+        """Where the last two steps lead to, if no load path turns on the way.
+
+        Not with the static law: its answers do not go on in straight lines, and a step begins
+        nearer to its end without it.
+        """
+        if self.last is None:
+            return self.guess
+        static = any(contact.law == "static" for contact in self.problem.coulomb)
+        if static or self.last.before is None:
+            return None
+        before = self.last.before
+        close = 1e-9 * (time - before.time)
+        if any(before.time + close < knot < time - close for knot in self._knots):
+            return None
+        return before.towards(self.last.unknowns, time)
+
+    def _accept(self, time: float, found: Solution) -> None:
+        problem, system = self.problem, self.newton.system
+        mixed = problem.elastic.mixed
+        self.last = AcceptedStep(
+            unknowns=Unknowns(
+                time,
+                found.displacement,
+                system.scalar_values(system.state),
+                np.zeros(0) if mixed is None else mixed.mean_stress.x.array.copy(),
+            ),
+            contacts=[remember(contact) for contact in problem.contacts],
+            solution=found,
+            before=self.last.unknowns if self.last else None,
+        )
+        self._first = self._first or (self.last.contacts if self.last.before is None else [])
+        system.earlier_forces = max(system.earlier_forces, system.present_forces)
+        self._has_moved_on = False
+        if self._accepted is not None:
+            self._accepted(time, found)
+
+    def go_back(self) -> None:
+        """To the last accepted step as it was solved, or to none; collective."""
+        problem = self.problem
+        self._has_moved_on = False
+        if self.last is None:
+            self._recall(self._untouched)
+            return
+        unknowns = self.last.unknowns
+        problem.set_time(unknowns.time)
+        self._recall(self.last.contacts)
+        self._place(unknowns)
+        problem.displacement.x.array[:] = unknowns.displacement.reshape(-1)
+        for contact in problem.contacts:  # also of those that exert no forces
+            contact.kinematics.move(contact.kinematics.relative(unknowns.displacement))
+
+    def _recall(self, memories: list[ContactMemory]) -> None:
+        """Take the contacts back to what is kept of them, and their pairing; collective."""
+        pairs = list(zip(self.problem.contacts, memories, strict=True))
+        if any([recall_pairing(contact, memory) for contact, memory in pairs]):
+            self.newton.follow_pairing()
+        for contact, memory in pairs:
+            recall(contact, memory)
+
+    def _place(self, unknowns: Unknowns) -> None:
+        mixed = self.problem.elastic.mixed
+        if mixed is not None:
+            mixed.mean_stress.x.array[:] = unknowns.mean_stress
+        self.newton.place(unknowns.displacement, unknowns.scalars)
+
+
+def solve(
+    problem: Problem,
+    timings: Timings | None = None,
+    accepted: Callable[[float, Solution], None] | None = None,
+    choice: SolverChoice | None = None,
+    begun: Callable[[History], None] | None = None,
+    kept: Callable[[History], None] | None = None,
+    stopped: Callable[[], bool] | None = None,
+    ended: Callable[[History], None] | None = None,
+) -> Solution:
+    """Solve a problem step by step; collective.
+
+    Args:
+        problem: The problem; its slip history moves on with the steps.
+        timings: Seconds so far.
+        accepted: As of ``History``.
+        choice: The solver; by default that of the scene and its sizes.
+        begun: Called before the first step, which may be one to resume from.
+        kept: As of ``History``.
+        stopped: As of ``Newton``.
+        ended: Called after the last step, while the system can still be solved.
+
+    Returns:
+        The solution of the last step.
+
+    Raises:
+        NotConvergedError: In words, with the history of the force imbalance.
+        StoppedError: ``stopped`` said so on some rank.
+    """
+    timings = timings or Timings()
+    choice = choice or choose_solver(problem)
+    system = create_system(problem, choice, timings)
+    try:
+        history = History(Newton(problem, system, timings), accepted, kept)
+        if stopped is not None:
+            history.newton.stopped = stopped
+        if begun is not None:
+            begun(history)
+        solution = history.solve()
+        if ended is not None:
+            ended(history)
+        return solution
+    finally:
+        system.destroy()

@@ -1,0 +1,132 @@
+"""Which pseudo-time comes next: as the scene says, or as it went so far."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from fenics_contact.scene.scene import Steps
+
+# Of a step, below which two pseudo-times are the same.
+_SAME = 1e-9
+# A step of at most so many Newton steps went easily.
+_EASY = 20
+_GROWTH = 1.5
+# A change of area of which a part of the step has more than this share is a jump: no step makes
+# it small.
+_JUMP = 0.75
+
+
+class FixedPace:
+    """The steps that the scene lists."""
+
+    def __init__(self, steps: Steps) -> None:
+        self._times = steps.all_times
+
+    def next(self, time: float) -> float | None:
+        """The pseudo-time after one that is reached; None at the end."""
+        return next((t for t in self._times if t > time * (1 + _SAME)), None)
+
+    def cut(self) -> bool:
+        """Whether the step that was tried can be made smaller: never."""
+        return False
+
+    def exceeds(self, change: float) -> bool:
+        """Whether the step that was tried is to be cut for a change of area: never."""
+        return False
+
+    def went(self, newton_iterations: int, change: float) -> None:
+        """The step that was tried is accepted."""
+
+    @property
+    def state(self) -> list[float]:
+        """What ``resume`` needs: nothing."""
+        return []
+
+    def resume(self, state: Sequence[float]) -> None:
+        """Go on as before."""
+
+
+class AutomaticPace:
+    """Steps that are cut and grow, and end at every knot of the load paths.
+
+    Attributes:
+        size: Of the next step, unless a knot is nearer (pseudo-time).
+
+    Args:
+        steps: Of the scene.
+        knots: Pseudo-times that no step may pass over, increasing.
+    """
+
+    def __init__(self, steps: Steps, knots: Sequence[float]) -> None:
+        self.size = steps.first_size
+        self._steps = steps
+        self._targets = [*(knot for knot in knots if 0 < knot < steps.end), steps.end]
+        self._tried = self._goal = 0.0
+        self._refused = self._refused_until = 0.0
+        self._before_cut = self.size
+
+    def next(self, time: float) -> float | None:
+        """The pseudo-time after one that is reached; None at the end."""
+        close = _SAME * self._steps.smallest_size
+        target = next((t for t in self._targets if t > time + close), None)
+        if target is None:
+            return None
+        left = target - time
+        if left <= self.size * (1 + _SAME):
+            self._tried, self._goal = left, target
+            return target
+        # Two halves instead of a step and a crumb.
+        self._tried = left / 2 if left < 2 * self.size * (1 - _SAME) else self.size
+        self._goal = time + self._tried
+        return self._goal
+
+    def cut(self) -> bool:
+        """Halve the step that was tried, down to the smallest; whether that was possible."""
+        smallest = self._steps.smallest_size
+        if self._tried <= smallest * (1 + _SAME):
+            return False
+        self.size = max(self._tried / 2, smallest)
+        return True
+
+    def exceeds(self, change: float) -> bool:
+        """Whether the step that was tried is to be cut for a change of area.
+
+        Args:
+            change: Over the area in contact.
+        """
+        if change <= self._steps.area_change:
+            return False
+        if self._goal <= self._refused_until and change > _JUMP * self._refused:
+            return False
+        self._refused, self._refused_until = change, self._goal
+        self._before_cut = self.size
+        return True
+
+    def went(self, newton_iterations: int, change: float) -> None:
+        """The step that was tried is accepted.
+
+        Args:
+            newton_iterations: That it took.
+            change: Of area, over the area in contact.
+        """
+        if change > self._steps.area_change:  # a jump: the cut was in vain
+            self.size = self._before_cut
+        elif newton_iterations <= _EASY and change <= self._steps.area_change / 2:
+            self.size = min(_GROWTH * self.size, self._steps.largest_size)
+
+    @property
+    def state(self) -> list[float]:
+        """What ``resume`` needs."""
+        return [self.size, self._before_cut, self._refused, self._refused_until]
+
+    def resume(self, state: Sequence[float]) -> None:
+        """Go on as before, within the bounds of the present scene.
+
+        Args:
+            state: That of another run.
+        """
+        steps = self._steps
+        if state:  # else its steps were listed
+            sizes = [min(max(size, steps.smallest_size), steps.largest_size) for size in state[:2]]
+            self.size, self._before_cut = sizes
+            self._refused, self._refused_until = state[2:]

@@ -1,0 +1,426 @@
+"""Newton's method by PETSc's SNES (paper, Section 4)."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fenics_contact.common.errors import MachineError, NotConvergedError, StoppedError
+from fenics_contact.common.failures import original
+from fenics_contact.common.parallel import largest
+from fenics_contact.common.petsc_options import PREFIX
+from fenics_contact.common.timings import Timings
+from fenics_contact.contact.noise import round_off
+from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.rigid_motions import RigidMotions
+from fenics_contact.solve.newton.failure import (
+    GIVEN_UP,
+    NO_SOLVE,
+    NO_STEP_FOUND,
+    NOT_A_NUMBER,
+    drowned,
+    not_converged,
+    runaway,
+)
+from fenics_contact.solve.newton.initial_guess import starting_point
+from fenics_contact.solve.newton.line_search import share_of_step
+from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.newton.status_cycling import Chatter
+from fenics_contact.solve.systems import mumps
+from fenics_contact.solve.systems.system import System
+
+logger = logging.getLogger(__name__)
+
+# Full steps are best from the adhesive start with the primal-dual tangent, where searches only
+# cost steps or stall in round-off. One-sided contact needs a search on the energy: for a point
+# along the step where its derivative vanishes, which takes no difference of nearly equal energies.
+FULL_STEPS: dict[str, Any] = {"snes_linesearch_type": "basic"}
+# Its absolute tolerance would be in the user's units, and end a solve behind our back.
+ENERGY_SEARCH: dict[str, Any] = {
+    "snes_linesearch_type": "cp",
+    "snes_linesearch_max_it": 3,
+    "snes_linesearch_atol": 1e-300,
+}
+# Newton steps with it at the most.
+_QUICK = 50
+# Where that does not come near enough to the point, as with very flat cells, or with a slender
+# body that would bend far through an obstacle: steps are cut before they are taken.
+THOROUGH_SEARCH = dict(FULL_STEPS)
+
+# Share of the applied forces above which a round-off floor is not believed: the
+# floor grows with |u|, and a body that runs away must not pass for an answer.
+_LARGEST_FLOOR = 1e-6
+
+# Slip over the size of a contact from which two bodies are paired anew: it moves the pressure by
+# about as much.
+_SLID = 1e-3
+
+# Steps without progress in which a search is taken to follow round-off.
+_PATIENCE = 3
+
+# Newton steps from which is noted what contact points do, for who reads that it failed.
+_LONG = 12
+
+
+class Newton:
+    """SNES on a system of a problem; solves follow each other from where the last ended.
+
+    Attributes:
+        history: Force imbalance before every Newton step and at the end, of all solves (force).
+        steps: Newton steps of all solves.
+        continues: Whether the present solve starts from an answer of the load step before.
+        paired_anew: Whether it was found anew what faces what since the last load step.
+        limit: Imbalance that the last solve accepted as converged (force).
+        stopped: Whether this rank was asked to stop; asked before every Newton step.
+    """
+
+    def __init__(self, problem: Problem, system: System, timings: Timings) -> None:
+        self.problem = problem
+        self.system = system
+        self.timings = timings
+        self.comm = problem.comm
+        self.history: list[float] = []
+        self.steps = 0
+        self.continues = False
+        self.limit = 0.0
+        self.paired_anew = False
+        self._hopeless: Callable[[], bool] | None = None
+        self._chatter = Chatter(problem.contacts, problem.comm)
+        self.stopped: Callable[[], bool] = lambda: False
+        self._is_stopped = False
+        self._one_sided = any(contact.is_one_sided for contact in problem.contacts)
+        self._tolerance = problem.scene.solver.tolerance
+        self._tiny = 0.0
+        self._largest = 0.0
+        self._before = 0
+        self._searches = False
+        self._search: dict[str, Any] = ENERGY_SEARCH
+        self._own_options: list[str] = []
+
+    def run(
+        self,
+        search_energy: bool | None = None,
+        tolerance: float | None = None,
+        hopeless: Callable[[], bool] | None = None,
+    ) -> None:
+        """Solve from the present state, with the modes that the contacts' terms have.
+
+        Args:
+            search_energy: Search along the steps for the least energy, or take full ones; by
+                default search where a contact is one-sided.
+            tolerance: Imbalance over the forces to accept; by default the scene's.
+            hopeless: Asked after every few steps of a long solve, whether to give it up;
+                collective.
+
+        Raises:
+            NotConvergedError: In words, with the history of the force imbalance.
+        """
+        self._hopeless = hopeless
+        self._tolerance = tolerance or self.problem.scene.solver.tolerance
+        self._searches = self._one_sided if search_energy is None else search_energy
+        self._search = ENERGY_SEARCH
+        try:
+            self._solve_patiently()
+        finally:
+            self._hopeless = None  # it may know who asks, and that knows this: a circle
+        if self._one_sided:
+            left, forces = self.history[-1], self.system.forces
+            words = runaway(self.problem, self.system) or drowned(self.problem, left, forces)
+            if words is not None:
+                raise NotConvergedError(words, tuple(self.history))
+
+    def _solve_patiently(self) -> None:
+        """Once; where a search along the steps ends nowhere, once more in another way."""
+        start = self.save()
+        try:
+            self._solve()
+        except NotConvergedError:
+            if not self._searches:
+                raise
+            if self._is_nearly_balanced:
+                self._searches = False  # so near, a search only follows round-off
+            else:
+                self._search = THOROUGH_SEARCH
+                self.restore(start)
+                self._stick_all()
+            self._solve()
+
+    @property
+    def _is_nearly_balanced(self) -> bool:
+        """Whether no more is left of the forces than what round-off may make."""
+        return len(self.history) > self._before and (
+            self.history[-1] <= _LARGEST_FLOOR * self.system.forces
+        )
+
+    def _solve(self) -> None:
+        self._before = len(self.history)
+        self.limit = 0.0
+        self._chatter.clear()
+        # A body that runs away overflows here and there: the force imbalance tells.
+        with self.timings.phase("solve"), np.errstate(over="ignore", invalid="ignore"):
+            log = _FactorisationLog()
+            snes: Any = PETSc.SNES().create(self.comm)
+            try:
+                self._set_up(snes)
+                snes.solve(None, self.system.state)
+                reason = snes.getConvergedReason()
+                failure = mumps.failure_of(snes.getKSP().getPC()) if reason == NO_SOLVE else None
+                self.system.take(self.system.state)
+            except PETSc.Error as error:
+                raise original(error) from None
+            finally:
+                snes.destroy()
+                for name in self._own_options:  # the database is global: the next may want others
+                    PETSc.Options().delValue(name)
+                self._own_options.clear()
+            self.timings.move("solve", "factorise", log.seconds())
+        if self._is_stopped:
+            raise StoppedError("interrupted")
+        if isinstance(failure, MachineError):  # no smaller load step would help
+            raise failure
+        self.steps += self._steps_of_this_run
+        accepted = len(self.history) > self._before and self.history[-1] <= self.limit
+        if reason < 0 or not accepted:
+            own, forces = self.history[self._before :], self.system.forces
+            words = not_converged(self.problem, own, forces, reason, self._chatter)
+            raise NotConvergedError(words, tuple(self.history))
+
+    @property
+    def _steps_of_this_run(self) -> int:
+        return max(len(self.history) - self._before - 1, 0)
+
+    def require_going_on(self) -> None:
+        """Stop where any rank was asked to; collective.
+
+        Raises:
+            StoppedError: On every rank.
+        """
+        if self._ask_to_stop():
+            raise StoppedError("interrupted")
+
+    def _ask_to_stop(self) -> bool:
+        """Whether any rank was asked to stop; collective."""
+        self._is_stopped = bool(self.comm.allreduce(int(self.stopped())))
+        return self._is_stopped
+
+    def save(self) -> NDArray[np.float64]:
+        """The state of this rank, to go back to."""
+        return np.array(self.system.state.array_r)
+
+    def restore(self, saved: NDArray[np.float64]) -> None:
+        """Go back to a saved state; collective."""
+        with self.system.state as array:
+            array[:] = saved
+        self.system.take(self.system.state)
+
+    def _set_up(self, snes: Any) -> None:
+        """Functions and options; what the user has set wins over our own."""
+        system = self.system
+        snes.setOptionsPrefix(PREFIX)
+        snes.setFunction(self._set_residual, system.residual)
+        snes.setJacobian(self._set_tangent, system.tangent)
+        options = PETSc.Options()
+        search = self._search if self._searches else FULL_STEPS
+        for name, value in (system.options | search).items():
+            if not options.hasName(PREFIX + name):
+                options.setValue(PREFIX + name, value)
+                self._own_options.append(PREFIX + name)
+        most = self.problem.scene.solver.max_iterations
+        if self._searches and self._search is ENERGY_SEARCH:
+            most = min(most, _QUICK)
+        # Only systems with a nonlinear solver of their own look at rtol.
+        snes.setTolerances(rtol=self._tolerance, atol=0.0, stol=0.0, max_it=most)
+        system.prepare(snes)
+        snes.setFromOptions()
+        if self._searches and self._search is THOROUGH_SEARCH:
+            snes.setLineSearchPreCheck(self._cut)
+        snes.setConvergenceTest(self._converged)
+
+    def _cut(self, state: Any, step: Any) -> bool:
+        """Cut a Newton step (it is taken off the state) to where energy falls; collective."""
+        tried, residual = state.duplicate(), self.system.residual.duplicate()
+
+        def slope_at(share: float) -> float:
+            tried.waxpy(-share, step, state)
+            self._set_residual(None, tried, residual)
+            return -float(residual.dot(step))
+
+        step.scale(share_of_step(slope_at))
+        tried.destroy()
+        residual.destroy()
+        return True
+
+    def _set_residual(self, snes: Any, state: Any, residual: Any) -> None:
+        with self.timings.phase("assemble"):
+            self.system.balance(state, residual)
+
+    def _set_tangent(self, snes: Any, state: Any, tangent: Any, preconditioner: Any) -> None:
+        with self.timings.phase("assemble"):
+            self.system.linearise(state)
+
+    def forget(self) -> None:
+        """Count steps and keep the history anew, for another load step."""
+        self.history.clear()
+        self.steps = 0
+
+    def start(self) -> None:
+        """Nothing has slipped, supports stand at their values, loose parts touch; collective."""
+        self.continues = False
+        displacement, indentations = starting_point(self.problem)
+        for contact, indentation in zip(self.problem.contacts, indentations, strict=True):
+            contact.kinematics.move(contact.kinematics.relative(displacement), indentation)
+        self.system.begin(displacement)
+        self._stick_all()
+
+    def place(self, displacement: NDArray[np.float64], scalars: NDArray[np.float64]) -> None:
+        """Take a state, at the present loads; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components) (length).
+            scalars: Values of the scalar unknowns.
+        """
+        self.system.begin(displacement)
+        self.system.set_scalars(scalars)
+        self.system.set_mean_stress()
+        self.system.follow_supports()
+
+    def continue_start(self) -> None:
+        """From the state of the last load step, supports at their new values; collective.
+
+        What only contact holds, and nothing touches, is brought into contact as at the start; so
+        are bodies that were paired anew, of which none may be touched then.
+        """
+        is_doubtful = self.paired_anew or self.is_out_of_touch()
+        if is_doubtful and RigidMotions(self.problem).count > 0:
+            self.start()
+            return
+        self.continues = True
+        self.system.follow_supports()
+        self._stick_all()
+
+    def pair_anew(self, displacement: NDArray[np.float64]) -> None:
+        """Follow bodies that slid along each other in the last load step; collective.
+
+        Args:
+            displacement: That of the step, at the body's nodes of this rank (length).
+        """
+        slid = [c for c in self.problem.contacts if c.slid_share() > _SLID]
+        self.paired_anew = bool(slid)
+        for contact in slid:
+            logger.debug("  '%s': finding anew what faces what", contact.label)
+            contact.pair_anew(displacement)
+        if slid:
+            self.follow_pairing()
+
+    def follow_pairing(self) -> None:
+        """Take what faces what as the contacts know it now; collective."""
+        with self.timings.phase("assemble"):
+            self.system.pair_anew()
+
+    def is_out_of_touch(self) -> bool:
+        """Whether nothing presses on an obstacle that a force drives, or nowhere; collective."""
+        pushing = [contact for contact in self.problem.contacts if contact.is_one_sided]
+        touched = [largest(self.comm, contact.pressure()) > 0 for contact in pushing]
+        loose = [contact.floats for contact in pushing]
+        apart = any(f and not t for f, t in zip(loose, touched, strict=True))
+        return apart or (bool(pushing) and not any(touched))
+
+    def _stick_all(self) -> None:
+        for contact in self.problem.frictional:
+            assert contact.friction is not None
+            contact.friction.stick_all()
+
+    def _converged(self, snes: Any, iteration: int, norms: tuple[float, float, float]) -> Any:
+        """Stop when the force imbalance is small against the forces, or is round-off.
+
+        The 1-norm bounds the error of any resultant. PETSc's relative tolerance is
+        not used: its reference, the first residual, is no physical force.
+        """
+        imbalance = self.system.imbalance()
+        self.history.append(imbalance)
+        if iteration >= _LONG:
+            self._chatter.note()
+        forces = self.system.forces
+        if iteration == 0:
+            self._tiny = _LARGEST_FLOOR * imbalance if self._one_sided else 0.0
+            self._largest = max(self._largest, self._tiny)
+        logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
+        if not np.isfinite(imbalance) or self._ask_to_stop():
+            return NOT_A_NUMBER
+        self.limit = self._tolerance * forces
+        # A body that a motion of its supports takes along has no forces to compare with; that
+        # it does not run away is then tested at the end.
+        cap = np.inf if self._one_sided else _LARGEST_FLOOR * forces
+        # The floor may cost a matrix copy, so it is asked for only where it may decide.
+        wanders = iteration >= _PATIENCE and imbalance >= self.history[-1 - _PATIENCE]
+        # A solve that begins at an answer without forces has nothing else to compare with.
+        tiny = self._largest if wanders else self._tiny
+        if iteration > 0 and self.limit < imbalance <= max(_LARGEST_FLOOR * forces, tiny):
+            self.limit = max(self.limit, min(self._round_off(), cap))
+        if imbalance <= self.limit and not self._mean_stress_is_missing(iteration):
+            return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
+        if self._searches and wanders and self._is_nearly_balanced:
+            return NO_STEP_FOUND
+        if self._hopeless is not None and iteration and iteration % _LONG == 0 and self._hopeless():
+            return GIVEN_UP
+        return PETSc.SNES.ConvergedReason.CONVERGED_ITERATING
+
+    def _round_off(self) -> float:
+        """What round-off leaves of a residual (force); collective."""
+        of_motions = [round_off(contact) for contact in self.problem.contacts]
+        return self.system.round_off() + sum(of_motions)
+
+    def _mean_stress_is_missing(self, iteration: int) -> bool:
+        """Whether a mean stress is yet to be found, be there no free displacement at all."""
+        return iteration == 0 and self.problem.elastic.mixed is not None
+
+    def solution(self, outer_iterations: int = 0, strategy: str = "") -> Solution:
+        """What was found; collective."""
+        with self.timings.phase("solve"):
+            displacement, internal = self.system.finish()
+        for contact in self.problem.contacts:
+            contact.touch()
+        nodes = [contact.trace.numbers for contact in self.problem.contacts]
+        normal = self.system.contact_forces("normal")
+        friction = self.system.contact_forces("friction")
+        return Solution(
+            displacement=displacement,
+            internal_force=internal,
+            normal_force=[force[n] for force, n in zip(normal, nodes, strict=True)],
+            friction_force=[force[n] for force, n in zip(friction, nodes, strict=True)],
+            friction_bound=[
+                np.zeros_like(contact.trace.weights)
+                if contact.friction is None
+                else contact.friction.bound.copy()
+                for contact in self.problem.contacts
+            ],
+            states=[contact.state() for contact in self.problem.contacts],
+            residual_history=tuple(self.history),
+            newton_iterations=self.steps,
+            outer_iterations=outer_iterations,
+            strategy=strategy,
+            imbalance_limit=self.limit,
+            factorisations=self.system.factorisations,
+            bulk_round_off=self.system.bulk_round_off,
+        )
+
+
+class _FactorisationLog:
+    """Seconds that PETSc spends on factorisations from now on."""
+
+    _EVENTS = ("MatLUFactorSym", "MatLUFactorNum")
+
+    def __init__(self) -> None:
+        PETSc.Log.begin()
+        self._before = self._read()
+
+    def _read(self) -> float:
+        return float(sum(PETSc.Log.Event(name).getPerfInfo()["time"] for name in self._EVENTS))
+
+    def seconds(self) -> float:
+        return self._read() - self._before

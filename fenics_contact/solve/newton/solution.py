@@ -1,0 +1,57 @@
+"""Nodal values and contact states of a solved problem, on each rank."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact.state import ContactState
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Nodal values of this rank, each of shape (nodes, components), ghosts included.
+
+    Attributes:
+        displacement: u (length).
+        internal_force: K u, from the bulk alone (force).
+        normal_force: Force on the body across each contact, from penalty or foundation, at
+            its nodes; one array a contact, without prescribed pressures, which are loads
+            (force). Where bonded it is the whole force.
+        friction_force: Force of the friction law on the body, likewise (force).
+        friction_bound: That friction was solved with, at the points of each contact (stress).
+        states: What happens at the points of each contact.
+        residual_history: Force imbalance before every Newton step and at the end (force).
+        newton_iterations: Newton steps taken.
+        outer_iterations: Passes of the loop on the contact pressure, 0 without one.
+        strategy: How friction and pressure were brought together, in words.
+        factorisations: How often the bulk was factorised so far.
+        contraction: Of the loop on the contact pressure, by which a pass multiplies
+            differences, estimated; None where there were not two passes.
+        attempts: Strategies that did not converge before, each with what happened.
+        imbalance_limit: The imbalance that was accepted as converged (force).
+        bulk_round_off: As of the system that found it (force).
+    """
+
+    displacement: NDArray[np.float64]
+    internal_force: NDArray[np.float64]
+    normal_force: list[NDArray[np.float64]]
+    friction_force: list[NDArray[np.float64]]
+    friction_bound: list[NDArray[np.float64]]
+    states: list[ContactState]
+    residual_history: tuple[float, ...]
+    newton_iterations: int
+    outer_iterations: int
+    strategy: str
+    imbalance_limit: float
+    factorisations: int
+    contraction: float | None = None
+    attempts: tuple[str, ...] = ()
+    bulk_round_off: float = 0.0
+
+    @property
+    def contact_force(self) -> list[NDArray[np.float64]]:
+        """Both forces of each contact together (force)."""
+        return [a + b for a, b in zip(self.normal_force, self.friction_force, strict=True)]

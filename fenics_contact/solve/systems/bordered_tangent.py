@@ -1,0 +1,197 @@
+"""What contacts and scalar unknowns add to the bulk's matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from petsc4py import PETSc
+from scipy.sparse import coo_matrix
+
+from fenics_contact.problem.problem import Problem, ScalarUnknown
+from fenics_contact.solve.systems.contact_stiffness import Entries, SurfaceMatrix
+
+Array = NDArray[np.float64]
+
+
+class AddedTangents:
+    """What contacts and scalar unknowns add to K, in the layout of all unknowns.
+
+    Each rank's rows are its displacements, then its mean stresses; rank 0 has the scalars
+    last. A contact's energy depends on the jump w = u − d m, so its tangent K_c in the jump
+    gives those in u and d: K_c, −K_c m and mᵀ K_c m. Where a contact reaches the outer boundary
+    of a half-space, u follows the resultants there, and so do these.
+
+    Attributes:
+        scalars: Number of scalar unknowns.
+        surfaces: The tangents of the contacts.
+
+    Args:
+        problem: The problem.
+        displacement: K of the displacements alone, before supports.
+    """
+
+    def __init__(self, problem: Problem, displacement: Any) -> None:
+        self._problem = problem
+        self._unknowns = problem.unknowns
+        self.scalars = len(self._unknowns)
+        spaces = problem.spaces
+        self._owned = spaces.owned_nodes * spaces.components
+        self.surfaces = [SurfaceMatrix(contact) for contact in problem.contacts]
+        self._first = displacement.getOwnershipRange()[0]
+        self._column_of: Callable[[Any], Any] | None = None
+        self._far_forces = [self._force_of_far_field(displacement, u) for u in self._unknowns]
+        self._motions = [[self._motion(s, u) for u in self._unknowns] for s in self.surfaces]
+
+    def _place(self, displacement: Any, layout: Any) -> None:
+        """Number displacements as a matrix of all unknowns does."""
+        starts = displacement.getOwnershipRangesColumn()
+        shifts = layout.getOwnershipRangesColumn()[:-1] - starts[:-1]
+
+        def column_of(columns: NDArray[np.int32]) -> NDArray[np.int64]:
+            owners = np.searchsorted(starts, columns, side="right") - 1
+            return np.asarray(columns + shifts[owners])
+
+        self._column_of = column_of
+
+    def _border_dofs(self, number: int) -> NDArray[np.int64]:
+        """Owned displacement dofs that a scalar unknown may be coupled with."""
+        unknown = self._unknowns[number]
+        first = self._first
+        coupled = np.zeros(0, dtype=np.int64)
+        for surface, motions in zip(self.surfaces, self._motions, strict=True):
+            if surface.contact is unknown.contact or motions[number].any():
+                inside = (surface.dofs >= first) & (surface.dofs < first + self._owned)
+                coupled = np.union1d(coupled, surface.dofs[inside] - first)
+        far_field = self._problem.far_field
+        if unknown.column is not None and far_field is not None:
+            outer = far_field.dofs[far_field.dofs < self._owned]
+            coupled = np.union1d(coupled, outer)
+        return np.union1d(coupled, np.flatnonzero(self._far_forces[number]))
+
+    def _force_of_far_field(self, displacement: Any, unknown: ScalarUnknown) -> Array:
+        """K u and −u of the outer boundary's displacement over a resultant, owned dofs."""
+        result = np.zeros(self._owned)
+        if unknown.column is None:
+            return result
+        far_field = self._problem.far_field
+        assert far_field is not None
+        moved, forces = displacement.createVecs()
+        mine = far_field.dofs < self._owned
+        with moved as array:
+            array[far_field.dofs[mine]] = unknown.column[mine]
+        displacement.mult(moved, forces)
+        result[:] = forces.array_r
+        result[self._problem.constrained[self._problem.constrained < self._owned]] = 0.0
+        result[far_field.dofs[mine]] = -unknown.column[mine]
+        moved.destroy()
+        forces.destroy()
+        return result
+
+    def add_contacts(self, tangent: Any) -> None:
+        """Add the tangents of all contacts' terms to a matrix of the size of K; collective."""
+        for surface, motions in zip(self.surfaces, self._motions, strict=True):
+            entries = surface.entries()
+            rows, columns, values = surface.on_body(*entries)
+            add_entries(tangent, self._matrix_rows(rows), self._matrix_rows(columns), values)
+            self._add_borders(tangent, surface, motions, entries)
+
+    def _motion(self, surface: SurfaceMatrix, unknown: ScalarUnknown) -> Array:
+        """Of the jump over a scalar unknown, at all dofs of a surface; collective."""
+        motion = np.zeros(len(surface.dofs))
+        far_field = self._problem.far_field
+        if unknown.column is not None and far_field is not None:
+            mine = far_field.dofs < self._owned
+            numbers, values = self._first + far_field.dofs[mine], unknown.column[mine]
+            shared = np.isin(numbers, surface.dofs)
+            comm = self._problem.comm
+            numbers = np.concatenate(comm.allgather(numbers[shared]))
+            order = np.argsort(surface.dofs)
+            places = order[np.searchsorted(surface.dofs, numbers, sorter=order)]
+            motion[places] = np.concatenate(comm.allgather(values[shared]))
+        elif unknown.contact is surface.contact:
+            motion[:] = -np.resize(unknown.direction, len(motion))
+        return motion
+
+    def _add_borders(
+        self, tangent: Any, surface: SurfaceMatrix, motions: list[Array], entries: Entries
+    ) -> None:
+        """Add to the scalars' rows and columns, from K_c between dofs of a surface; collective."""
+        rows, columns, values = entries
+        at_rows, at_columns = (self._matrix_rows(surface.dofs[d]) for d in (rows, columns))
+        size = self._problem.spaces.components
+        moved = [values * motion[columns] for motion in motions]
+        for number, unknown in enumerate(self._unknowns):
+            scalar = np.full(1, self._scalar_row(tangent, number), dtype=PETSc.IntType)
+            every = np.broadcast_to(scalar, values.shape)
+            if motions[number].any():
+                add_entries(tangent, at_rows, every, moved[number])
+            if unknown.contact is not surface.contact:
+                continue
+            # Of an obstacle the row of m · r_c(u) − F = 0, of a resultant of R − m · r_c(u) = 0.
+            sign = -1.0 if unknown.kind == "indentation" else 1.0
+            along = sign * unknown.direction[rows % size]
+            add_entries(tangent, every, at_columns, values * along)
+            for other, by in enumerate(moved):
+                column = np.full(1, self._scalar_row(tangent, other), dtype=PETSc.IntType)
+                corner = [float(along @ by)]
+                tangent.setValues(scalar, column, corner, addv=PETSc.InsertMode.ADD_VALUES)
+
+    def add_far_field(self, tangent: Any) -> None:
+        """Add what resultants do to the body through its outer boundary; collective.
+
+        Before the constrained rows are cleared, the forces on free dofs; the rows of the
+        outer boundary itself are set by ``tie_far_field``.
+        """
+        for number, unknown in enumerate(self._unknowns):
+            if unknown.column is None:
+                continue
+            dofs = np.flatnonzero(self._far_forces[number])
+            scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
+            tangent.setValues(
+                self._rows(tangent, dofs),
+                scalar,
+                self._far_forces[number][dofs],
+                addv=PETSc.InsertMode.ADD_VALUES,
+            )
+            if self._problem.comm.rank == 0:
+                tangent.setValues(scalar, scalar, [1.0], addv=PETSc.InsertMode.ADD_VALUES)
+
+    def tie_far_field(self, tangent: Any) -> None:
+        """Set the rows u − U R = 0 of the outer boundary, after all were cleared; collective."""
+        far_field = self._problem.far_field
+        for number, unknown in enumerate(self._unknowns):
+            if unknown.column is None:
+                continue
+            assert far_field is not None
+            mine = far_field.dofs < self._owned
+            scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
+            rows = self._rows(tangent, far_field.dofs[mine])
+            tangent.setValues(rows, scalar, -unknown.column[mine])
+        tangent.assemble()
+
+    def _matrix_rows(self, dofs: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Rows of displacements by their global numbers."""
+        return dofs if self._column_of is None else self._column_of(dofs)
+
+    def _rows(self, tangent: Any, dofs: NDArray[np.int64]) -> Any:
+        return (tangent.getOwnershipRange()[0] + dofs).astype(PETSc.IntType)
+
+    def _scalar_row(self, tangent: Any, number: int) -> int:
+        """Global row of a scalar: the last ones of rank 0."""
+        return int(tangent.getOwnershipRanges()[1]) - self.scalars + number
+
+
+def add_entries(matrix: Any, rows: Any, columns: Any, values: Array) -> None:
+    """Add entries anywhere in a matrix whose pattern has them."""
+    used, index = np.unique(rows, return_inverse=True)
+    compact = coo_matrix((values, (index, columns)), shape=(len(used), matrix.getSize()[1])).tocsr()
+    matrix.setValuesIJV(
+        compact.indptr.astype(PETSc.IntType),
+        compact.indices.astype(PETSc.IntType),
+        compact.data,
+        addv=PETSc.InsertMode.ADD_VALUES,
+        rowmap=used.astype(PETSc.IntType),
+    )

@@ -1,0 +1,172 @@
+"""The bulk's matrix in PETSc, with room for what contacts and scalar unknowns add to it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from dolfinx.fem import petsc as fem_petsc
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fenics_contact.problem.problem import Problem, ScalarUnknown
+from fenics_contact.solve.systems.bordered_tangent import AddedTangents, add_entries
+
+Array = NDArray[np.float64]
+
+
+class LinearSystem(AddedTangents):
+    """K, assembled once, with room for all that a tangent adds to it.
+
+    Attributes:
+        stiffness: K, or [[K, Bᵀ], [B, −C]] with a mean stress; zeros for the scalars.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        displacement = assembled(problem.elastic.stiffness)
+        super().__init__(problem, displacement)
+        self._mixed = problem.elastic.mixed
+        self._far_volumes: list[Array] = []
+        displacement = self._with_opposites(displacement)
+        if self._mixed is None and self.scalars == 0:
+            self.stiffness = displacement
+            return
+        blocks = [[displacement]]
+        if self._mixed is not None:
+            blocks = self._with_mean_stress(displacement)
+            self._far_volumes = [self._volume_of_far_field(blocks[1][0], u) for u in self._unknowns]
+        if self.scalars:
+            blocks = self._with_scalars(blocks, displacement)
+        nested = PETSc.Mat().createNest(blocks, comm=problem.comm)
+        self.stiffness = nested.convert("aij", PETSc.Mat())
+        self._place(displacement, self.stiffness)
+        for matrix in [nested, *(m for row in blocks for m in row if m is not None)]:
+            matrix.destroy()
+
+    def destroy(self) -> None:
+        """Free the matrix."""
+        self.stiffness.destroy()
+
+    def _with_opposites(self, displacement: Any) -> Any:
+        """K with room for what couples bodies that touch each other; collective."""
+        coupled = [s for s in self.surfaces if s.contact.kinematics.pairing is not None]
+        if not coupled:
+            return displacement
+        sizes, first = displacement.getSizes(), self._first
+        room: Any = PETSc.Mat().createAIJ(sizes, comm=self._problem.comm)
+        room.setUp()
+        for surface in coupled:
+            rows, columns = surface.pattern()
+            mine = (rows >= first) & (rows < first + self._owned)
+            add_entries(room, rows[mine], columns[mine], np.zeros(int(mine.sum())))
+        room.assemble()
+        room.axpy(1.0, displacement, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        displacement.destroy()
+        return room
+
+    def _with_mean_stress(self, displacement: Any) -> list[list[Any]]:
+        mixed = self._mixed
+        assert mixed is not None
+        compressibility = assembled(mixed.compressibility)
+        compressibility.scale(-1.0)
+        gradient, divergence = assembled(mixed.gradient), assembled(mixed.divergence)
+        return [[displacement, gradient], [divergence, compressibility]]
+
+    def _with_scalars(self, blocks: list[list[Any]], displacement: Any) -> list[list[Any]]:
+        """Empty rows and columns with room for all that a tangent may put there."""
+        comm = self._problem.comm
+        own = self.scalars if comm.rank == 0 else 0
+        sizes = (own, self.scalars)
+        columns = displacement.getSizes()[1]
+        first = displacement.getOwnershipRange()[0]
+        local = [self._border_dofs(k) for k in range(self.scalars)]
+        gathered = [np.concatenate(comm.allgather(first + dofs)) for dofs in local]
+        widest = max((len(dofs) for dofs in gathered), default=0)
+        local_volumes = [np.flatnonzero(volume) for volume in self._far_volumes]
+        columns_of_lines = [self._empty_columns(displacement, sizes, local)]
+        if self._mixed is not None:
+            columns_of_lines.append(self._empty_columns(blocks[1][0], sizes, local_volumes))
+        row = PETSc.Mat().createAIJ((sizes, columns), comm=comm)
+        row.setPreallocationNNZ((widest, widest))
+        corner = PETSc.Mat().createAIJ((sizes, sizes), comm=comm)
+        corner.setPreallocationNNZ((self.scalars, self.scalars))
+        index: Any = np.arange(self.scalars, dtype=PETSc.IntType)
+        if own:
+            for k, dofs in enumerate(gathered):
+                every: Any = dofs.astype(PETSc.IntType)
+                row.setValues(index[k : k + 1], every, [0.0] * len(every))
+            corner.setValues(index, index, [0.0] * self.scalars**2)
+        for matrix in (row, corner):
+            matrix.assemble()
+        middle = [None] * (len(blocks) - 1)
+        extended = [[*line, column] for line, column in zip(blocks, columns_of_lines, strict=True)]
+        return [*extended, [row, *middle, corner]]
+
+    def _empty_columns(
+        self, line: Any, sizes: tuple[int, int], local: list[NDArray[np.int64]]
+    ) -> Any:
+        """A matrix of the scalars' columns beside a block, with room in some of its rows."""
+        columns = PETSc.Mat().createAIJ((line.getSizes()[0], sizes), comm=self._problem.comm)
+        columns.setPreallocationNNZ((self.scalars, self.scalars))
+        first = line.getOwnershipRange()[0]
+        for k, dofs in enumerate(local):
+            rows: Any = (first + dofs).astype(PETSc.IntType)
+            number: Any = np.full(1, k, dtype=PETSc.IntType)
+            columns.setValues(rows, number, [0.0] * len(rows))
+        columns.assemble()
+        return columns
+
+    def _volume_of_far_field(self, divergence: Any, unknown: ScalarUnknown) -> Array:
+        """What a resultant's far field adds to the rows of the mean stress, owned ones."""
+        moved, volumes = divergence.createVecs()
+        far_field = self._problem.far_field
+        if unknown.column is not None and far_field is not None:
+            mine = far_field.dofs < self._owned
+            with moved as array:
+                array[far_field.dofs[mine]] = unknown.column[mine]
+        divergence.mult(moved, volumes)
+        found = np.array(volumes.array_r)
+        moved.destroy()
+        volumes.destroy()
+        return found
+
+    def add_far_field(self, tangent: Any) -> None:
+        """The same, with the rows of the mean stress; collective."""
+        super().add_far_field(tangent)
+        add = PETSc.InsertMode.ADD_VALUES
+        for number, volume in enumerate(self._far_volumes):
+            rows = np.flatnonzero(volume)
+            scalar: Any = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
+            places = self._rows(tangent, self._owned + rows)
+            tangent.setValues(places, scalar, volume[rows], addv=add)
+
+    def take_mean_stress(self, state: Any) -> None:
+        """The mean stress of a state into its function, where there is one."""
+        if self._mixed is None:
+            return
+        function, own = self._mixed.mean_stress, self._own_mean_stress
+        function.x.array[: own.stop - own.start] = state.array_r[own]
+        function.x.scatter_forward()
+
+    def set_mean_stress(self, state: Any) -> None:
+        """The mean stress of its function into a state, where there is one."""
+        if self._mixed is None:
+            return
+        own = self._own_mean_stress
+        with state as array:
+            array[own] = self._mixed.mean_stress.x.array[: own.stop - own.start]
+
+    @property
+    def _own_mean_stress(self) -> slice:
+        """This rank's entries of the mean stress in a vector of all unknowns."""
+        assert self._mixed is not None
+        dofmap = self._mixed.mean_stress.function_space.dofmap
+        owned = dofmap.index_map.size_local * dofmap.index_map_bs
+        return slice(self._owned, self._owned + owned)
+
+
+def assembled(form: Any) -> Any:
+    """The matrix of a compiled form; collective."""
+    matrix = fem_petsc.assemble_matrix(form)
+    matrix.assemble()
+    return matrix

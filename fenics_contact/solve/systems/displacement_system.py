@@ -1,0 +1,127 @@
+"""Every displacement of the body as an unknown, however its equations are then solved."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any
+
+import numpy as np
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from fenics_contact.common.parallel import largest, total
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.systems.system import System
+
+Array = NDArray[np.float64]
+
+
+class BodySystem(System):
+    """Balance of forces on every free displacement; the attributes are those of ``System``."""
+
+    _work: Any  # a vector of unknowns to work in
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(problem)
+        spaces = problem.spaces
+        self._owned_size = spaces.owned_nodes * spaces.components
+        constrained = problem.constrained
+        self._owned_constrained = constrained[constrained < self._owned_size]
+        self._reactions = 0.0
+
+    @abstractmethod
+    def internal_forces(self, state: Any, forces: Any) -> None:
+        """K u, also where supports hold; 0 in the scalars' rows; collective."""
+
+    @property
+    def present_forces(self) -> float:
+        """1-norm of loads, reactions and contact forces at the last residual; collective."""
+        return super().present_forces + self._reactions
+
+    def begin(self, displacement: Array) -> None:
+        """Start from nodal displacements, supports at their values; collective."""
+        self._started = displacement.reshape(-1).copy()
+        self.state.set(0.0)
+        owned = self.problem.constrained < self._owned_size
+        with self.state as array:
+            array[: self._owned_size] = self._started[: self._owned_size]
+            array[self._owned_constrained] = self.problem.prescribed[owned]
+            if self.comm.rank == 0 and self.scalars:
+                array[-self.scalars :] = self.starting_scalars()
+
+    def follow_supports(self) -> None:
+        """Bring supports to their present values, the far field to its resultants'; collective."""
+        problem = self.problem
+        values = problem.prescribed.copy()
+        far_field = problem.far_field
+        scalars = self.scalar_values(self.state)
+        for unknown, value in zip(problem.unknowns, scalars, strict=True):
+            if unknown.column is not None and far_field is not None:
+                values[np.isin(problem.constrained, far_field.dofs)] += value * unknown.column
+        with self.state as array:
+            array[self._owned_constrained] = values[problem.constrained < self._owned_size]
+        self.take(self.state)
+
+    def pair_anew(self) -> None:
+        """Tangents see it by themselves."""
+
+    def take(self, state: Any) -> None:
+        """A vector of unknowns into the displacement function and the jumps; collective."""
+        function = self.problem.displacement.x
+        function.array[: self._owned_size] = state.array_r[: self._owned_size]
+        function.scatter_forward()
+        displacement = self._nodal_displacement()
+        at_surfaces = [
+            contact.kinematics.relative(displacement) for contact in self.problem.contacts
+        ]
+        self.move_contacts(at_surfaces, self.scalar_values(state))
+
+    def _nodal_displacement(self) -> Array:
+        """The present displacement, shape (nodes, components), ghosts included."""
+        array = self.problem.displacement.x.array
+        return np.asarray(array.reshape(-1, self.problem.spaces.components))
+
+    def balance(self, state: Any, residual: Any) -> None:
+        """K u − f − r_c(u), and the scalars' rows; collective."""
+        self.take(state)
+        self.internal_forces(state, residual)
+        contacts = self.contact_residual(state)
+        with residual as array:
+            array += contacts
+            array[: self._owned_size] -= self.problem.load.reshape(-1)[: self._owned_size]
+            held = np.abs(array[self._owned_constrained]).sum()
+            array[self._owned_constrained] = 0.0  # they hold their values exactly
+        self._reactions = float(total(self.comm, held))
+
+    def contact_residual(self, state: Any) -> Array:
+        """−r_c(u) and the scalars' rows at the jumps last taken, rows of this rank; collective."""
+        forces = self.all_contact_forces()
+        imbalances = self.scalar_imbalances(self.scalar_values(state), forces)
+        found = np.zeros(state.getLocalSize())
+        for contact, force in zip(self.problem.contacts, forces, strict=True):
+            pushed = contact.kinematics.on_body(force).reshape(-1)
+            found[: self._owned_size] -= pushed[: self._owned_size]
+        if self.comm.rank == 0 and self.scalars:
+            found[-self.scalars :] = imbalances
+        return found
+
+    def imbalance(self) -> float:
+        """1-norm of the last residual, without rows of mean stresses (force); collective."""
+        left = np.abs(self.residual.array_r[: self._owned_size]).sum()
+        if self.scalars and self.comm.rank == 0:
+            left += np.abs(self.residual.array_r[-self.scalars :]).sum()
+        return float(total(self.comm, left))
+
+    def moved(self) -> float:
+        """Largest displacement since the start (length); collective."""
+        return largest(self.comm, np.abs(self.problem.displacement.x.array - self._started))
+
+    def finish(self) -> tuple[Array, Array]:
+        """Displacement and K u at the nodes; collective."""
+        spaces = self.problem.spaces
+        self.internal_forces(self.state, self._work)
+        internal = fem.Function(spaces.displacement_space)
+        internal.x.array[: self._owned_size] = self._work.array_r[: self._owned_size]
+        internal.x.scatter_forward()
+        forces = internal.x.array.reshape(-1, spaces.components).copy()
+        return self._nodal_displacement().copy(), forces

@@ -1,0 +1,95 @@
+"""All displacements, mean stresses and scalars at once: the reference for other solvers.
+
+The bulk is linear, so its stiffness is assembled once; a Newton step adds only the tangents of
+the contacts' terms to a copy of it, and factorises that.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fenics_contact.common.parallel import total
+from fenics_contact.common.timings import Timings
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.systems.bulk_matrix import LinearSystem
+from fenics_contact.solve.systems.displacement_system import BodySystem
+
+Array = NDArray[np.float64]
+
+
+class FullSystem(BodySystem):
+    """Balance of forces on every free displacement; the attributes are those of ``System``."""
+
+    name = "full"
+    options: ClassVar = {
+        "ksp_type": "preonly",
+        "pc_type": "lu",
+        "pc_factor_mat_solver_type": "mumps",
+        "mat_mumps_icntl_14": 50,
+    }
+
+    def __init__(self, problem: Problem, timings: Timings) -> None:
+        super().__init__(problem)
+        with timings.phase("assemble"):
+            self._system = LinearSystem(problem)
+        self.tangent = self._system.stiffness.duplicate(copy=True)
+        self.state, self.residual = self.tangent.createVecs()
+        self._work = self.state.duplicate()
+        self.factorisations = 0
+
+    def destroy(self) -> None:
+        """Free PETSc's objects."""
+        self._system.destroy()
+        for thing in (self.tangent, self.state, self.residual, self._work):
+            thing.destroy()
+
+    def prepare(self, snes: Any) -> None:
+        """Nothing: the options say it all."""
+
+    def linearise(self, state: Any) -> None:
+        """Add the contacts' tangents to a copy of K; collective."""
+        self.take(state)
+        tangent = self.tangent
+        self._system.stiffness.copy(tangent, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        for contact in self.problem.contacts:
+            contact.follow()
+        self._system.add_contacts(tangent)
+        self._system.add_far_field(tangent)
+        tangent.assemble()
+        first, _ = tangent.getOwnershipRange()
+        rows = (first + self._owned_constrained).astype(PETSc.IntType)
+        tangent.zeroRowsColumns(rows, diag=1.0)
+        self._system.tie_far_field(tangent)
+        self.factorisations += 1
+
+    def round_off(self) -> float:
+        """20 × machine epsilon × ‖|J| |u|‖₁; collective."""
+        first, columns, values = self.tangent.getValuesCSR()
+        magnitude = PETSc.Mat().createAIJ(
+            self.tangent.getSizes(), csr=(first, columns, np.abs(values)), comm=self.comm
+        )
+        lengths = self.state.duplicate()
+        self.state.copy(lengths)
+        lengths.abs()
+        magnitude.mult(lengths, self._work)
+        left = total(self.comm, self._work.array_r[: self._owned_size].sum())
+        magnitude.destroy()
+        lengths.destroy()
+        return float(20 * np.finfo(float).eps * left)
+
+    def set_mean_stress(self) -> None:
+        """Start from the mean stress that its function has."""
+        self._system.set_mean_stress(self.state)
+
+    def internal_forces(self, state: Any, forces: Any) -> None:
+        """K u and what a mean stress adds; collective."""
+        self._system.stiffness.mult(state, forces)
+
+    def finish(self) -> tuple[Array, Array]:
+        """Displacement and K u at the nodes; the mean stress into its function; collective."""
+        self._system.take_mean_stress(self.state)
+        return super().finish()

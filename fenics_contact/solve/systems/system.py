@@ -1,0 +1,196 @@
+"""What Newton's method solves: forces of the bulk, the contacts and the scalars in balance.
+
+A system turns PETSc's vectors of unknowns into jumps of the contacts, and forces of the contacts
+into residuals and tangents. The full one has every displacement as an unknown, the condensed one
+only those of the contact surfaces.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.parallel import total
+from fenics_contact.problem.problem import Problem, ScalarUnknown
+
+Array = NDArray[np.float64]
+
+
+class System(ABC):
+    """Force imbalance and tangent of a problem; rank 0 has the scalar unknowns last.
+
+    Attributes:
+        problem: What is solved.
+        state: The unknowns, a PETSc vector.
+        residual: The force imbalance, likewise.
+        tangent: Its derivative, a PETSc matrix.
+        options: PETSc's options for its linear solves.
+        first_way: Which strategy of Coulomb friction ``auto`` begins with.
+        factorisations: How often a matrix of the bulk was factorised.
+        earlier_forces: Largest of ``present_forces`` in the load steps that are done (force).
+        bulk_round_off: Largest that round-off may leave of the balance inside the body in the
+            answer that was found last; 0 where the imbalance has it already (force).
+    """
+
+    name: ClassVar[str]
+    options: ClassVar[dict[str, Any]]
+    first_way: ClassVar[str] = "campos"
+    state: Any
+    residual: Any
+    tangent: Any
+    factorisations: int
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.comm = problem.comm
+        self.earlier_forces = 0.0
+        self.bulk_round_off = 0.0
+        self._contact_norm = 0.0
+
+    @abstractmethod
+    def begin(self, displacement: Array) -> None:
+        """Start a solve from nodal displacements (nodes, components); collective."""
+
+    @abstractmethod
+    def follow_supports(self) -> None:
+        """Bring supports and loads of the state to their present values; collective."""
+
+    @abstractmethod
+    def take(self, state: Any) -> None:
+        """A vector of unknowns into the contacts' jumps; collective."""
+
+    @abstractmethod
+    def balance(self, state: Any, residual: Any) -> None:
+        """The force imbalance of a state; collective."""
+
+    @abstractmethod
+    def linearise(self, state: Any) -> None:
+        """Set the tangent to that of a state; collective."""
+
+    @abstractmethod
+    def imbalance(self) -> float:
+        """1-norm of the last residual (force); collective."""
+
+    @abstractmethod
+    def round_off(self) -> float:
+        """20 × machine epsilon × ‖|J| |u|‖₁: what round-off leaves of a residual; collective."""
+
+    @abstractmethod
+    def moved(self) -> float:
+        """Largest displacement since the start (length); collective."""
+
+    @abstractmethod
+    def finish(self) -> tuple[Array, Array]:
+        """Displacement and K u at the nodes, (nodes, components) each; collective."""
+
+    @abstractmethod
+    def pair_anew(self) -> None:
+        """Take what faces what as the contacts of bodies know it now; collective."""
+
+    @abstractmethod
+    def destroy(self) -> None:
+        """Free PETSc's objects: factors hold communicators, of which there are few."""
+
+    @abstractmethod
+    def prepare(self, snes: Any) -> None:
+        """Set whatever the linear solver needs beside its options."""
+
+    @property
+    def forces(self) -> float:
+        """What an imbalance is small against (force); collective.
+
+        Not only what acts at present: a body that is unloaded keeps the round-off of before.
+        """
+        return max(self.present_forces, self.earlier_forces)
+
+    @property
+    def present_forces(self) -> float:
+        """1-norm of the forces on the body at the last residual (force); collective."""
+        owned = self.problem.spaces.owned_nodes
+        return float(total(self.comm, np.abs(self.problem.load[:owned]).sum())) + self._contact_norm
+
+    @property
+    def scalars(self) -> int:
+        """Number of scalar unknowns."""
+        return len(self.problem.unknowns)
+
+    def scalar_values(self, state: Any) -> Array:
+        """Values of the scalar unknowns, on every rank; collective."""
+        if not self.scalars:
+            return np.zeros(0)
+        last = np.array(state.array_r[-self.scalars :]) if self.comm.rank == 0 else None
+        return np.asarray(self.comm.bcast(last))
+
+    def set_scalars(self, values: Array) -> None:
+        """Give the scalar unknowns values, (scalars,)."""
+        with self.state as array:
+            if self.scalars and self.comm.rank == 0:
+                array[-self.scalars :] = values
+
+    def set_mean_stress(self) -> None:  # noqa: B027  (most systems have none)
+        """Start from the mean stress that its function has, where it is an unknown here."""
+
+    def starting_scalars(self) -> Array:
+        """Where driven obstacles stand; no resultants yet."""
+        return np.array(
+            [
+                unknown.contact.kinematics.indentation if unknown.kind == "indentation" else 0.0
+                for unknown in self.problem.unknowns
+            ]
+        )
+
+    def contact_forces(self, terms: str) -> list[Array]:
+        """Forces on the body at the nodes of each surface, by a kind of term; collective."""
+        found = []
+        for contact in self.problem.contacts:
+            term = getattr(contact, terms)
+            none = np.zeros((len(contact.trace.all_nodes), self.problem.spaces.components))
+            found.append(none if term is None else term.force())
+        return found
+
+    def all_contact_forces(self) -> list[Array]:
+        """Those of all terms together; remembers their 1-norm; collective."""
+        pairs = zip(self.contact_forces("normal"), self.contact_forces("friction"), strict=True)
+        found = [normal + friction for normal, friction in pairs]
+        own = sum(
+            np.abs(force[: contact.trace.surface.owned_nodes]).sum()
+            for contact, force in zip(self.problem.contacts, found, strict=True)
+        )
+        self._contact_norm = float(total(self.comm, own))
+        return found
+
+    def move_contacts(self, displacements: Sequence[Array | None], scalars: Array) -> None:
+        """Set the jumps from displacements relative to bodies opposite, at all nodes of surfaces.
+
+        None where they are not known.
+        """
+        driven = {
+            unknown.contact: float(value)
+            for unknown, value in zip(self.problem.unknowns, scalars, strict=True)
+            if unknown.kind == "indentation"
+        }
+        for contact, displacement in zip(self.problem.contacts, displacements, strict=True):
+            if displacement is not None:
+                contact.kinematics.move(displacement, driven.get(contact))
+                contact.follow_pressure()
+
+    def pushed(self, unknown: ScalarUnknown, forces: list[Array]) -> float:
+        """Force of a scalar unknown's contact on the body along its direction; collective."""
+        force = forces[self.problem.contacts.index(unknown.contact)]
+        own = force[: unknown.contact.trace.surface.owned_nodes].sum(axis=0)
+        return float(total(self.comm, own) @ unknown.direction)
+
+    def scalar_imbalances(self, values: Array, forces: list[Array]) -> Array:
+        """m·r − F for an obstacle that a force F drives, R − m·r for a resultant R; collective."""
+        found = np.zeros(self.scalars)
+        for number, unknown in enumerate(self.problem.unknowns):
+            pushed = self.pushed(unknown, forces)
+            driven = unknown.kind == "indentation"
+            found[number] = (
+                pushed - (unknown.contact.force or 0.0) if driven else values[number] - pushed
+            )
+        return found

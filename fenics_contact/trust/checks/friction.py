@@ -1,0 +1,178 @@
+"""Checks of friction: nodal forces that the bulk needs against the friction law."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.parallel import largest, smallest, total
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import OPEN
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.results.result import Check
+from fenics_contact.trust.checks.comparison import TRACE, Place, nearer_to_failing, worst_of
+
+Array = NDArray[np.float64]
+
+
+def recovered_friction(forces: BulkForces, number: int) -> Array:
+    """Friction forces that the bulk needs at the nodes of a contact.
+
+    Returns:
+        K u − f, tangential, shape (nodes, components) (force), less what other contacts
+        give to a shared node. On curved facets whose points lie between nodes, pressure is
+        along the points' normals, and a part of it along the nodes' surface: less that, too.
+    """
+    contact = forces.problem.contacts[number]
+    pressed = forces.solution.normal_force[number]
+    return contact.kinematics.tangential(forces.at_contact(number) - pressed)
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedFriction:
+    """What friction checks compare at the nodes of a contact where nothing but friction acts.
+
+    Attributes:
+        contact: It has friction.
+        bulk: Recovered friction, over the largest bound and the node's area: a traction's share.
+        law: The friction law's, likewise.
+        bound: The most that the points around a node can give it, likewise.
+        slip: That the friction law counts (length).
+        displacement: Of the nodes (length).
+        status: OPEN, STICK or SLIP.
+        places: Undeformed coordinates, (nodes, 3) (length).
+        area: That each stands for.
+        strongest: The largest bound (stress).
+        share: Of each node in the area of all of these, on all ranks.
+        limit: What round-off and the accepted imbalance may leave, likewise.
+        nodal: Whether each node is a point of its own, whose law can be asked.
+        across: Largest friction of the law across the nodes' surface, where points lie between
+            nodes on curved facets, likewise.
+        comm: Communicator.
+    """
+
+    contact: ContactSurface
+    bulk: Array
+    law: Array
+    bound: Array
+    slip: Array
+    displacement: Array
+    status: NDArray[np.str_]
+    places: Array
+    area: Array
+    strongest: float
+    share: Array
+    limit: float
+    nodal: bool
+    across: float
+    comm: Any
+
+    def worst(self, values: Array) -> tuple[float, Place]:
+        """The largest of values at the nodes, and where it is; collective."""
+        return worst_of(self.comm, values, self.places)
+
+
+def compared_friction(forces: BulkForces) -> list[ComparedFriction]:
+    """All contacts with friction to compare, in scene order; collective."""
+    problem, solution = forces.problem, forces.solution
+    found = []
+    for number, contact in enumerate(problem.contacts):
+        free, movable = contact.supports.free_along, contact.supports.movable
+        counted = contact.owned_nodes & movable
+        if contact.friction is None or problem.comm.allreduce(int(counted.sum())) == 0:
+            continue
+        trace = contact.trace
+        traction = np.linalg.norm(solution.states[number].friction_traction, axis=1)
+        strongest = largest(problem.comm, np.maximum(contact.friction_bound, traction))
+        if strongest <= 0:  # not touched
+            continue
+        area = trace.to_nodes(trace.weights)
+        unit = area * strongest
+        bound = trace.to_nodes(trace.weights * contact.friction_bound) / unit
+        bulk = free * recovered_friction(forces, number) / unit[:, None]
+        given = solution.friction_force[number] / unit[:, None]
+        law = free * contact.kinematics.tangential(given)
+        since = contact.friction.counted(solution.states[number].slip)
+        slip = free * since[: len(contact.nodes)]
+        lightest = smallest(problem.comm, unit[contact.owned_nodes])
+        found.append(
+            ComparedFriction(
+                contact=contact,
+                bulk=bulk[counted],
+                law=law[counted],
+                bound=bound[counted],
+                slip=slip[counted],
+                displacement=solution.displacement[contact.nodes][counted],
+                status=solution.states[number].status[: len(contact.nodes)][counted],
+                places=trace.coordinates[: len(contact.nodes)][counted],
+                area=area[counted],
+                strongest=strongest,
+                share=area[counted] / total(problem.comm, area[counted].sum()),
+                limit=TRACE + 2 * solution.imbalance_limit / lightest,
+                nodal=trace.nodal,
+                across=largest(problem.comm, np.abs(contact.kinematics.normal(given))[counted]),
+                comm=problem.comm,
+            )
+        )
+    return found
+
+
+def _worst(
+    contacts: list[ComparedFriction],
+    compare: Callable[[ComparedFriction], tuple[float, Place]],
+) -> Check | None:
+    """The check of the frictional contact that comes nearest to its limit.
+
+    Args:
+        contacts: What is compared.
+        compare: The global value of the check for one contact, good at or below 0, and where.
+    """
+    worst: Check | None = None
+    for compared in contacts:
+        found, place = compare(compared)
+        found = found if np.isnan(found) else max(found, 0.0)
+        check = Check(found, compared.limit, compared.contact.label, place)
+        worst = nearer_to_failing(worst, check)
+    return worst
+
+
+def friction_cone(contacts: list[ComparedFriction]) -> Check | None:
+    """|σ_T| − g, over the largest g (paper, (1.6)): traction within its bound."""
+
+    def excess(compared: ComparedFriction) -> tuple[float, Place]:
+        return compared.worst(np.linalg.norm(compared.bulk, axis=1) - compared.bound)
+
+    return _worst(contacts, excess)
+
+
+def friction_law(contacts: list[ComparedFriction]) -> Check | None:
+    """|σ_T + g φ_ε′(u_T)| over the largest g (paper, (2.8)): bulk against friction law."""
+
+    def difference(compared: ComparedFriction) -> tuple[float, Place]:
+        return compared.worst(np.linalg.norm(compared.bulk - compared.law, axis=1))
+
+    return _worst(contacts, difference)
+
+
+def dissipation(contacts: list[ComparedFriction]) -> Check | None:
+    """σ_T · u_T ≤ 0 at every point: friction takes energy, nowhere gives it (paper, (1.6)).
+
+    Where points lie between nodes, a node's force is not that of one slip, and only the
+    sum must be so: that of the forces, as Σ_i F_i·u_i = Σ_q w_q τ_q·u_q over points q. On
+    curved facets that takes forces across the surface, too, and is left to ``friction_law``.
+    """
+
+    def given(compared: ComparedFriction) -> tuple[float, Place]:
+        # Open points move far, and carry nothing: beside their slip all others are short.
+        slip = np.where((compared.status != OPEN)[:, None], compared.slip, 0.0)
+        power = np.einsum("ij,ij->i", compared.bulk, slip)
+        longest = largest(compared.comm, np.linalg.norm(slip, axis=1)) or 1.0
+        if compared.nodal:
+            return compared.worst(power / longest)
+        return total(compared.comm, compared.share @ power) / longest, ()
+
+    return _worst([contact for contact in contacts if contact.across <= TRACE], given)

@@ -1,0 +1,97 @@
+"""Check of resultants: what the bulk takes from contacts against what is put on.
+
+Equilibrium of the body holds whatever force an obstacle exerts, and whatever pressure was
+assembled: supports take it up. And where no support acts, it says nothing of the bulk.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fenics_contact.common.parallel import total
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.results.result import Check
+from fenics_contact.trust.checks.comparison import balance, nearer_to_failing
+
+
+def resultant(forces: BulkForces) -> Check | None:
+    """Resultants of contacts from the bulk, K u − f, against loads; collective.
+
+    - The force along its direction of an obstacle that a force drives, against that force.
+    - The forces of given pressures against ∫ p n, p as reported.
+    - The forces of all contacts on a connected part, along axes that no support holds,
+      against the loads on it.
+
+    Each relative to the forces that it adds up. None where there is nothing of the kind.
+    """
+    worst: Check | None = None
+    for check in (*_obstacles(forces), *_pressures(forces), *_parts(forces)):
+        worst = nearer_to_failing(worst, check)
+    return worst
+
+
+def _obstacles(forces: BulkForces) -> list[Check]:
+    """The force of each obstacle that a force drives, against that force; collective."""
+    found = []
+    free, comm = forces.problem.free, forces.problem.comm
+    imbalance = forces.solution.imbalance_limit
+    for number, contact in enumerate(forces.problem.contacts):
+        if not contact.floats:
+            continue
+        given = forces.solution.contact_force[number]
+        # Where supports hold, the bulk's forces are theirs, too.
+        needed = np.where(free[contact.nodes], forces.at_contact(number), given)
+        along = needed[contact.owned_nodes] @ contact.kinematics.direction
+        pushed, carried = total(comm, np.array([along.sum(), np.abs(along).sum()]))
+        force = contact.force or 0.0
+        size = max(force, carried)
+        found.append(balance(pushed - force, size, imbalance, contact.label, "obstacle"))
+    return found
+
+
+def _pressures(forces: BulkForces) -> list[Check]:
+    """The forces of all given pressures together, against ∫ p n; collective."""
+    problem, solution = forces.problem, forces.solution
+    pairs = zip(problem.contacts, solution.states, strict=True)
+    given = [(c, state) for c, state in pairs if c.pressure_load is not None]
+    if not given:
+        return []
+    pressed = np.zeros(len(problem.load), dtype=bool)
+    expected, carried = np.zeros(problem.spaces.components), 0.0
+    for contact, state in given:
+        pressed |= contact.on_body
+        pressure = state.contact_pressure
+        expected -= contact.trace.integral(pressure[:, None] * contact.trace.normals)
+        carried += float(contact.trace.integral(np.abs(pressure)))
+    needed = problem.pressure_load + np.where(problem.free, forces.unbalanced, 0.0)
+    owned = slice(0, problem.spaces.owned_nodes)
+    found = total(problem.comm, (needed[owned] * pressed[owned, None]).sum(axis=0))
+    label = given[0][0].label if len(given) == 1 else ""
+    off = float(np.linalg.norm(found - expected))
+    return [balance(off, carried, solution.imbalance_limit, label, "pressure")]
+
+
+def _parts(forces: BulkForces) -> list[Check]:
+    """The forces of contacts on each part along axes that no support holds; collective."""
+    problem = forces.problem
+    spaces, parts = problem.spaces, problem.spaces.parts
+    touched = np.zeros(len(problem.load), dtype=bool)
+    for contact in problem.contacts:
+        if contact.terms:
+            everywhere = np.ones(len(contact.trace.all_nodes), dtype=bool)
+            touched |= contact.kinematics.reaches(everywhere)
+    owned = slice(0, spaces.owned_nodes)
+    needed = np.where(touched[:, None], forces.solution.internal_force - problem.load, 0.0)[owned]
+    load = problem.load[owned]
+    held = parts.sums(np.where(problem.free, 0.0, 1.0)[owned]) > 0
+    if spaces.kinematics == "axisymmetric":
+        held[:, 0] = True  # radial forces have no resultant
+    left = np.where(held, 0.0, parts.sums(needed + load))
+    carried = parts.sums(np.abs(needed).sum(axis=1) + np.abs(load).sum(axis=1))
+    by_contacts = parts.sums(np.where(touched[owned], 1.0, 0.0)) > 0
+    imbalance = forces.solution.imbalance_limit
+    return [
+        balance(float(np.linalg.norm(left[n])), carried[n], imbalance, kind="part", part=name)
+        for n, name in enumerate(parts.names)
+        if by_contacts[n] and not held[n].all()
+    ]

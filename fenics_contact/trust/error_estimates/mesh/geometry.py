@@ -1,0 +1,125 @@
+"""Errors by the cells' geometry: what straight or quadratic facets miss of curved surfaces.
+
+Pressures of surfaces that nearly conform follow from small differences of large gaps; bodies lack
+weight, stiffness and length of sides between their facets and the curve. The last load step is
+solved again with gaps as they are between surfaces that pass smoothly through the mesh's nodes
+(``smooth_surface``), and with forces for what the bodies lack (``missed_body``): the difference is
+the error, but for parts of higher order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.parallel import largest
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.trust.error_estimates.mesh.missed_body import MissedBody, MissedForces
+from fenics_contact.trust.error_estimates.solving_again import (
+    Measure,
+    Quantities,
+    differences,
+    last_step_again,
+)
+
+Array = NDArray[np.float64]
+
+# Of the extent of a contact: what is missed is round-off of the nodes.
+_NONE = 1e-12
+# What goes with the length of a surface; and with its pressure's integral where that is given.
+_AREAS = ("contact_area", "stick_area", "slip_area")
+_OF_PRESSURE = ("pressure_integral", "friction_force", "friction_work")
+_ALL = (*_AREAS, *_OF_PRESSURE)
+
+
+def geometry_errors(history: History, measure: Measure) -> dict[Hashable, float] | None:
+    """Estimated errors of the last load step's quantities by the geometry; collective.
+
+    Args:
+        history: At its end; it is there again afterwards.
+        measure: Quantities of a solution, called in its state; collective.
+
+    Returns:
+        By quantity: absolute, of vectors the length of the difference; None where the answer with
+        other gaps and forces was not found.
+    """
+    assert history.last is not None
+    problem, solution = history.problem, history.last.solution
+    answer = measure(solution)
+    gaps, body = _missed_gaps(problem), MissedBody(problem)
+    if body.is_none and not gaps:
+        return dict.fromkeys(answer, 0.0)
+    forces = None if body.is_none else body.forces(solution, history.time)
+    found = differences(answer, _again(history, measure, gaps, forces))
+    if found is None or forces is None:
+        return found
+    for key, error in _beside_forces(answer, body, forces, history).items():
+        if key in found:
+            found[key] += error
+    return found
+
+
+def _missed_gaps(problem: Problem) -> list[tuple[ContactSurface, Array]]:
+    """Contacts with what their gaps are too wide by, if it is more than nothing; collective."""
+    one_sided = [contact for contact in problem.contacts if contact.is_one_sided]
+    missed = [(contact, contact.kinematics.missed()) for contact in one_sided]
+    sizes = [largest(problem.comm, np.abs(one)) / c.trace.extent() for c, one in missed]
+    return missed if max(sizes, default=0.0) > _NONE else []
+
+
+def _again(
+    history: History,
+    measure: Measure,
+    gaps: list[tuple[ContactSurface, Array]],
+    forces: MissedForces | None,
+) -> Quantities | None:
+    """Quantities with other gaps, and under further forces; collective."""
+    before = [contact.kinematics.gap for contact, _ in gaps]
+    time = history.time
+
+    def narrow(problem: Problem) -> None:
+        if forces is not None:
+            problem.disturbance = forces.nodal / time
+            problem.set_time(time)
+        for (contact, one), gap in zip(gaps, before, strict=True):
+            _set_gap(contact, gap - one)
+
+    try:
+        return last_step_again(history, measure, narrow)
+    finally:
+        for (contact, _), gap in zip(gaps, before, strict=True):
+            _set_gap(contact, gap)
+
+
+def _set_gap(contact: ContactSurface, gap: Array) -> None:
+    assert contact.normal is not None
+    contact.kinematics.gap = gap
+    contact.normal.set_gap(gap)
+
+
+def _beside_forces(
+    answer: Quantities, body: MissedBody, forces: MissedForces, history: History
+) -> dict[Hashable, float]:
+    """What is missed of quantities themselves, besides what moves the solution; collective."""
+    energy = abs(forces.elastic) / 2
+    found: dict[Hashable, float] = {
+        "strain_energy": energy,
+        "external_work": 2 * energy + abs(forces.loads),
+    }
+    for number in range(len(history.problem.contacts)):
+        sizes = {name: float(np.linalg.norm(answer.get((number, name), 0.0))) for name in _ALL}
+        longer = body.longer(number)
+        errors = {name: longer * sizes[name] for name in _AREAS}
+        pressure = body.of_pressure(number, history.time)
+        if pressure is not None:
+            errors |= {name: pressure.share * sizes[name] for name in _OF_PRESSURE}
+            errors["normal_force"] = pressure.force
+            errors["contact_force"] = pressure.force + errors["friction_force"]
+        for name, error in errors.items():
+            found[number, name] = error
+            found[name] = found.get(name, 0.0) + error
+    return found

@@ -1,0 +1,116 @@
+"""How quantities scatter about smooth functions of the load, as edges move through elements."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+
+import numpy as np
+
+from fenics_contact.evaluate.contact_areas import contact_area, cut_areas, stick_area
+from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.load_paths import knots
+from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.error_estimates.solving_again import (
+    Change,
+    Measure,
+    Quantities,
+    last_step_again,
+)
+
+# Share of the way since the loads last turned that is looked at: Hertz's edge then moves by a tenth
+# of its radius.
+_SPAN = 0.3
+_LOADS = 8
+# Pieces of the surface that an edge is to pass through in that span, at the most: where cells are
+# small at the edge alone, those further off have no part in the error.
+_PIECES = 8.0
+# Of the polynomial in pseudo-time: t^1.5, Hertz's force, differs by 1e-6 from one over the span.
+_DEGREE = 3
+# More loads than the polynomial has coefficients, at the least.
+_SPARE = 2
+# Of the last load step, at the most.
+_OF_A_STEP = 0.95
+
+
+def load_scatter(
+    history: History, measure: Measure, recorded: Sequence[tuple[float, Quantities]]
+) -> dict[Hashable, float] | None:
+    """Standard deviation of quantities about polynomials in pseudo-time; collective.
+
+    Of load steps where these are close enough, else of loads within the last one.
+
+    Args:
+        history: At its end; it is there again afterwards.
+        measure: Quantities of a solution, called in its state; collective.
+        recorded: Pseudo-time and quantities of every load step.
+
+    Returns:
+        By key, of vectors the length over their components, without what some loads do not have;
+        0 where no edge can move. None where too few of the solves converge.
+    """
+    problem = history.problem
+    last, answer = recorded[-1]
+    if not any(contact.is_one_sided or contact.friction for contact in problem.contacts):
+        return dict.fromkeys(answer, 0.0)
+    assert history.last is not None
+    turn = max((knot for knot in knots(problem.scene) if knot < last), default=0.0)
+    share = min(_SPAN, _PIECES * _piece_share(problem, history.last.solution))
+    span = share * (last - max(turn, 0.0))
+    rows = [(time, found) for time, found in recorded if time >= last - span]
+    if len(rows) < _DEGREE + 1 + _SPARE:
+        before = history.last.before.time if history.last.before else 0.0
+        span = min(span, _OF_A_STEP * (last - before))
+        answer = measure(history.last.solution)  # of works, not summed over steps
+        rows = [(last, answer), *_solved(history, measure, last - span)]
+    if len(rows) < _DEGREE + 1 + _SPARE:
+        return None
+    return _about_polynomials(rows, (last, span))
+
+
+def _solved(history: History, measure: Measure, first: float) -> list[tuple[float, Quantities]]:
+    """Quantities at pseudo-times from the first to the last, as many as converge; collective."""
+    found = []
+    for share in np.arange(1, _LOADS + 1) / _LOADS:
+        time = history.time + share * (first - history.time)
+        quantities = last_step_again(history, measure, _at(time))
+        if quantities is not None:
+            found.append((time, quantities))
+    return found
+
+
+def _about_polynomials(
+    rows: Sequence[tuple[float, Quantities]], scale: tuple[float, float]
+) -> dict[Hashable, float]:
+    last, span = scale
+    times = (np.array([time for time, _ in rows]) - last) / span
+    powers = np.vander(times, _DEGREE + 1)
+    smooth = powers @ np.linalg.pinv(powers)
+    scatter = {}
+    for key in rows[0][1]:
+        if not all(key in found for _, found in rows):
+            continue
+        values = np.array([np.atleast_1d(found[key]) for _, found in rows])
+        left = values - smooth @ values
+        scatter[key] = float(np.sqrt((left**2).sum() / (len(rows) - _DEGREE - 1)))
+    return scatter
+
+
+def _piece_share(problem: Problem, solution: Solution) -> float:
+    """What an edge's passing of a piece changes of the area in contact, or that sticks; collective.
+
+    The larger of both, of all contacts.
+    """
+    shares = [0.0]
+    for contact, state in zip(problem.contacts, solution.states, strict=True):
+        whole = (contact_area(contact, state), stick_area(contact, state))
+        for area, cut in zip(whole, cut_areas(contact, state), strict=True):
+            shares.append(cut / area if area > 0 else 0.0)
+    return max(shares) or 1.0
+
+
+def _at(time: float) -> Change:
+    def change(problem: Problem) -> None:
+        problem.set_time(time)
+
+    return change

@@ -1,0 +1,243 @@
+"""The error of every cell, from local problems with the fluxes of its neighbours.
+
+R. E. Bank and A. Weiser, Some a posteriori error estimators for elliptic partial differential
+equations, Math. Comp. 44 (1985) 283-301: the error e of a cell K solves, among the bubbles w of
+one degree more, a_K(e, w) = (f, w)_K - a_K(u, w) + ∫_∂K t·w, where t is the mean of the tractions
+of the two cells at a facet, and on the boundary what acts on it. Under contacts that is the
+traction whose nodal forces are those of the contact.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem, la
+from numpy.typing import NDArray
+
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common import form_cache
+from fenics_contact.common.parallel import largest, total
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.surface.trace import Trace
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.evaluate.recovered_pressure import traction_of
+from fenics_contact.problem.problem import Problem
+from fenics_contact.trust.error_estimates.mesh.bubbles import bubble_space
+
+Array = NDArray[np.float64]
+
+# What one degree more adds to the integrands over the body's own.
+_MORE = 2
+# Waves along the axes, much shorter than cells are: their signs are as if drawn.
+_WAVES = (71234.567, 53219.871, 61731.319)
+
+
+class LocalErrors:
+    """Local problems of a body; what is compiled and factorised serves any solution.
+
+    Args:
+        problem: The model; one without a mean stress as an unknown.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        spaces = problem.spaces
+        self._space = bubble_space(spaces)
+        self._cells = spaces.body.mesh.topology.index_map(spaces.body.dimension).size_local
+        self._rule = {"quadrature_degree": spaces.bulk_degree + _MORE}
+        self._error = fem.Function(self._space)
+        self._test = ufl.TestFunction(self._space)
+        self._inverse = np.linalg.inv(self._stiffnesses())
+        dofs = self._space.dofmap.list[: self._cells]
+        self._blocks = dofs[:, 0] // dofs.shape[1]  # of every cell
+        self._squared_by_block = np.zeros(self._cells)
+        self._held = _held_facets(problem)
+        self._traction = fem.Function(spaces.displacement_space)
+        self._residual = self._compile(problem.displacement, self._test)
+        test = ufl.TestFunction(spaces.displacement_space)
+        self._response = self._compile(test, self._error)
+        self._on_contacts = [self._contact_forms(trace, test) for _, trace in self._traces()]
+        self._loads = [
+            (form_cache.form(load.work(self._test)), path)
+            for term in problem.terms
+            if (load := term.load) is not None and (path := term.path) is not None
+        ]
+
+    def solve(self, forces: BulkForces, time: float) -> None:
+        """Find the errors of a solution, in whose state the problem is; collective.
+
+        Args:
+            forces: Of the solution.
+            time: Its pseudo-time.
+        """
+        right = self._assembled(self._residual)
+        for form, path in self._loads:
+            right += path(time) * self._assembled(form)
+        pairs = zip(self._traces(), self._on_contacts, strict=True)
+        for (contact, trace), (form, _) in pairs:
+            self._set_traction(trace, _nodal_forces(forces, contact, trace))
+            right += self._assembled(form)
+        found = np.einsum("cij,cj->ci", self._inverse, right)
+        self._squared_by_block = np.einsum("ci,ci->c", found, right)
+        self._found = found
+        self._set_error(np.ones(self._cells))
+
+    @property
+    def squared(self) -> Array:
+        """a_K(e, e) of this rank's own cells, (cells,) (energy)."""
+        return np.asarray(self._squared_by_block[self._blocks])
+
+    @property
+    def total(self) -> float:
+        """Energy norm of the error of the whole body (√energy); collective."""
+        return float(np.sqrt(total(self._problem.comm, self.squared.sum())))
+
+    def at_points(self) -> dict[str, float]:
+        """What displacements at the scene's points are off by besides those of nodes; collective.
+
+        The length of e there, by quantity.
+        """
+        found = self._problem.points.of_function(self._error)
+        return {name: float(np.linalg.norm(error)) for name, error in found.items()}
+
+    def forces(self, draw: int | None = None) -> Array:
+        """Nodal forces that move the solution as its errors do, (nodes, components); collective.
+
+        The Galerkin solution of the space with the bubbles, in which these are condensed: they
+        take −Σ_K a_K(e, B_K v) of the stiffness, B_K v being the bubbles that follow from v.
+
+        Args:
+            draw: Number of a draw of signs by which the cells' errors are multiplied: what they do
+                is then that of errors of their size, though as they are they may cancel.
+        """
+        spaces = self._problem.spaces
+        if draw is not None:
+            self._set_error(self._signs(draw))
+        found = spaces.assemble(self._response)
+        for _, form in self._on_contacts:
+            found += spaces.assemble(form)
+        self._set_error(np.ones(self._cells))
+        return found
+
+    def _signs(self, draw: int) -> Array:
+        """1 or −1 for every block of dofs, at random: by the places of cells, on whichever rank."""
+        mesh = self._problem.spaces.body.mesh
+        middles = mesh.geometry.x[compat.geometry_nodes(mesh)[: self._cells]].mean(axis=1)
+        size = largest(self._problem.comm, np.abs(mesh.geometry.x)) or 1.0
+        waves = np.sin(middles / size @ np.array(_WAVES) * (1 + draw))
+        signs = np.empty(self._cells)
+        signs[self._blocks] = np.where(waves < 0, -1.0, 1.0)
+        return signs
+
+    def _set_error(self, factors: Array) -> None:
+        scaled = factors[:, None] * self._found
+        self._error.x.array[: scaled.size] = scaled.reshape(-1)
+        self._error.x.scatter_forward()
+
+    def _compile(self, moved: Any, tested: Any) -> Any:
+        """−a(moved, tested) with the means of tractions between cells, and own ones where held."""
+        spaces, elastic = self._problem.spaces, self._problem.elastic
+        mesh = spaces.body.mesh
+        stress = spaces.weight * elastic.law.stress(elastic.strain(moved))
+        between = ufl.dot(self._cut(ufl.avg(stress), "+"), ufl.jump(tested))
+        held = ufl.Measure("ds", mesh, subdomain_data=[(1, self._held)], metadata=self._rule)
+        return form_cache.form(
+            -ufl.inner(stress, elastic.strain(tested)) * ufl.dx(mesh, metadata=self._rule)
+            + between * ufl.dS(mesh, metadata=self._rule)
+            + ufl.dot(self._cut(stress), tested) * held(1)
+        )
+
+    def _contact_forms(self, trace: Trace, test: Any) -> tuple[Any, Any]:
+        """Work of the contact's traction on bubbles; and of a test function's on the errors.
+
+        The traction that goes with a test function is taken for that of the cell itself.
+        """
+        spaces, elastic = self._problem.spaces, self._problem.elastic
+        measure = spaces.boundary(trace.group, self._rule)
+        stress = spaces.weight * elastic.law.stress(elastic.strain(test))
+        work = spaces.weight * ufl.dot(self._traction, self._test) * measure
+        return form_cache.form(work), form_cache.form(
+            ufl.dot(self._cut(stress), self._error) * measure
+        )
+
+    def _cut(self, stress: Any, side: str = "") -> Any:
+        """Tractions of a stress, with the components that displacements have."""
+        components = self._problem.spaces.components
+        normal = ufl.FacetNormal(self._problem.spaces.body.mesh)
+        normal = normal(side) if side else normal
+        return ufl.as_vector(
+            [sum(stress[i, j] * normal[j] for j in range(components)) for i in range(components)]
+        )
+
+    def _stiffnesses(self) -> Array:
+        """Of every cell of this rank, by its block of dofs, (cells, dofs, dofs)."""
+        spaces, elastic = self._problem.spaces, self._problem.elastic
+        trial = ufl.TrialFunction(self._space)
+        stress = spaces.weight * elastic.law.stress(elastic.strain(trial))
+        measure = ufl.dx(spaces.body.mesh, metadata=self._rule)
+        form = form_cache.form(ufl.inner(stress, elastic.strain(self._test)) * measure)
+        count, size = self._space.dofmap.list.shape[1], self._space.dofmap.index_map_bs
+        blocks = fem.assemble_matrix(form).to_scipy().data
+        blocks = blocks.reshape(-1, count, count, size, size)[: self._cells]
+        return np.asarray(
+            blocks.transpose(0, 1, 3, 2, 4).reshape(self._cells, count * size, count * size)
+        )
+
+    def _assembled(self, form: Any) -> Array:
+        """A linear form on the bubbles of this rank's cells, (cells, dofs); collective."""
+        vector = fem.assemble_vector(form)
+        vector.scatter_reverse(la.InsertMode.add)
+        size = self._inverse.shape[1]
+        return np.array(vector.array[: self._cells * size]).reshape(self._cells, size)
+
+    def _traces(self) -> list[tuple[ContactSurface, Trace]]:
+        """All surfaces in contact, of two bodies both."""
+        return [
+            (contact, trace)
+            for contact in self._problem.contacts
+            for trace in (contact.trace, contact.sides.opposite)
+            if trace is not None
+        ]
+
+    def _set_traction(self, trace: Trace, nodal: Array) -> None:
+        traction = trace.surface.on_body(traction_of(trace.surface, nodal))
+        self._traction.x.array[:] = traction.reshape(-1)
+
+
+def _nodal_forces(forces: BulkForces, contact: ContactSurface, trace: Trace) -> Array:
+    """What a contact exerts on one of its surfaces, at its nodes (force); collective."""
+    problem = forces.problem
+    number = problem.contacts.index(contact)
+    at_nodes = contact.trace.at_all_nodes(forces.solution.contact_force[number])
+    whole = contact.kinematics.on_body(at_nodes)
+    if contact.pressure_load is not None:
+        whole = whole + problem.pressure_load
+    return whole[trace.surface.body_nodes]
+
+
+def _held_facets(problem: Problem) -> NDArray[np.int32]:
+    """(cell, local facet) where supports act: there the traction is the cell's own.
+
+    Without those on the axis of revolution, which have no area.
+    """
+    scene, spaces = problem.scene, problem.spaces
+    names = [support.on for support in scene.support] + list(scene.symmetry)
+    names += [] if scene.half_space is None else list(scene.half_space.on)
+    groups = [spaces.body.group(name, "support") for name in names]
+    parts = [spaces.facets(g) for g in groups if g.dimension == spaces.body.dimension - 1]
+    facets = np.unique(np.concatenate([np.zeros((0, 2), dtype=np.int32), *parts]), axis=0)
+    if spaces.kinematics == "axisymmetric":
+        facets = facets[_off_the_axis(problem, facets)]
+    return facets.astype(np.int32).reshape(-1)
+
+
+def _off_the_axis(problem: Problem, facets: NDArray[np.int32]) -> NDArray[np.bool_]:
+    dofmap = problem.spaces.displacement_space.dofmap
+    radii = problem.spaces.coordinates[:, 0]
+    nodes = [
+        dofmap.list[cell, dofmap.dof_layout.entity_closure_dofs(1, facet)] for cell, facet in facets
+    ]
+    extent = np.abs(problem.spaces.body.mesh.geometry.x[:, 0]).max(initial=0.0)
+    return np.array([radii[n].max() > 1e-9 * extent for n in nodes], dtype=bool)

@@ -1,0 +1,148 @@
+"""What a mesh misses of a body and its loads, as forces and energies.
+
+That is what lies between facets and the curves that they stand for, and what functions that loads
+are given by are between nodes.
+
+A body with straight cells lacks its own weight there, stiffness, and length of sides that loads
+act on. Where the curve lies outside of facets by d, ½ a(v, v) lacks ½ ∫ d σ(v) : e(v) on them,
+but for higher order. Where a side is held, displacements vanish on the curve and not on facets:
+that is so much less, not more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from fenics_contact.common import form_cache
+from fenics_contact.common.parallel import total
+from fenics_contact.problem.acting_load import ActingLoad
+from fenics_contact.problem.curved_sides import CurvedSides
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.error_estimates.mesh.missed_pressure import (
+    MissedPressure,
+    missed_pressure,
+)
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MissedForces:
+    """What a solution would feel of it.
+
+    Attributes:
+        nodal: All forces, (nodes, components) (force).
+        elastic: Work of those by missed stiffness on the displacement (energy).
+        loads: Work of those by missed loads on it (energy).
+    """
+
+    nodal: Array
+    elastic: float
+    loads: float
+
+
+class MissedBody:
+    """Of a body and its loads, what the mesh misses; collective.
+
+    The outer boundary of a half-space is none of a body's: it moves as the far field does there.
+
+    Args:
+        problem: The model.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        outer = problem.scene.half_space
+        names = () if outer is None else outer.on
+        groups = [problem.body.group(name, "half_space.on") for name in names]
+        self._sides = CurvedSides(problem.spaces, groups)
+
+    @property
+    def is_none(self) -> bool:
+        """Whether nothing is missed."""
+        problem = self._problem
+        loads = [term.load for term in problem.terms if term.load is not None]
+        functions = not all(load.is_constant for load in loads)
+        functions |= any(callable(contact.pressure) for contact in problem.scene.contact)
+        return self._sides.offset is None and not functions
+
+    def forces(self, solution: Solution, time: float) -> MissedForces:
+        """Forces that move a solution as what is missed does; collective.
+
+        Args:
+            solution: Of the problem.
+            time: Its pseudo-time.
+        """
+        spaces, moved = self._problem.spaces, solution.displacement
+        loads = np.zeros_like(moved)
+        for term in self._problem.terms:
+            if term.load is not None and term.path is not None:
+                loads += term.path(time) * self._of_load(term.load)
+        for number in range(len(self._problem.contacts)):
+            pressure = self.of_pressure(number, time)
+            loads += 0.0 if pressure is None else pressure.nodal
+        elastic = np.zeros_like(moved) if self._sides.offset is None else self._elastic(moved)
+        owned = slice(0, spaces.owned_nodes)
+        works = [np.sum((moved * found)[owned]) for found in (elastic, loads)]
+        done = total(self._problem.comm, np.array(works))
+        return MissedForces(elastic + loads, float(done[0]), float(done[1]))
+
+    def _of_load(self, load: ActingLoad) -> Array:
+        """Nodal forces of a load missed, where its path is 1."""
+        spaces = self._problem.spaces
+        test = ufl.TestFunction(spaces.displacement_space)
+        found = np.zeros_like(self._problem.load)
+        if not load.is_constant:
+            for sign, whole in ((1.0, load.as_given()), (-1.0, load)):
+                found += sign * spaces.assemble(form_cache.form(whole.work(test)))
+        if self._sides.offset is not None:
+            found += spaces.assemble(form_cache.form(load.missed_work(test, self._sides)))
+        return found
+
+    def of_pressure(self, number: int, time: float) -> MissedPressure | None:
+        """What is missed of a contact's pressure that is given; None for nothing; collective."""
+        return missed_pressure(self._problem.contacts[number], self._sides, time)
+
+    def longer(self, number: int) -> float:
+        """How much larger a contact's surface is than its facets, over these; collective."""
+        spaces, sides = self._problem.spaces, self._sides
+        if sides.offset is None:
+            return 0.0
+        group = self._problem.contacts[number].trace.group
+        parts = [
+            spaces.weight * sides.stretch * sides.measure(sides.within(group)),
+            spaces.weight * spaces.boundary(group),
+        ]
+        found = [float(fem.assemble_scalar(form_cache.form(part))) for part in parts]
+        more, whole = total(self._problem.comm, np.array(found))
+        return float(more / whole)
+
+    def _elastic(self, displacement: Array) -> Array:
+        """Nodal forces of the stiffness missed."""
+        problem, sides = self._problem, self._sides
+        spaces, elastic = problem.spaces, problem.elastic
+        moved = fem.Function(spaces.displacement_space)
+        moved.x.array[:] = displacement.reshape(-1)
+        test = ufl.TestFunction(spaces.displacement_space)
+        stress = elastic.law.stress(elastic.strain(moved))
+        density = spaces.weight * sides.offset * ufl.inner(stress, elastic.strain(test))
+        held = sides.held(problem.free) | self._glued()
+        of_held, of_others = (
+            spaces.assemble(form_cache.form(density * sides.measure(chosen)))
+            for chosen in (held, ~held)
+        )
+        return of_held - of_others
+
+    def _glued(self) -> NDArray[np.bool_]:
+        """Which facets are glued to obstacles."""
+        found = np.zeros(len(self._sides.facets), dtype=bool)
+        for contact in self._problem.contacts:
+            if contact.contact.kind == "bonded" and contact.contact.obstacle is not None:
+                found |= self._sides.within(contact.trace.group)
+        return found

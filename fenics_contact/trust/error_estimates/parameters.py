@@ -1,0 +1,179 @@
+"""Errors by what the method adds to the problem: penalty, regularisation, and the solver's rest.
+
+Quantities depend on ε₁ and on ε smoothly, at first order where these are small (paper, Section 4;
+Theorem 2.4): Q(ε) = Q + c ε + …. The answer with a small part of the parameter is a few Newton
+steps away, and nearly all of the error is gone there. So the difference is the error. Where that is
+large the leading order says little, as where most points only creep, and a still smaller parameter
+is tried.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Hashable, Sequence
+from functools import partial
+
+from fenics_contact.common.errors import NotConvergedError
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.trust.error_estimates.solving_again import (
+    Measure,
+    Quantities,
+    begin_at_answer,
+    differences,
+    history_again,
+    last_step_again,
+    newton_again,
+)
+
+logger = logging.getLogger(__name__)
+
+# The part of ε₁ and ε that is left: enough less for what is left of the error to be small, also
+# beyond the leading order, and not so little that round-off of forces, gap over ε₁, shows.
+_LEFT = 1 / 32
+# Share from which an error is large; of these quantities, over the second of each pair, those of
+# each contact and those of all.
+_LARGE = 1e-2
+_OF_A_CONTACT = (
+    ("pressure_integral", "pressure_integral"),
+    ("friction_force", "pressure_integral"),
+)
+_OF_ALL = (
+    ("max_contact_pressure", "max_contact_pressure"),
+    ("contact_area", "contact_area"),
+    ("stick_area", "contact_area"),
+    ("strain_energy", "strain_energy"),
+)
+# Of the solver's tolerance, for what its rest makes.
+_SHARPER = 1e-3
+
+Errors = dict[Hashable, float]
+Reduce = Callable[[float, Problem], None]
+
+
+def penalty_errors(
+    history: History, measure: Measure, times: Sequence[float] = ()
+) -> Errors | None:
+    """Estimated errors by the penalties ε₁; foundations are as they are; collective.
+
+    Args:
+        history: At its end; it is there again afterwards.
+        measure: Quantities of a solution, called in its state; collective.
+        times: Pseudo-times of the load steps where all are to be solved again; else the last is.
+
+    Returns:
+        By quantity: absolute, of vectors the length of the difference; None where the answer with
+        another ε₁ was not found.
+    """
+    return _parameter_errors(history, measure, times, _stiffen)
+
+
+def regularisation_errors(
+    history: History, measure: Measure, times: Sequence[float] = ()
+) -> Errors | None:
+    """Estimated errors by the ε of friction; all else as of ``penalty_errors``."""
+    return _parameter_errors(history, measure, times, _regularise_less)
+
+
+def iteration_errors(history: History, measure: Measure) -> Errors | None:
+    """Estimated errors by the accepted imbalance and by the loop on the pressure; collective.
+
+    Newton's method goes on from the answer, with a sharper tolerance, on contact and friction
+    together: that also finds what a loop has left. Where it fails, one more pass of the loop is
+    made, and what further ones would add follows from the loop's contraction.
+
+    Args:
+        history: At its end; it is there again afterwards.
+        measure: As of ``penalty_errors``.
+
+    Returns:
+        As ``penalty_errors``.
+    """
+    assert history.last is not None
+    answer = measure(history.last.solution)
+    found = _sharper(history, measure)
+    if found is not None:
+        return differences(answer, found)
+    contraction = history.last.solution.contraction
+    if contraction is None or contraction >= 1:
+        return None
+    return differences(answer, _one_more_pass(history, measure), 1 / (1 - contraction))
+
+
+def _parameter_errors(
+    history: History, measure: Measure, times: Sequence[float], reduce: Reduce
+) -> Errors | None:
+    assert history.last is not None
+    answer = measure(history.last.solution)
+    found = None
+    for left in (_LEFT, _LEFT**2):
+        change = partial(reduce, left)
+        if times:
+            other = history_again(history, measure, times, change)
+        else:
+            other = last_step_again(history, measure, change)
+        if other is None:
+            return found
+        # At leading order all is 1 / (1 − left) of what is gone; beyond it, as little more.
+        found = differences(answer, other, 1 / (1 - left) ** 2)
+        if found is None or _all_small(found, answer, len(history.problem.contacts)):
+            break
+    return found
+
+
+def _all_small(found: Errors, answer: Quantities, contacts: int) -> bool:
+    telling: list[tuple[Hashable, Hashable]] = list(_OF_ALL)
+    for number in range(contacts):
+        telling += [((number, a), (number, b)) for a, b in _OF_A_CONTACT]
+    return all(found[a] <= _LARGE * abs(answer[b]) for a, b in telling)
+
+
+def _stiffen(left: float, problem: Problem) -> None:
+    for contact in problem.contacts:
+        if contact.has_penalty:
+            assert contact.normal is not None
+            contact.normal.soften(left)
+
+
+def _regularise_less(left: float, problem: Problem) -> None:
+    for contact in problem.frictional:
+        assert contact.friction is not None
+        contact.friction.regularise_less(left)
+
+
+def _sharper(history: History, measure: Measure) -> Quantities | None:
+    """Of the answer after more of Newton's method; None where that leads away; collective."""
+    assert history.last is not None
+    newton = history.newton
+    begin_at_answer(history)
+    newton.continue_start()
+    try:
+        try:
+            solution = newton_again(history, _SHARPER * history.problem.scene.solver.tolerance)
+        except NotConvergedError as error:
+            logger.debug("  a sharper tolerance: %s", error)
+            # Round-off may let it come no nearer: so it is as near as can be.
+            if not newton.history or newton.history[-1] > history.last.solution.imbalance_limit:
+                return None
+            solution = newton.solution()
+        return measure(solution)
+    finally:
+        history.go_back()
+
+
+def _one_more_pass(history: History, measure: Measure) -> Quantities | None:
+    """Of contact and friction with the bound of the answer's pressure; collective."""
+    newton = history.newton
+    begin_at_answer(history)
+    newton.continue_start()
+    try:
+        for contact in history.problem.coulomb:
+            assert contact.friction is not None
+            contact.friction.set_bound(contact.friction.bound_of(contact.pressure()))
+        newton.run(False)
+        return measure(newton.solution())
+    except NotConvergedError as error:
+        logger.debug("  one more pass: %s", error)
+        return None
+    finally:
+        history.go_back()

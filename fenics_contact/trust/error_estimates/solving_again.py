@@ -1,0 +1,143 @@
+"""The answer of a history once more with something changed: to see what the change makes of it.
+
+The history is there again afterwards, as it was. No matrix of the bulk is factorised anew by the
+condensed solver.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.common.errors import InputError, NotConvergedError
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.coulomb.strategies import solve_step
+from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.newton.solution import Solution
+
+logger = logging.getLogger(__name__)
+
+# By name, or by a contact's number and the name.
+Quantities = Mapping[Hashable, Any]
+Measure = Callable[[Solution], Quantities]
+Change = Callable[[Problem], None]
+
+
+def last_step_again(history: History, measure: Measure, change: Change) -> Quantities | None:
+    """Solve the last load step again, from its answer; collective.
+
+    Args:
+        history: At its end.
+        measure: Quantities of a solution, called in its state; collective.
+        change: What is to be different, called in the state of the answer.
+
+    Returns:
+        Quantities; None where neither Newton's method from the answer nor the strategies of a
+        load step converge.
+    """
+    newton = history.newton
+    ways: tuple[Callable[[], Solution], ...] = (
+        lambda: newton_again(history),
+        lambda: solve_step(newton),
+    )
+    try:
+        for way in ways:
+            begin_at_answer(history)
+            change(history.problem)
+            newton.continue_start()
+            try:
+                return measure(way())
+            except NotConvergedError as error:
+                logger.debug("  solving again: %s", error)
+    finally:
+        _restore(history)
+    return None
+
+
+def history_again(
+    history: History, measure: Measure, times: Sequence[float], change: Change | None = None
+) -> Quantities | None:
+    """Solve all load steps again from the start, each with the ε that it needs; collective.
+
+    Args:
+        history: At its end.
+        measure: As of ``last_step_again``.
+        times: Pseudo-times of the steps, increasing.
+        change: As of ``last_step_again``, called in the state of the start.
+
+    Returns:
+        Quantities of the last step; None where a step does not converge, or has no loads.
+    """
+    system = history.newton.system
+    earlier, system.earlier_forces = system.earlier_forces, 0.0
+    try:
+        again = history.afresh(times)
+        if change is not None:
+            change(history.problem)
+        return measure(again.solve())
+    except (NotConvergedError, InputError) as error:  # a load's function may know no other times
+        logger.debug("  the history again: %s", error)
+        return None
+    finally:
+        system.earlier_forces = earlier
+        _restore(history)
+
+
+def begin_at_answer(history: History) -> None:
+    """Go to the answer, to be solved again from there; collective."""
+    history.go_back()
+    history.newton.forget()
+    history.newton.paired_anew = False
+
+
+def newton_again(history: History, tolerance: float | None = None) -> Solution:
+    """Newton's method on contact and friction together, from the present state; collective.
+
+    Args:
+        history: Its contacts follow the law.
+        tolerance: As of ``Newton.run``.
+
+    Raises:
+        NotConvergedError: As ``Newton.run``.
+    """
+    newton, problem = history.newton, history.problem
+    for contact in problem.coulomb:
+        assert contact.friction is not None
+        contact.friction.mode = "coupled"
+    newton.run(False if problem.coulomb else None, tolerance)
+    return newton.solution()
+
+
+def differences(
+    answer: Quantities, other: Quantities | None, factor: float = 1.0
+) -> dict[Hashable, float] | None:
+    """How far quantities are apart that both have, of vectors the length of the difference.
+
+    Args:
+        answer: By name.
+        other: Likewise; None if there are none. What it lacks is left out: a zone may be a disc
+            in one answer alone.
+        factor: To multiply with.
+    """
+    if other is None:
+        return None
+    return {
+        name: factor * float(np.linalg.norm(np.subtract(other[name], value)))
+        for name, value in answer.items()
+        if name in other
+    }
+
+
+def _restore(history: History) -> None:
+    for contact in history.problem.contacts:
+        if contact.normal is not None:
+            contact.normal.soften(1.0)
+        if contact.friction is not None:
+            contact.friction.regularise_less(1.0)
+    if history.problem.far_field is not None:
+        history.problem.far_field.beyond[:] = 0.0
+    history.problem.disturbance = None
+    history.go_back()

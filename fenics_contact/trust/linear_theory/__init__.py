@@ -1,0 +1,1 @@
+"""Strains, rotations and indentations beyond what linear theory holds for."""

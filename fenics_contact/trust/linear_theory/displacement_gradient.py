@@ -1,0 +1,143 @@
+"""Strains and rotations of a displacement inside the cells, from arrays alone.
+
+What linear theory takes to be small: the parts of the displacement gradient H = ∇u. Nothing is
+compiled for it, and no form is assembled: runs are short beside that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from fenics_contact.body.elasticity import Law
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.common import dolfinx_versions as compat
+
+Array = NDArray[np.float64]
+
+# Strains below this are far from any limit: their norm, which is no less, stands for them.
+_SMALL = 0.01
+# No gradient of a norm below 1 turns anything inside out.
+_MAY_TURN = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Deformation:
+    """What a displacement does at points of this rank's own cells.
+
+    Attributes:
+        strain: Largest principal strain by size, (points,).
+        rotation: Angle by which the material turns, |curl u|/2, (points,) (radian).
+        turned: Where it is turned inside out, (points,): det(I + ∇u) ≤ 0, or a line of it is
+            shortened to nothing, by a principal strain ≤ −1; also what is not a number.
+        displacement: (points, components) (length).
+    """
+
+    strain: Array
+    rotation: Array
+    turned: NDArray[np.bool_]
+    displacement: Array
+
+
+class CellPoints:
+    """Points inside this rank's own cells, a few in each.
+
+    Attributes:
+        volumes: That each stands for, of the model's own dimension and undeformed, (points,).
+        positions: Undeformed, (points, 3) (length).
+        cells: The cell of each.
+
+    Args:
+        spaces: Those of the body.
+        law: Hooke's law, for the strain across the thickness.
+    """
+
+    def __init__(self, spaces: Spaces, law: Law) -> None:
+        mesh = spaces.body.mesh
+        self._spaces = spaces
+        self._count = mesh.topology.index_map(spaces.body.dimension).size_local
+        # Where strains are most accurate: the middle, with degree 2 Gauss' points.
+        reference, weights = compat.quadrature_rule(mesh, spaces.degree)
+        self._nodes = spaces.displacement_space.dofmap.list[: self._count]
+        element = spaces.displacement_space.ufl_element().sub_elements[0]
+        self._table = element.tabulate(1, reference)
+        geometry = mesh.ufl_domain().ufl_coordinate_element().sub_elements[0]
+        corners = mesh.geometry.x[compat.geometry_nodes(mesh)[: self._count]]
+        positions, slopes = _evaluated(geometry.tabulate(1, reference), corners)
+        self.positions = positions.reshape(-1, 3)
+        jacobians = slopes[:, :, : spaces.components]
+        self._inverses = np.linalg.inv(jacobians)
+        self.volumes = (np.abs(np.linalg.det(jacobians)) * weights).reshape(-1)
+        self.cells = np.repeat(np.arange(self._count), len(weights))
+        self._thickness_law = None
+        if spaces.kinematics == "plane stress":
+            self._thickness_law = law.with_values(lambda given: self._value_of(given, reference))
+
+    def deformation(self, displacement: Array) -> Deformation:
+        """Of a displacement at the nodes of this rank, (nodes, components) (length)."""
+        size = self._spaces.components
+        moved, slopes = _evaluated(self._table, displacement[self._nodes])
+        moved = moved.reshape(-1, size)
+        gradient = np.zeros((len(moved), 3, 3))
+        gradient[:, :size, :size] = (slopes @ self._inverses).reshape(-1, size, size)
+        self._set_out_of_plane(gradient, moved)
+        skew = 0.5 * (gradient - gradient.transpose(0, 2, 1))
+        strain, least = _principal(gradient - skew)
+        turned = ~(least > -1)
+        may_turn = ~(np.linalg.norm(gradient, axis=(1, 2)) < _MAY_TURN)
+        with np.errstate(invalid="ignore"):  # what is not a number counts as turned
+            turned[may_turn] |= ~(np.linalg.det(np.eye(3) + gradient[may_turn]) > 0)
+        rotation = np.linalg.norm(skew, axis=(1, 2)) / np.sqrt(2)
+        return Deformation(strain, rotation, turned, moved)
+
+    def _set_out_of_plane(self, gradient: Array, moved: Array) -> None:
+        """u_r/r around the axis of revolution, and what makes plane stress."""
+        if self._spaces.kinematics == "axisymmetric":
+            gradient[:, 2, 2] = moved[:, 0] / self.positions[:, 0]
+        if self._thickness_law is not None:
+            shear = 0.5 * (gradient[:, 0, 1] + gradient[:, 1, 0])
+            across = self._thickness_law.thickness_strain(
+                gradient[:, 0, 0], gradient[:, 1, 1], shear
+            )
+            gradient[:, 2, 2] = across
+
+    def _value_of(self, coefficient: Any, reference: Array) -> Any:
+        """Of a material's coefficient at the points."""
+        if isinstance(coefficient, fem.Function):
+            space = coefficient.function_space
+            table = space.ufl_element().tabulate(0, reference)[0]
+            return (coefficient.x.array[space.dofmap.list[: self._count]] @ table.T).reshape(-1)
+        return float(coefficient.value) if isinstance(coefficient, fem.Constant) else coefficient
+
+
+def _evaluated(table: Array, nodal: Array) -> tuple[Array, Array]:
+    """Functions and their derivatives by reference coordinates, at the points of each cell.
+
+    Args:
+        table: Of shape functions, then of their derivatives, (1 + dimension, points, nodes, 1).
+        nodal: (cells, nodes, components).
+
+    Returns:
+        (cells, points, components), and (cells, points, components, dimension).
+    """
+    derivatives, points, nodes = table.shape[:3]
+    cells, _, components = nodal.shape
+    columns = table.reshape(-1, nodes).T
+    found = nodal.swapaxes(1, 2).reshape(-1, nodes) @ columns  # one product for all cells
+    found = found.reshape(cells, components, derivatives, points).transpose(0, 3, 1, 2)
+    return found[..., 0], found[..., 1:]
+
+
+def _principal(strain: Array) -> tuple[Array, Array]:
+    """Largest principal strain by size, and the least, of symmetric (points, 3, 3)."""
+    largest = np.linalg.norm(strain, axis=(1, 2))
+    least = -largest
+    counts = largest > _SMALL
+    values = np.linalg.eigvalsh(strain[counts])
+    largest[counts] = np.abs(values).max(axis=1)
+    least[counts] = values[:, 0]
+    return largest, least

@@ -1,0 +1,154 @@
+"""Other answers of a load step: Coulomb's friction may have several, each with its own start."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.errors import NotConvergedError
+from fenics_contact.common.parallel import largest
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.values import AXES
+from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.newton.solution import Solution
+
+logger = logging.getLogger(__name__)
+
+Array = NDArray[np.float64]
+
+# Two answers are the same if displacements differ by no more than this, over the largest.
+_SAME = 1e-6
+# Penetration and slip that a start begins with, over the facet size: Newton's first step goes as
+# far as its linearisation reaches, whatever they are.
+_DEPTH = 1e-3
+# Part of a direction in the surface from which it counts as along it.
+_ALONG = 0.1
+
+
+@dataclass(frozen=True)
+class Start:
+    """What all points of Coulomb contacts do when Newton's method begins.
+
+    Attributes:
+        name: In words.
+        closed: Whether they touch.
+        way: Direction in which they slip, (components,); None where they stick.
+    """
+
+    name: str
+    closed: bool
+    way: tuple[float, ...] | None = None
+
+
+def starts(components: int) -> list[Start]:
+    """All of them: apart, stuck, slipping each way along each axis."""
+    found = [Start("apart", False), Start("all sticks", True)]
+    for axis in range(components):
+        for sign in (1.0, -1.0):
+            way = tuple(sign * float(axis == i) for i in range(components))
+            name = f"all slips along {'+' if sign > 0 else '-'}{AXES[axis]}"
+            found.append(Start(name, True, way))
+    return found
+
+
+def other_solutions(history: History) -> Iterator[tuple[str, Solution | None]]:
+    """Solve the last load step from other starts; collective.
+
+    Args:
+        history: At its end; it is there again when all starts have been tried.
+
+    Yields:
+        The start's name and the solution, of each answer that is none of those before, None of
+        a start from which there was none; the problem's state is that answer's until the next
+        is asked for.
+    """
+    assert history.last is not None
+    newton, problem = history.newton, history.problem
+    known = [history.last.solution]
+    try:
+        for start in starts(problem.spaces.components):
+            if not _is_along(problem, start):
+                continue
+            history.go_back()
+            newton.forget()
+            _begin(history, start)
+            try:
+                newton.run(search_energy=False)
+            except NotConvergedError as error:
+                logger.debug("  from '%s': %s", start.name, error)
+                yield start.name, None
+                continue
+            found = newton.solution(0, f"Newton's method, from the start '{start.name}'")
+            if not any(_is_same(problem, found, other) for other in known):
+                known.append(found)
+                yield start.name, found
+    finally:
+        history.go_back()
+
+
+def _is_along(problem: Problem, start: Start) -> bool:
+    """Whether a start's slip is along some contact, not across all; collective."""
+    if start.way is None:
+        return True
+    along = [
+        contact.kinematics.tangential(_everywhere(contact, start.way))
+        for contact in problem.coulomb
+    ]
+    return max(largest(problem.comm, np.abs(slip).ravel()) for slip in along) > _ALONG
+
+
+def _everywhere(contact: ContactSurface, way: tuple[float, ...]) -> Array:
+    return np.tile(way, (len(contact.trace.weights), 1))
+
+
+def _is_same(problem: Problem, one: Solution, other: Solution) -> bool:
+    size = largest(problem.comm, np.abs(other.displacement).ravel())
+    apart = largest(problem.comm, np.abs(one.displacement - other.displacement).ravel())
+    return apart <= _SAME * size
+
+
+def _begin(history: History, start: Start) -> None:
+    """Bring all Coulomb contacts to a start, from the state of the answer; collective."""
+    problem, newton = history.problem, history.newton
+    assert history.last is not None
+    displacement = history.last.unknowns.displacement.copy()
+    for contact in problem.coulomb:
+        displacement += _shift(contact, start)
+    newton.place(displacement, history.last.unknowns.scalars)
+    for contact in problem.coulomb:
+        assert contact.friction is not None
+        contact.friction.mode = "coupled"
+        if start.way is None:
+            contact.friction.stick_all()
+        else:
+            contact.friction.slip_all(_slip(contact, start.way))
+
+
+def _slip(contact: ContactSurface, way: tuple[float, ...]) -> Array:
+    """Slip in a direction at the points; where that is across the surface, some other way."""
+    turned = (way[-1], *way[:-1])
+    along, other = (contact.kinematics.tangential(_everywhere(contact, w)) for w in (way, turned))
+    is_along = np.linalg.norm(along, axis=1) > _ALONG
+    along = np.where(is_along[:, None], along, other)
+    return np.asarray(_DEPTH * contact.facet_size * along)
+
+
+def _shift(contact: ContactSurface, start: Start) -> Array:
+    """What takes the slave's nodes to where a start has them, at the body's nodes; collective."""
+    assert contact.friction is not None
+    kinematics, trace = contact.kinematics, contact.trace
+    depth = _DEPTH * contact.facet_size * (1.0 if start.closed else -1.0)
+    gap = np.where(kinematics.reached, kinematics.gap, 0.0)
+    jump = kinematics.jump_at_points()
+    across = (gap + depth - kinematics.normal(jump))[:, None] * trace.normals
+    slip = contact.friction.reference.copy()
+    if start.way is not None:
+        slip += _slip(contact, start.way)
+    change = across + slip - kinematics.tangential(jump)
+    at_nodes = np.where(kinematics.reached[:, None], change, 0.0)[: len(contact.nodes)]
+    return np.asarray(trace.surface.on_body(trace.at_all_nodes(at_nodes)))

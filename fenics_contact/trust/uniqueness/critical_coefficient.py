@@ -1,0 +1,143 @@
+"""Up to which coefficient Coulomb's friction has one answer, estimated.
+
+Points that touch and slip one way satisfy p ≥ 0, gap ≥ 0, p · gap = 0, gap = G_nn p ± G_nt M p + c.
+The compliance G of the body (or of both) at the contact says how far forces across and along it
+move its points across it, and M is the friction coefficient. If pᵀ(G_nn ± G_nt M) p > 0 for all
+p ≠ 0, such a problem has exactly one answer, whatever the loads (R. W. Cottle, J.-S. Pang, R. E.
+Stone, The Linear Complementarity Problem, SIAM 2009, Theorem 3.1.6). Beyond, there may be several:
+P. Hild, C. R. Acad. Sci. Paris, Ser. I 337 (2003) 685-688. It is an estimate, as points may also
+stick, and slip in several directions at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import LinAlgError, cholesky, solve_triangular
+from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
+
+from fenics_contact.common.parallel import gather_rows, largest
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+
+Array = NDArray[np.float64]
+
+# Points at the most; of more, those that touch.
+_MOST = 1500
+# Directions along a surface in 3D, over half a turn: opposite ones give the same.
+_DIRECTIONS = 4
+# Share of the coefficient below which it is round-off.
+_NONE = 1e-9
+# Of an eigenvalue that is compared with 1.
+_TOLERANCE = 1e-3
+
+
+def uniqueness_limit(system: CondensedSystem, number: int) -> float | None:
+    """Largest friction coefficient of a contact that leaves one answer, estimated; collective.
+
+    The others are taken to be open. Where the coefficient varies, its largest value counts, the
+    others being in proportion.
+
+    Points count whose gap is no wider than the largest displacement across the contact.
+
+    Args:
+        system: Its state says what touches.
+        number: Of a contact with Coulomb's friction, in scene order.
+
+    Returns:
+        The coefficient; None where none takes uniqueness away (forces along the contact move
+        nothing across it), where only contact holds a body, or too many points touch.
+    """
+    contact = system.problem.contacts[number]
+    rows = _points(contact)
+    if len(rows) == 0:
+        return None
+    size = contact.spaces.components
+    places, coefficient = rows[:, 0].astype(np.int64), rows[:, 1]
+    normals = rows[:, 2 : 2 + size]
+    across = _along(places, normals, system.surface_size(number))
+    ways = [_along(places, way, system.surface_size(number)) for way in _tangents(normals)]
+    found = system.compliances(number, across, ways)
+    share = None if found is None else _largest_share(*found, coefficient)
+    share = system.comm.bcast(share)
+    return float(coefficient.max() / share) if share is not None and share > _NONE else None
+
+
+def _points(contact: ContactSurface) -> Array:
+    """Place among the surface's nodes, coefficient and normal of the points to look at."""
+    assert contact.friction is not None
+    trace, comm = contact.trace, contact.spaces.comm
+    count = len(contact.nodes)
+    coefficient = contact.friction.bound_of(np.ones(len(trace.weights)))[:count]
+    counted = contact.owned_nodes & contact.supports.free_across & (coefficient > 0)
+    # Points that displacements as large as those found may close.
+    kinematics = contact.kinematics
+    depth = largest(comm, np.abs(kinematics.normal(kinematics.jump_at_points())))
+    counted &= kinematics.gap[:count] <= depth
+    places = trace.surface.numbers[trace.numbers]
+    rows = np.column_stack([places, coefficient, trace.normals[:count]])
+    found = gather_rows(comm, rows[counted])
+    if len(found) > _MOST:
+        found = gather_rows(comm, rows[counted & (contact.pressure()[:count] > 0)])
+    if len(found) > _MOST:
+        return found[:0]
+    return found[np.argsort(found[:, 0])]
+
+
+def _along(places: NDArray[np.int64], directions: Array, nodes: int) -> csr_matrix:
+    """Takes the parts along directions (points, components) out of values at all nodes."""
+    count, size = directions.shape
+    rows = np.repeat(np.arange(count), size)
+    columns = (places[:, None] * size + np.arange(size)).ravel()
+    return csr_matrix((directions.ravel(), (rows, columns)), shape=(count, nodes * size))
+
+
+def _tangents(normals: Array) -> list[Array]:
+    """Unit tangents of slip in one direction, for several; (points, components) each."""
+    if normals.shape[1] == 2:
+        return [np.stack([-normals[:, 1], normals[:, 0]], axis=1)]
+    # The plane that the surface is nearest to; on a closed surface, any.
+    _, _, axes = np.linalg.svd(np.vstack([normals.mean(axis=0), np.zeros((2, 3))]))
+    angles = np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    found = []
+    for way in np.outer(np.cos(angles), axes[1]) + np.outer(np.sin(angles), axes[2]):
+        along = way - (normals @ way)[:, None] * normals
+        lengths = np.linalg.norm(along, axis=1)[:, None]
+        found.append(np.where(lengths > 0, along / np.where(lengths > 0, lengths, 1.0), 0.0))
+    return found
+
+
+def _largest_share(across: Array, couplings: list[Array], coefficient: Array) -> float | None:
+    """Largest |pᵀ G_nt M p| over pᵀ G_nn p."""
+    try:
+        root = cholesky(across, lower=True)
+    except LinAlgError:
+        return None
+    worst = 0.0
+    for coupling in couplings:
+        slipping = coupling * coefficient
+        symmetric = 0.5 * (slipping + slipping.T)
+
+        def scaled(vector: Array, symmetric: Array = symmetric) -> Array:
+            inner = solve_triangular(root, vector.ravel(), lower=True, trans="T")
+            return np.asarray(solve_triangular(root, symmetric @ inner, lower=True))
+
+        worst = max(worst, _largest_eigenvalue(scaled, len(across)))
+    return worst
+
+
+def _largest_eigenvalue(product: Callable[[Array], Array], size: int) -> float:
+    """The largest magnitude of a symmetric operator's eigenvalues."""
+    if size >= 3:  # of fewer, Lanczos' method finds none
+        operator = LinearOperator((size, size), matvec=product, dtype=np.float64)
+        start = np.cos(np.arange(size))  # the same on every run
+        # Nothing comes of it where slip moves nothing across, and of clusters it may not converge.
+        with suppress(ArpackError):
+            found = eigsh(operator, 1, tol=_TOLERANCE, v0=start, return_eigenvectors=False)
+            return float(np.abs(found).max())
+    columns = [product(unit) for unit in np.eye(size)]
+    return float(np.abs(np.linalg.eigvalsh(np.array(columns).T)).max())

@@ -1,0 +1,223 @@
+"""Two equal bodies that touch at their apexes: Hertz' contact, and Cattaneo's with friction.
+
+The bodies are rectangles of which one side bulges as a circle does, large against the contact;
+their meshes are fine around it and do not match. The formulas take the force that the run found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi, sqrt
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.analytic import contact as formulas
+from fenics_contact.common.resources import mesh_file
+from fenics_contact.results.result import Result
+from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.scene import (
+    Discretisation,
+    MeshSource,
+    Scene,
+    SolverSettings,
+    Steps,
+    Support,
+)
+from fenics_contact.scene.values import Path
+from fenics_contact.verification.case import Case, Finding, of_quantity, solved
+from fenics_contact.verification.published.point import JOHNSON, MATERIAL, MODULUS
+
+Kinematics = Literal["plane strain", "axisymmetric"]
+Array = NDArray[np.float64]
+
+_RADIUS = 50.0
+# Of two equal bodies: 1/E* and 1/R add up (Johnson, (4.1), (4.2)).
+_BOTH_MODULUS, _BOTH_RADIUS = MODULUS / 2, _RADIUS / 2
+# Cells of the two bodies on the half-width or radius of the contact, which is about 1. With half as
+# many, 16:24 on its whole width, the pressure at r < .9 a is off by 1.8 % (cylinders) and 2.2 %
+# (spheres) where the wanted limit is .5 %, and p₀ of the spheres by .37 % where it is .3 %.
+_CELLS = {"lower": 16, "upper": 24}
+# How far the bodies are pressed for that (length).
+_PRESSED: dict[Kinematics, float] = {"plane strain": 0.082, "axisymmetric": 0.04}
+# The edge is found within an element to some tenth of it, so that its place there decides:
+# over these loads it moves by an element. Wanted is .3 % of a (degree 1: 1.5 %): the mean keeps
+# that, but not each load, of which the worst is off by .9 % (degree 1: 1.8 %).
+_WORST = {2: 1e-2, 1: 2e-2}
+_LOADS = tuple(float(time) for time in np.linspace(0.88, 1, 9))
+
+_COEFFICIENT = 0.3
+# Needs about .57 of the shear that makes all of the contact slip.
+_SIDEWAYS = 0.0212
+
+
+def cushions(half: bool, order: int = 2) -> tuple[MeshSource, ...]:
+    """The two bodies, or their halves right of x = 0; the order is that of the cells' geometry."""
+    return tuple(
+        MeshSource(
+            mesh_file("cushion.geo"),
+            cell="quadrilateral",
+            order=order,
+            name=name,
+            parameters={
+                "side": 1 if name == "upper" else -1,
+                "half": int(half),
+                "radius": _RADIUS,
+                "extent": _RADIUS / 2,
+                "size": 1 / count,
+                "cells_outside": 30,
+            },
+        )
+        for name, count in _CELLS.items()
+    )
+
+
+def pressed_scene(kinematics: Kinematics, degree: int = 2) -> Scene:
+    """Half of two cylinders, or two spheres, pressed on each other.
+
+    Degree 1 has straight facets, as users' meshes have then.
+    """
+    return Scene(
+        kinematics=kinematics,
+        mesh=cushions(half=True, order=degree),
+        material=MATERIAL,
+        discretisation=Discretisation(degree),
+        symmetry=("lower.axis", "upper.axis"),
+        support=(
+            Support("lower.foot", {"y": 0}),
+            Support("upper.foot", {"y": -_PRESSED[kinematics]}),
+        ),
+        contact=(Contact("lower.contact", against="upper.contact", slave="on"),),
+        steps=Steps(times=_LOADS),
+    )
+
+
+def theory(kinematics: Kinematics, force: float) -> formulas.HertzContact:
+    """By the force on the half that is modelled, or on the whole sphere."""
+    if kinematics == "plane strain":
+        return formulas.line_contact(_BOTH_MODULUS, _BOTH_RADIUS, 2 * force)
+    radius = (3 * force * _BOTH_RADIUS / (4 * _BOTH_MODULUS)) ** (1 / 3)
+    return formulas.paraboloid(_BOTH_MODULUS, _BOTH_RADIUS, radius**2 / _BOTH_RADIUS)
+
+
+def _half_width(kinematics: Kinematics, area: float) -> float:
+    return area if kinematics == "plane strain" else sqrt(area / pi)
+
+
+def _reaction(result: Result, name: str) -> Any:
+    """Of one support, one entry an axis (force)."""
+    (found,) = (row["reaction"] for row in result.supports if row["on"] == name)
+    return found
+
+
+def _hertz(kinematics: Kinematics, quick: bool) -> Iterator[Finding]:
+    for degree, tolerance in ((2, 3e-3), (1, 1.5e-2)):
+        if quick and degree == 2:
+            continue
+        result = solved(pressed_scene(kinematics, degree))
+        expected = theory(kinematics, _reaction(result, "lower.foot")[1])
+        label = f", degree {degree}"
+        force = result.quantities["normal_force"]
+        yield Finding(f"normal_force{label}", force, _reaction(result, "lower.foot")[1], 1e-7)
+        ratios = [
+            _half_width(kinematics, step["quantities"]["contact_area"])
+            / theory(kinematics, step["quantities"]["normal_force"]).radius
+            for step in result.steps
+        ]
+        yield Finding(f"a over theory, mean{label}", float(np.mean(ratios)), 1, tolerance)
+        worst_ratio = max(ratios, key=lambda ratio: abs(ratio - 1))
+        yield Finding(f"a over theory, worst{label}", worst_ratio, 1, _WORST[degree])
+        yield of_quantity(result, "max_contact_pressure", expected.peak, tolerance, label)
+        worst = _pressure_error(result, expected)
+        yield Finding(
+            f"pressure error, r < .9 a{label}", worst, 0, 5e-3 if degree == 2 else tolerance, True
+        )
+
+
+def _pressure_error(result: Result, expected: formulas.HertzContact) -> float:
+    """Largest error of the pressure p₀ √(1 − (r/a)²) at points r < .9 a, over it."""
+    assert result.points is not None
+    share = result.points.coordinates[:, 0] / expected.radius
+    inside = share < 0.9
+    exact = expected.peak * np.sqrt(1 - share[inside] ** 2)
+    return float(np.abs(result.points.contact_pressure[inside] / exact - 1).max())
+
+
+def _cylinders(quick: bool) -> Iterator[Finding]:
+    return _hertz("plane strain", quick)
+
+
+def _spheres(quick: bool) -> Iterator[Finding]:
+    return _hertz("axisymmetric", quick)
+
+
+def sheared_scene(steps: int) -> Scene:
+    """Two cylinders, pressed on each other in the first step, then sheared."""
+    return Scene(
+        kinematics="plane strain",
+        mesh=cushions(half=False),
+        material=MATERIAL,
+        support=(
+            Support("lower.foot", {"x": 0, "y": 0}),
+            Support("upper.foot", {"y": -_PRESSED["plane strain"]}),
+            Support(
+                "upper.foot", {"x": _SIDEWAYS}, Path(time=(1.0, 1.0 + steps), factor=(0.0, 1.0))
+            ),
+        ),
+        contact=(
+            Contact(
+                "lower.contact",
+                against="upper.contact",
+                slave="on",
+                friction_coefficient=_COEFFICIENT,
+                law="incremental",
+            ),
+        ),
+        steps=Steps(1 + steps, 1.0 + steps),
+        solver=SolverSettings(strategy="monolithic"),
+    )
+
+
+def _cattaneo(quick: bool) -> Iterator[Finding]:
+    """c/a = √(1 − Q/μF) and q = μ p₀ (√(1 − x²/a²) − c/a √(1 − x²/c²)), by the Q and F found."""
+    result = solved(sheared_scene(1 if quick else 3))
+    sideways, force = _reaction(result, "lower.foot")
+    share = abs(sideways) / (_COEFFICIENT * force)
+    expected = formulas.line_contact(_BOTH_MODULUS, _BOTH_RADIUS, force)
+    quantities, a = result.quantities, expected.radius
+    cell = 1 / _CELLS["lower"]
+    stick = quantities["stick_area"] / quantities["contact_area"]
+    c = a * sqrt(1 - share)
+    yield Finding(f"c/a, Q = {share:.3f} μF", stick, c / a, cell / a, absolute=True)
+    assert result.points is not None
+    x = np.abs(result.points.coordinates[:, 0])
+    exact = formulas.partial_slip(expected, _COEFFICIENT, c, x)
+    error = np.abs(np.abs(result.points.friction_traction[:, 0]) - exact)
+    away = np.abs(x - c) > cell
+    # Wanted is 1.5 % wherever it is an element from c. In the last element before a, where the
+    # pressure is off, too, it is 1.7 %.
+    for where, chosen, tolerance in (
+        ("", away, 2e-2),
+        (", r < .9 a", away & (x < 0.9 * a), 1.5e-2),
+    ):
+        worst = float(error[chosen].max() / exact.max())
+        label = f"traction error, an element from c{where}"
+        yield Finding(label, worst, 0, tolerance, absolute=True)
+
+
+CASES: tuple[Case, ...] = (
+    Case(
+        "hertz_cylinders",
+        "two equal elastic cylinders",
+        f"{JOHNSON}, (4.43), (4.45)",
+        _cylinders,
+    ),
+    Case("hertz_spheres", "two equal elastic spheres", f"{JOHNSON}, (4.22)-(4.24)", _spheres),
+    Case(
+        "cattaneo_pair",
+        "two equal elastic cylinders pressed, then sheared",
+        f"{JOHNSON}, (7.24)-(7.28)",
+        _cattaneo,
+    ),
+)

@@ -1,0 +1,44 @@
+"""What the program says of how to cite it is what CITATION.cff says."""
+
+import re
+import tomllib
+
+from fenics_contact.common import citation
+from tests.scenes import ROOT
+
+CFF = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+
+
+def of(key, text=CFF):
+    """The first value of a key."""
+    return re.search(rf"^[ -]*{key}: (.*)$", text, re.MULTILINE).group(1)
+
+
+def test_it_is_that_of_the_file():
+    program, paper = CFF.split("references:")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert citation.VERSION == of("version", program) == project["version"]
+    for text in (citation.PROGRAM, citation.PROGRAM_BIBTEX):
+        assert of("license", program) in text
+        assert of("name", program) in text.replace("\\_", "_")
+        assert of("title", program) in text.replace("\\_", "_")
+    names = re.findall(r"family-names: (.*)\n *given-names: (.*)", paper)
+    assert len(names) == 3
+    for family, given in names:
+        assert f"{given} {family}" in citation.PAPER
+    authors = " and ".join(f"{family}, {given}" for family, given in names)
+    assert f"author  = {{{authors}}}" in citation.PAPER_BIBTEX
+    entries = re.sub(" +", " ", citation.PAPER_BIBTEX)
+    for key in ("title", "journal", "volume", "year"):
+        assert of(key, paper) in citation.PAPER
+        assert f"\n {key} = {{{of(key, paper)}}}" in entries
+    first, last = of("start", paper), of("end", paper)
+    assert f"{first}-{last}" in citation.PAPER
+    assert f"{{{first}--{last}}}" in citation.PAPER_BIBTEX
+
+
+def test_bibtex_is_balanced():
+    text = citation.bibtex()
+    assert text.count("{") == text.count("}")
+    assert re.findall(r"^@(\w+)", text, re.MULTILINE) == ["article", "misc"]
+    assert citation.how_to_cite() == f"{citation.PAPER} {citation.PROGRAM}"

@@ -1,0 +1,157 @@
+"""docs/troubleshooting.md says what the program says: every message it quotes is in the source."""
+
+import ast
+import re
+
+import pytest
+from mpi4py import MPI
+
+from fenics_contact.common.errors import InputError, MachineError, NotConvergedError, StoppedError
+from fenics_contact.common.failures import BUG, READER_LEFT
+from tests.scenes import ROOT
+
+pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of texts; one rank will do")
+
+PAGE = (ROOT / "docs" / "troubleshooting.md").read_text(encoding="utf-8")
+PACKAGE = ROOT / "fenics_contact"
+TREES = {
+    path.relative_to(PACKAGE).as_posix(): ast.parse(path.read_text(encoding="utf-8"))
+    for path in sorted(PACKAGE.rglob("*.py"))
+}
+# Errors of which every message has its line; those of input say themselves what is accepted, and
+# have lines where they are not of scenes and meshes.
+EXPLAINED = ("NoEquilibriumError", "NotConvergedError", "MachineError", "_StalledError")
+NOT_OF_SCENES = {
+    "cli/commands.py",
+    "cli/new_scene.py",
+    "common/petsc_options.py",
+    "report/drawing/display.py",
+    "report/drawing/field_files.py",
+    "report/gallery.py",
+    "report/report.py",
+    "results/contact_table.py",
+    "results/result_file.py",
+    "simulation/adaptive/targets.py",
+    "simulation/output/run_folder.py",
+    "simulation/restart/state_file.py",
+    "verification/command.py",
+}
+HOLE = "…"
+
+
+# Texts that messages share.
+SHARED = {
+    statement.targets[0].id: statement.value.value
+    for tree in TREES.values()
+    for statement in tree.body
+    if isinstance(statement, ast.Assign)
+    and isinstance(statement.targets[0], ast.Name)
+    and isinstance(statement.value, ast.Constant)
+    and isinstance(statement.value.value, str)
+}
+
+
+def text_of(node):
+    """A text of the source, with … for what is filled in; None of another expression."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str | bytes):
+        return node.value if isinstance(node.value, str) else node.value.decode(errors="replace")
+    if isinstance(node, ast.JoinedStr):
+        return "".join(text_of(part) or HOLE for part in node.values)
+    if isinstance(node, ast.FormattedValue) and isinstance(node.value, ast.Name):
+        return SHARED.get(node.value.id)
+    return None
+
+
+def texts():
+    """All texts of the sources."""
+    found = {text_of(node) for tree in TREES.values() for node in ast.walk(tree)}
+    spoken = (ROOT / "bootstrap").read_text(encoding="utf-8").splitlines()
+    return {text for text in found if text} | set(spoken)
+
+
+def quoted():
+    """What stands in backticks in the first column of a table, as the page has it."""
+    rows = [line for line in PAGE.splitlines() if line.startswith("| ")]
+    return [quote for row in rows for quote in re.findall(r"`([^`]+)`", row.split(" | ")[0])]
+
+
+def says(quote, text):
+    """Whether the parts between the dots of a quote follow each other in a text."""
+    parts = [part for part in quote.split(HOLE) if part.strip()]
+    place = 0
+    for part in parts:
+        place = text.find(part, place)
+        if place < 0:
+            return False
+        place += len(part)
+    return bool(parts)
+
+
+def test_every_message_of_the_page_is_one_of_the_program():
+    every = texts()
+    assert len(quoted()) > 90
+    unknown = [quote for quote in quoted() if not any(says(quote, text) for text in every)]
+    assert not unknown, "\n".join(unknown)
+    assert not any(says("no equilibrium: the loads are too …", text) for text in every)
+
+
+def messages_of(*errors):
+    """Texts with which errors are made."""
+    for name, tree in TREES.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") in errors and node.args:
+                text = text_of(node.args[0])
+                if text and len(text.replace(HOLE, "").strip(": '")) > 3:
+                    yield name, text
+
+
+def test_refusals_and_failures_are_all_on_the_page():
+    found = list(messages_of(*EXPLAINED))
+    assert len(found) > 8
+    of_input = [(name, said) for name, said in messages_of("InputError") if name in NOT_OF_SCENES]
+    assert {name for name, _ in of_input} == NOT_OF_SCENES
+    found += of_input
+    page = [quote for quote in quoted() if len(quote) > 15]
+    missing = [(name, text) for name, text in found if not any(says(q, text) for q in page)]
+    assert not missing, "\n".join(f"{name}: {text}" for name, text in missing)
+
+
+def test_doubts_are_all_on_the_page():
+    """Sentences that a verdict adds: texts of functions that return them."""
+    functions = [
+        node for node in TREES["simulation/verdict.py"].body if isinstance(node, ast.FunctionDef)
+    ]
+    after_docstrings = [part for function in functions for part in function.body[1:]]
+    found = {text_of(node) for part in after_docstrings for node in ast.walk(part)}
+    parts = {part.strip() for text in found if text for part in text.split(HOLE)}
+    assert len(parts) > 8
+    missing = [part for part in parts if len(part) > 20 and part not in PAGE]
+    assert not missing, "\n".join(missing)
+
+
+def test_every_check_and_exit_code_has_its_line():
+    added = [
+        node.value
+        for node in ast.walk(TREES["simulation/scene_run.py"])
+        if isinstance(node, ast.AugAssign) and getattr(node.target, "id", "") == "checks"
+    ]
+    checks = [
+        key.value
+        for part in (TREES["trust/checks/run_checks.py"], *added)
+        for entries in ast.walk(part)
+        if isinstance(entries, ast.Dict)
+        for key in entries.keys
+        if isinstance(key, ast.Constant) and isinstance(key.value, str)
+    ]
+    assert {"equilibrium", "energy_balance"} <= set(checks)
+    for check in checks:
+        assert f"| `{check}` | " in PAGE, check
+    errors = (InputError, NotConvergedError, MachineError, StoppedError)
+    for code in (0, 4, BUG, READER_LEFT, *(error.exit_code for error in errors)):
+        assert re.search(rf"^\| {code} \| ", PAGE, re.MULTILINE), code
+
+
+def test_links_within_the_page_lead_somewhere():
+    titles = re.findall(r"^#+ (.+)$", PAGE, re.MULTILINE)
+    anchors = {re.sub(r"[^a-z0-9 -]", "", title.lower()).replace(" ", "-") for title in titles}
+    assert set(re.findall(r"\]\(#([^)]+)\)", PAGE)) <= anchors

@@ -1,0 +1,74 @@
+"""Scenes at random of kinds that ``tests.random.scenes.draw`` does not draw: one file a kind."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from tests.random.dice import SeededDice
+from tests.random.kinds.anisotropic import anisotropic
+from tests.random.kinds.arches import arch
+from tests.random.kinds.common import completed
+from tests.random.kinds.conformal import conformal
+from tests.random.kinds.corners import corner
+from tests.random.kinds.curved import curved
+from tests.random.kinds.cycles import cycle
+from tests.random.kinds.driven import two_driven
+from tests.random.kinds.frictionless import frictionless
+from tests.random.kinds.half_spaces import half_space
+from tests.random.kinds.inclines import incline
+from tests.random.kinds.layers import layers
+from tests.random.kinds.stacks import stack
+from tests.random.kinds.symmetric import symmetric
+from tests.random.scenes import RandomScene, draw
+
+KINDS = {
+    "corner": corner,
+    "stack": stack,
+    "arch": arch,
+    "incline": incline,
+    "conformal": conformal,
+    "layers": layers,
+    "two driven": two_driven,
+    "half-space": half_space,
+    "symmetry": symmetric,
+    "anisotropy": anisotropic,
+    "order 2": curved,
+    "cycles": cycle,
+    "frictionless": frictionless,
+}
+_OTHERS = 4  # one scene in so many is of the kinds of tests.random.scenes
+
+
+def draw_any(seed: int, number: int) -> RandomScene:
+    """The scene of a number: of all kinds in turn.
+
+    Args:
+        seed: Of all.
+        number: Of this one.
+    """
+    if number % _OTHERS == _OTHERS - 1:
+        return with_errors(draw(seed, number))
+    turn = number - number // _OTHERS
+    return with_errors(draw_kind(list(KINDS)[turn % len(KINDS)], seed, number))
+
+
+def with_errors(random: RandomScene) -> RandomScene:
+    """All are estimated, with each solver.
+
+    Args:
+        random: The scene.
+    """
+    settings = dataclasses.replace(random.scene.solver, errors="all")
+    return dataclasses.replace(random, scene=dataclasses.replace(random.scene, solver=settings))
+
+
+def draw_kind(name: str, seed: int, number: int) -> RandomScene:
+    """A scene of a kind.
+
+    Args:
+        name: Of the kind.
+        seed: Of all.
+        number: Of this one.
+    """
+    dice = SeededDice(seed, number)
+    return completed(dice, KINDS[name](dice))

@@ -1,0 +1,77 @@
+"""Scripts that solve many scenes: one that is done with gives back its communicators at once.
+
+An MPI has but a few thousand, a run holds some forty, and Python's collector counts objects only.
+"""
+
+import dataclasses
+import gc
+
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import Contact, Material, Obstacle, Run, Scene, SolverSettings, Steps, Support
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.simulation.output.run_folder import solve_and_write
+from fenics_contact.simulation.restart.state_file import StateFile
+from tests.scenes import box_body
+
+COMM = MPI.COMM_WORLD
+PLANE = Scene(
+    kinematics="plane strain",
+    material=Material(1000, 0.3),
+    support=(Support("y1", {"x": 0.0001, "y": -0.001}),),
+    contact=(Contact("y0", friction_coefficient=0.3),),
+)
+SPACE = dataclasses.replace(
+    PLANE,
+    kinematics="3D",
+    support=(Support("z1", {"x": 0, "y": 0, "z": 0}),),
+    contact=(Contact("z0", obstacle=Obstacle("plane", force=1), friction_coefficient=0.3),),
+)
+SCENES = {
+    "condensed": PLANE,
+    "full": dataclasses.replace(PLANE, solver=SolverSettings(solver="full")),
+    "iterative": dataclasses.replace(SPACE, solver=SolverSettings(solver="iterative")),
+    "nearly incompressible": dataclasses.replace(PLANE, material=Material(1000, 0.49999999)),
+    "branches": dataclasses.replace(PLANE, solver=SolverSettings(branches=True)),
+    "steps": dataclasses.replace(PLANE, steps=Steps(number=2)),
+    "not converged": dataclasses.replace(PLANE, solver=SolverSettings(max_iterations=1)),
+}
+
+
+@pytest.fixture
+def no_collector():
+    gc.collect()
+    gc.disable()
+    yield
+    gc.enable()
+
+
+def body_and_witness(scene):
+    """A body, and a list that gets an entry when its communicator is given back."""
+    given_back = []
+    key = MPI.Comm.Create_keyval(delete_fn=lambda *freed: given_back.append(freed))
+    body = box_body((3, 3, 3)[: scene.dimension])
+    body.mesh.comm.Set_attr(key, "of the body's mesh")
+    return body, given_back
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_run_that_is_done_with_is_freed(name, no_collector):
+    body, given_back = body_and_witness(SCENES[name])
+    run = Run(SCENES[name], COMM, body)
+    assert run.solve().converged == (name != "not converged")
+    del body
+    assert not given_back  # the run has it
+    del run
+    assert given_back
+
+
+def test_one_that_wrote_files_is_freed(folder, no_collector):
+    body, given_back = body_and_witness(SCENES["steps"])
+    run = Run(SCENES["steps"], COMM, body)
+    assert solve_and_write(run, folder, StateFile(folder, run.problem)).converged
+    del body, run
+    if compat.DOLFINX_VERSION < (0, 10):  # its UFL keeps what it has checked in cycles of its own
+        gc.collect()
+    assert given_back

@@ -1,0 +1,378 @@
+"""The condensed solver against the full one, and its parts against dense algebra."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from dolfinx import mesh
+from mpi4py import MPI
+from scipy.sparse import csr_matrix, find
+
+from fenics_contact import (
+    Contact,
+    Discretisation,
+    HalfSpace,
+    Load,
+    Material,
+    Obstacle,
+    Path,
+    Run,
+    Scene,
+    Steps,
+    Support,
+    run,
+)
+from fenics_contact.common.errors import MachineError
+from fenics_contact.common.timings import Timings
+from fenics_contact.solve.condensed import schur
+from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
+from fenics_contact.solve.condensed.schur import CondensedBulk
+from fenics_contact.solve.condensed.tangent import ContactTangent
+from tests.scenes import box_body, with_solver
+
+COMM = MPI.COMM_WORLD
+TRIANGLE, TETRAHEDRON = mesh.CellType.triangle, mesh.CellType.tetrahedron
+CLAMP = Support("y0", {"x": 0, "y": 0})
+
+
+def pressed(kinematics="plane strain", degree=2, nu=0.3, driven=None, **contact):
+    """A punch pressed into a block that stands on its clamped bottom."""
+    axis = 2 if kinematics == "3D" else 1
+    top = "xyz"[axis]
+    shape = {"plane strain": "parabola", "plane stress": "parabola"}.get(kinematics, "paraboloid")
+    middle = [0.0 if kinematics == "axisymmetric" else 0.5] * axis
+    position = (*middle, 0.5 if kinematics == "3D" else 1.0)
+    obstacle = Obstacle(shape, radius=3, position=position, **(driven or {"indentation": 0.02}))
+    return Scene(
+        kinematics=kinematics,
+        material=Material(1000, nu),
+        discretisation=Discretisation(degree=degree),
+        support=(Support(f"{top}0", dict.fromkeys("xyz"[: axis + 1], 0)),),
+        symmetry=("x0",) if kinematics == "axisymmetric" else (),
+        contact=(Contact(f"{top}1", obstacle=obstacle, **contact),),
+    )
+
+
+def floor(**changes):
+    """A block that lies on a rough floor, and is pressed down and pushed aside."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        load=(Load("y1", traction=(0.6, -10)),),
+        contact=(Contact("y0", friction_coefficient=0.4),),
+    )
+    return dataclasses.replace(scene, **changes)
+
+
+def half_space(nu=0.3, **driven):
+    scene = pressed("axisymmetric", nu=nu, driven=driven)
+    return dataclasses.replace(scene, support=(), half_space=HalfSpace(("y0", "x1")))
+
+
+def half_plane(nu=0.3):
+    """A force and a tangential resultant, both of one contact."""
+    driven = {"force": 5.0, "displacement": (0.004, 0)}
+    scene = pressed(nu=nu, driven=driven, friction_coefficient=0.3)
+    return dataclasses.replace(scene, support=(), half_space=HalfSpace(("x0", "x1", "y0")))
+
+
+SLIDING = {"indentation": 0.02, "displacement": (0.004, 0)}
+STEPS = Steps(number=4)
+SCENES = {
+    "frictionless Q2": pressed(),
+    "Q1": pressed(degree=1, friction_coefficient=0.5),
+    "sliding obstacle": pressed(driven=SLIDING, friction_coefficient=0.3),
+    "force": pressed(driven={"force": 5.0}, friction_coefficient=0.5),
+    "incremental": dataclasses.replace(
+        pressed(friction_coefficient=0.5, law="incremental"), steps=STEPS
+    ),
+    "axisymmetric": pressed("axisymmetric", friction_coefficient=0.6),
+    "plane stress": pressed("plane stress", friction_coefficient=0.6),
+    "nearly incompressible": pressed(nu=0.499, friction_coefficient=0.5),
+    "nearly incompressible, force": pressed(nu=0.4999, driven={"force": 5.0}),
+    "winkler": pressed(foundation_stiffness=1e4, friction_coefficient=0.5),
+    "bonded": pressed(contact="bonded", driven={"indentation": 0.01}),
+    "bonded, force": pressed(contact="bonded", driven={"force": 5.0}),
+    "half-space": half_space(indentation=0.02),
+    "half-space, force": half_space(force=5.0),
+    "half-space, nearly incompressible": half_space(0.499, indentation=0.02),
+    "half-plane, sheared": half_plane(),
+    "half-plane, sheared, nearly incompressible": half_plane(0.499),
+    "floor": floor(),
+    "floor, moved support": floor(
+        load=(), support=(Support("y1", {"x": 0.02, "y": -0.01}),), steps=STEPS
+    ),
+    "floor, two loads": floor(
+        load=(
+            Load("y1", traction=(0, -10), path=Path((0, 0.5, 1), (0, 1, 1))),
+            Load("y1", traction=(2.0, 0), path=Path((0, 0.5, 1), (0, 0, 1))),
+        ),
+        steps=STEPS,
+    ),
+    "prescribed": floor(
+        support=(CLAMP,),
+        contact=(Contact("x0", pressure=5.0, friction_coefficient=0.3),),
+    ),
+    "two contacts": pressed(friction_coefficient=0.4),
+}
+SCENES["two contacts"] = dataclasses.replace(
+    SCENES["two contacts"],
+    support=(),
+    contact=(
+        *SCENES["two contacts"].contact,
+        Contact("y0", friction_coefficient=0.3, name="floor"),
+    ),
+)
+LENGTHS = {"indentation", "max_slip", "max_penetration", "max_displacement"}
+
+
+def solved(scene, body, solver):
+    made = Run(with_solver(scene, solver=solver), COMM, body)
+    result = made.solve()
+    assert result.converged, result.verdict
+    assert result.passed, result.verdict
+    assert result.model["solver"] == solver
+    return made, result
+
+
+def require_same(scene, body, tolerance=1e-8):
+    full, by_full = solved(scene, body, "full")
+    condensed, by_condensed = solved(scene, body, "condensed")
+    size = COMM.allreduce(np.abs(full.solution.displacement).max(initial=0), op=MPI.MAX)
+    difference = np.abs(full.solution.displacement - condensed.solution.displacement)
+    assert COMM.allreduce(difference.max(initial=0), op=MPI.MAX) <= tolerance * size
+    peak = by_full.quantities["max_contact_pressure"]
+    for mine, theirs in zip(condensed.solution.states, full.solution.states, strict=True):
+        for name in ("contact_pressure", "friction_traction"):
+            off = np.abs(getattr(mine, name) - getattr(theirs, name)).max(initial=0)
+            assert off <= tolerance * peak
+    for name, value in by_full.quantities.items():
+        if value is None:
+            assert by_condensed.quantities[name] is None, name
+            continue
+        scale = np.abs(value).max(initial=0) if np.ndim(value) else abs(value)
+        scale = max(scale, size if name in LENGTHS else 0)
+        if name == "friction_force":
+            scale = max(scale, by_full.quantities["pressure_integral"])
+        assert by_condensed.quantities[name] == pytest.approx(
+            value, rel=tolerance, abs=tolerance * scale
+        ), name
+    return condensed
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_same_answer(name):
+    require_same(SCENES[name], box_body((8, 8), (1, 1)))
+
+
+@pytest.mark.parametrize("strategy", ["campos", "lagged", "monolithic"])
+def test_the_same_by_every_strategy(strategy):
+    scene = with_solver(pressed(friction_coefficient=0.6), strategy=strategy)
+    require_same(scene, box_body((8, 8), (1, 1)))
+
+
+@pytest.mark.parametrize(
+    ("cell", "degree"), [(None, 1), (None, 2), (TETRAHEDRON, 1), (TETRAHEDRON, 2)]
+)
+def test_the_same_in_space(cell, degree):
+    scene = pressed("3D", degree, friction_coefficient=0.4)
+    require_same(scene, box_body((4, 4, 2), cell=cell))
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.49])
+@pytest.mark.parametrize(
+    ("contact", "symmetry"),
+    [({"friction_coefficient": 0.4}, ()), ({"contact": "bonded"}, ("y0",))],
+    ids=["friction", "half, bonded"],
+)
+@pytest.mark.parametrize("driven", [{"force": 1.5}, {"indentation": 0.02}], ids=["force", "depth"])
+def test_the_same_on_a_sheared_half_space(driven, contact, symmetry, nu):
+    """Tangential resultants beside an obstacle's position, or beside the normal one."""
+    half = bool(symmetry)
+    middle = (0.5, 0.0 if half else 0.5)
+    scene = pressed("3D", nu=nu, driven=driven | {"displacement": (0.003, 0, 0)}, **contact)
+    obstacle = dataclasses.replace(scene.contact[0].obstacle, position=(*middle, 0.5))
+    scene = dataclasses.replace(
+        scene,
+        support=(),
+        symmetry=symmetry,
+        contact=(dataclasses.replace(scene.contact[0], on="patch", obstacle=obstacle),),
+        half_space=HalfSpace(("x0", "x1", "z0", "y1", *(() if half else ("y0",)))),
+    )
+
+    def is_near(x):
+        return (np.abs(x[0] - middle[0]) < 0.3) & (np.abs(x[1] - middle[1]) < 0.3)
+
+    made = require_same(scene, box_body((4, 4, 2), patches={"patch": ("z1", is_near)}))
+    assert len(made.problem.unknowns) == (2 if half else 3)
+
+
+@pytest.mark.parametrize("driven", [{"force": 1.5}, {"indentation": 0.02}], ids=["force", "depth"])
+def test_the_same_where_a_contact_reaches_the_outer_boundary(driven):
+    """Its points there move with the resultants, and its forces with them."""
+    driven = driven | {"displacement": (0.003, 0.001, 0)}
+    scene = pressed("3D", 1, driven=driven, contact="bonded")
+    scene = dataclasses.replace(
+        scene, support=(), half_space=HalfSpace(("x0", "x1", "y0", "y1", "z0"))
+    )
+    require_same(scene, box_body((4, 4, 2)))
+
+
+@pytest.mark.parametrize(("degree", "nu"), [(1, 0.499), (2, 0.3), (2, 0.499)])
+def test_the_same_on_triangles(degree, nu):
+    scene = pressed(degree=degree, nu=nu, friction_coefficient=0.4)
+    require_same(scene, box_body((8, 8), (1, 1), cell=TRIANGLE))
+
+
+def test_contact_on_one_rank_alone():
+    """The surface is a corner of the body; other ranks have none of it."""
+    scene = pressed(friction_coefficient=0.4)
+    obstacle = Obstacle("parabola", radius=3, position=(0.0, 1.0), indentation=0.02)
+    contact = dataclasses.replace(scene.contact[0], on="corner", obstacle=obstacle)
+    body = box_body((8, 8), (1, 1), patches={"corner": ("y1", lambda x: x[0] < 0.3)})
+    require_same(dataclasses.replace(scene, contact=(contact,)), body)
+
+
+def test_ranks_without_a_cell():
+    """One cell: all ranks but one have none, and no unknowns at all."""
+    require_same(SCENES["frictionless Q2"], box_body((1, 1), (1, 1)))
+
+
+def test_the_bulk_is_factorised_once():
+    """Over load steps and passes; the full solver factorises in every Newton step."""
+    scene = SCENES["incremental"]
+    counts = {}
+    for solver in ("condensed", "full"):
+        made = Run(with_solver(scene, solver=solver), COMM, box_body((8, 8), (1, 1)))
+        made.problem.set_time(1.0)
+        result = made.solve()
+        counts[solver] = result.model["bulk_factorisations"]
+        assert len(result.steps) == 4
+    assert counts["condensed"] == 1
+    assert counts["full"] >= sum(step["newton_iterations"] for step in result.steps)
+
+
+def dense(stiffness):
+    """K of all ranks together as a dense array, by the numbers of its unknowns."""
+    coo = stiffness.matrix.tocoo()
+    numbers = stiffness.numbers
+    parts = COMM.allgather((numbers[coo.row], numbers[coo.col], coo.data))
+    rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
+    size = int(max(rows.max(), columns.max())) + 1
+    return csr_matrix((values, (rows, columns)), shape=(size, size)).toarray()
+
+
+@pytest.mark.parametrize("nested", [True, False])
+@pytest.mark.parametrize("nu", [0.3, 0.499])
+def test_schur_complement_against_dense_elimination(nu, nested, monkeypatch):
+    """By LU, and by Cholesky as where MUMPS has no METIS."""
+    monkeypatch.setattr(schur, "_NESTED_DISSECTION", nested)
+    problem = Run(pressed(nu=nu), COMM, box_body((6, 5), (1, 1))).problem
+    system = CondensedSystem(problem, Timings())
+    stiffness = LocalStiffness(problem)
+    whole = dense(stiffness)
+    index_map = problem.spaces.displacement_space.dofmap.index_map
+    nodes = index_map.local_to_global((problem.constrained // 2).astype(np.int32))
+    held = np.unique(np.concatenate(COMM.allgather(2 * nodes + problem.constrained % 2)))
+    contact = system.dofs.free
+    inside = np.setdiff1d(np.arange(len(whole)), np.union1d(held, contact))
+    left = np.linalg.solve(whole[np.ix_(inside, inside)], whole[np.ix_(inside, contact)])
+    expected = whole[np.ix_(contact, contact)] - whole[np.ix_(contact, inside)] @ left
+    bulk = CondensedBulk(stiffness, system.held, contact)
+    if COMM.rank == 0:
+        assert np.abs(bulk.schur - expected).max() <= 1e-11 * np.abs(expected).max()
+    else:
+        assert bulk.schur is None
+    system.destroy()
+    bulk.destroy()
+
+
+class CountingBulk:
+    """Condenses loads by a matrix, and counts."""
+
+    def __init__(self, size):
+        self.comm, self.count, self.solves = COMM, 3, 0
+        self.matrix = np.random.default_rng(1).normal(size=(3, size))
+
+    def condense(self, load):
+        self.solves += 1
+        return self.matrix @ load
+
+
+def test_combinations_of_known_loads_cost_no_solve():
+    bulk = CountingBulk(5)
+    loads = CondensedLoads(bulk)
+    first, second = np.arange(5.0), np.array([1e6, 0, 0, 1.0, 2e-3])
+    for load in (first, second, 3 * first, 0.1 * first - 7 * second, 0 * first):
+        assert loads.condense(load) == pytest.approx(bulk.matrix @ load, rel=1e-11, abs=1e-9)
+    assert bulk.solves == 2
+    loads.condense(np.ones(5))
+    assert bulk.solves == 3
+
+
+@pytest.mark.parametrize("free", [0, 2])
+@pytest.mark.parametrize("stiffness", [1.0, 1e9])
+def test_tangent_against_a_plain_solve(free, stiffness):
+    """Whatever is in contact, also where S lets the body move and the penalty is stiff."""
+    random = np.random.default_rng(2)
+    root = random.normal(size=(12, 12 - free))
+    schur, columns = root @ root.T, random.normal(size=(12, 1))
+    tangent = ContactTangent(schur, columns, np.array([1.0]))
+    whole = np.zeros((13, 13))
+    whole[:12, :12], whole[:12, 12:], whole[12, 12] = schur, columns, 1.0
+    for active in (range(4), range(12), range(5, 9)):
+        spring = np.zeros((13, 13))
+        part = random.normal(size=(len(active), len(active)))
+        spring[np.ix_(active, active)] = stiffness * (part @ part.T)
+        tangent.set(*find(spring))
+        right = random.normal(size=13)
+        found = tangent.solve(right)
+        assert tangent.multiply(found) == pytest.approx((whole + spring) @ found, rel=1e-9)
+        left = (whole + spring) @ found - right
+        assert np.abs(left).max() <= 1e-9 * np.abs(whole + spring).max() * np.abs(found).max()
+
+
+def test_singular_tangent_is_no_number_instead_of_a_wrong_one():
+    tangent = ContactTangent(np.diag([1.0, 0.0]), np.zeros((2, 0)), np.zeros(0))
+    tangent.set(*find(np.zeros((2, 2))))
+    assert np.isnan(tangent.solve(np.ones(2))).all()
+
+
+def test_obstacle_that_only_held_nodes_touch():
+    """No displacement of the contact is free: the obstacle's position alone is unknown."""
+    obstacle = Obstacle("plane", position=(0, 4), force=1.0)
+    scene = floor(
+        discretisation=Discretisation(degree=1),
+        support=(Support("x0", {"x": 0, "y": 0}), Support("x1", {"x": 0, "y": 0})),
+        load=(Load("y0", traction=(0, 1)),),
+        contact=(Contact("y1", contact="bonded", obstacle=obstacle),),
+    )
+    body = box_body((1, 4), (1, 4))
+    (_, by_full), (_, found) = (solved(scene, body, kind) for kind in ("full", "condensed"))
+    assert found.quantities["indentation"] == pytest.approx(by_full.quantities["indentation"])
+
+
+def test_failed_factorisation_is_an_error_on_every_rank(monkeypatch):
+    """MUMPS runs out of workspace on the last rank; S would be anything."""
+    plain = schur._lu
+
+    def without_memory(operator):
+        found = plain(operator)
+        found.getFactorMatrix().setMumpsIcntl(23, 1)  # megabytes
+        return found
+
+    if COMM.rank == COMM.size - 1:
+        monkeypatch.setattr(schur, "_lu", without_memory)
+        monkeypatch.setattr(schur, "_SPARE_WORKSPACE", -90)
+    scene = with_solver(pressed(), solver="condensed")
+    with pytest.raises(MachineError, match="MUMPS"):
+        Run(scene, COMM, box_body((40, 40), (1, 1))).solve()
+
+
+def test_linear_problems_need_no_condensation():
+    scene = dataclasses.replace(floor(), support=(CLAMP,), contact=())
+    result = run(scene, COMM, box_body((4, 4), (1, 1)))
+    assert result.passed
+    assert result.model["solver"] == "full"

@@ -1,0 +1,156 @@
+"""Which solver a problem gets, and that one without the memory for it is refused."""
+
+import dataclasses
+
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import Contact, Load, Material, Obstacle, Scene, Steps, Support
+from fenics_contact.cli.commands import guarded
+from fenics_contact.common import memory
+from fenics_contact.common.errors import InputError, MachineError
+from fenics_contact.common.memory import free_memory_for
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve import solver_choice
+from fenics_contact.solve.solver_choice import choose_solver, memory_estimate
+from tests.scenes import box_body, with_solver
+
+COMM = MPI.COMM_WORLD
+GIGABYTE = 1e9
+
+
+def block(nu=0.3, friction=0.5, steps=1):
+    return Scene(
+        kinematics="3D",
+        material=Material(1000, nu),
+        support=(Support("z0", dict.fromkeys("xyz", 0)),),
+        contact=(
+            Contact(
+                "z1",
+                friction_coefficient=friction,
+                obstacle=Obstacle("plane", position=(0, 0, 0.5)),
+            ),
+        ),
+        steps=Steps(number=steps),
+    )
+
+
+def made(scene, cells=(4, 4, 2)):
+    return Problem(scene, box_body(cells))
+
+
+@pytest.fixture
+def small_limit(monkeypatch):
+    """Bodies of more than 100 unknowns are large."""
+    monkeypatch.setattr(solver_choice, "_ITERATIVE_FROM", {1: 100, 2: 100})
+
+
+def with_memory(monkeypatch, size):
+    monkeypatch.setattr(solver_choice, "free_memory_for", lambda comm: size)
+
+
+def test_small_problems_are_condensed():
+    choice = choose_solver(made(block()))
+    assert choice.name == "condensed"
+    assert 0 < choice.memory < GIGABYTE
+
+
+def test_large_ones_in_space_are_iterated(small_limit):
+    assert choose_solver(made(block())).name == "iterative"
+
+
+def test_many_steps_pay_for_a_factorisation(small_limit):
+    assert choose_solver(made(block(steps=40))).name == "condensed"
+
+
+def test_no_multigrid_for_a_mean_stress(small_limit):
+    assert choose_solver(made(block(nu=0.499))).name == "condensed"
+
+
+def test_without_contact_a_plain_solve():
+    scene = dataclasses.replace(block(), contact=(), load=(Load("z1", pressure=1.0),))
+    assert choose_solver(made(scene)).name == "full"
+
+
+def test_what_does_not_fit_is_iterated_or_refused(monkeypatch):
+    problem = made(block())
+    condensed, iterative = (memory_estimate(problem, n) for n in ("condensed", "iterative"))
+    assert iterative < condensed
+    with_memory(monkeypatch, 0.5 * (condensed + iterative))
+    assert choose_solver(problem).name == "iterative"
+    with_memory(monkeypatch, 0.5 * iterative)
+    with pytest.raises(MachineError, match="GB of memory"):
+        choose_solver(problem)
+
+
+def test_the_scenes_own_choice_is_refused_too(monkeypatch):
+    problem = made(with_solver(block(), solver="full"))
+    assert choose_solver(problem).name == "full"
+    with_memory(monkeypatch, 1.0)
+    with pytest.raises(MachineError, match="'full' needs"):
+        choose_solver(problem)
+
+
+def test_iterative_is_for_space_and_compressible_bodies():
+    plane = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(Contact("y1"),),
+    )
+    for problem in (
+        made(with_solver(block(nu=0.499), solver="iterative")),
+        Problem(with_solver(plane, solver="iterative"), box_body((4, 4), (1, 1))),
+    ):
+        with pytest.raises(InputError, match="is for 3D models"):
+            choose_solver(problem)
+
+
+def test_refusal_says_the_machine_failed(monkeypatch, capsys):
+    with_memory(monkeypatch, 1.0)
+    problem = made(block())
+    assert guarded(lambda: choose_solver(problem) and 0) == 5
+    said = COMM.bcast(capsys.readouterr().err)
+    assert "use a coarser mesh" in said
+    assert "Traceback" not in said
+
+
+def test_estimates_grow_with_the_body():
+    small, large = made(block()), made(block(), (8, 8, 4))
+    for name in ("condensed", "full", "iterative"):
+        assert memory_estimate(large, name) > 4 * memory_estimate(small, name)
+
+
+def test_free_memory_is_that_of_the_machine():
+    assert 1e6 < free_memory_for(MPI.COMM_SELF) < 1e15
+    assert 1e6 < free_memory_for(COMM) < COMM.size * 1e15
+
+
+@pytest.mark.parametrize(
+    ("own", "folder", "limit", "used", "cache"),
+    [
+        ("0::/", "", "memory.max", "memory.current", "inactive_file"),
+        ("0::/job/step", "job", "memory.max", "memory.current", "inactive_file"),
+        (
+            "4:memory:/batch\n0::/",
+            "memory/batch",
+            "memory.limit_in_bytes",
+            "memory.usage_in_bytes",
+            "total_inactive_file",
+        ),
+    ],
+)
+def test_limits_of_control_groups(tmp_path, monkeypatch, own, folder, limit, used, cache):
+    """Nested or not; files that the kernel has read and keeps do not count as used."""
+    group = tmp_path / "groups" / folder
+    group.mkdir(parents=True)
+    (group / limit).write_text("1000000\n")
+    (group / used).write_text("900000\n")
+    (tmp_path / "own").write_text(own + "\n")
+    monkeypatch.setattr(memory, "_GROUPS", tmp_path / "groups")
+    monkeypatch.setattr(memory, "_OWN", tmp_path / "own")
+    assert free_memory_for(MPI.COMM_SELF) == 100000
+    (group / "memory.stat").write_text(f"anon 1\n{cache} 700000\n")
+    assert free_memory_for(MPI.COMM_SELF) == 800000
+    (group / limit).write_text("max\n")
+    assert free_memory_for(MPI.COMM_SELF) > 1e6

@@ -1,0 +1,136 @@
+"""Local error problems: exact fields, effectivity against fine meshes, edges of contact, ranks."""
+
+import numpy as np
+import pytest
+from dolfinx import mesh as dolfinx_mesh
+from dolfinx.mesh import CellType
+from mpi4py import MPI
+
+from fenics_contact import Contact, Discretisation, Load, Material, Obstacle, Run, Scene, Support
+from fenics_contact.common.parallel import gather_rows
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
+from tests.scenes import box_body
+
+COMM = MPI.COMM_WORLD
+
+
+def errors_of(prepared):
+    local = LocalErrors(prepared.problem)
+    local.solve(BulkForces(prepared.problem, prepared.solution), prepared.scene.steps.last)
+    return local
+
+
+def bent(kinematics, degree, comm=COMM, cells=4, cell=CellType.quadrilateral):
+    """A block on its base, sheared at its top by a traction that varies; and its strain energy."""
+    dimension = 3 if kinematics == "3D" else 2
+    axes = "xyz"[:dimension]
+
+    def pull(points):
+        return 10 * np.sin(2 * points[0])
+
+    scene = Scene(
+        kinematics=kinematics,
+        material=Material(1000, 0.3),
+        discretisation=Discretisation(degree),
+        support=(Support(f"{axes[-1]}0", dict.fromkeys(axes, 0)),),
+        load=(
+            Load(f"{axes[-1]}1", traction=(pull, *(0,) * (dimension - 1))),
+            Load("body", body_force=(*(0,) * (dimension - 1), pull)),
+        ),
+    )
+    count = (cells,) * dimension
+    prepared = Run(scene, comm, box_body(count, (1.0,) * dimension, cell, comm))
+    return prepared, prepared.solve().quantities["strain_energy"]
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize(
+    ("kinematics", "cell"),
+    [
+        ("plane strain", CellType.triangle),
+        ("axisymmetric", CellType.quadrilateral),
+        ("3D", CellType.tetrahedron),
+        ("3D", CellType.hexahedron),
+    ],
+)
+def test_uniform_stress_has_no_error(kinematics, cell, degree):
+    """Free sides, sides that supports hold, a load, and contact, which all leave nothing."""
+    dimension = 3 if kinematics == "3D" else 2
+    axes = "xyz"[:dimension]
+    scene = Scene(
+        kinematics=kinematics,
+        material=Material(1000, 0.3),
+        discretisation=Discretisation(degree),
+        support=tuple(Support(f"{axis}0", {axis: 0}) for axis in axes[:-1]),
+        load=(Load(f"{axes[-1]}1", pressure=10),),
+        contact=(Contact(f"{axes[-1]}0", obstacle=Obstacle(gap=0)),),
+    )
+    body = box_body((2, 3, 2)[:dimension], (2, 1, 0.5)[:dimension], cell)
+    prepared = Run(scene, COMM, body)
+    energy = prepared.solve().quantities["strain_energy"]
+    assert errors_of(prepared).total < 1e-7 * np.sqrt(energy)
+
+
+@pytest.mark.parametrize(
+    ("kinematics", "cell", "degree", "cells"),
+    [
+        ("plane strain", CellType.triangle, 1, 8),
+        ("plane strain", CellType.triangle, 2, 4),
+        ("plane stress", CellType.quadrilateral, 1, 8),
+        ("axisymmetric", CellType.quadrilateral, 2, 4),
+        ("3D", CellType.tetrahedron, 2, 2),
+        ("3D", CellType.hexahedron, 2, 2),
+    ],
+)
+def test_total_is_about_that_against_a_fine_mesh(kinematics, cell, degree, cells):
+    """Under loads alone the energy falls short by half the square of the error's norm."""
+    coarse, energy = bent(kinematics, degree, cells=cells, cell=cell)
+    fine = 4 if kinematics != "3D" else 3
+    true = np.sqrt(2 * (bent(kinematics, 2, cells=fine * cells, cell=cell)[1] - energy))
+    assert 0.75 < errors_of(coarse).total / true < 2.5
+
+
+def test_a_wrong_solution_has_a_large_error():
+    """Waves from node to node of a fiftieth of the displacement."""
+    prepared, _ = bent("plane strain", 2)
+    right = errors_of(prepared).total
+    displacement = prepared.problem.displacement.x.array
+    places = prepared.problem.spaces.coordinates[:, :2]
+    waves = np.cos(8 * np.pi * places).prod(axis=1)
+    displacement += 0.02 * COMM.allreduce(np.abs(displacement).max(), MPI.MAX) * np.repeat(waves, 2)
+    assert errors_of(prepared).total > 3 * right
+
+
+def test_the_same_on_any_number_of_ranks():
+    found = [errors_of(bent("axisymmetric", 2, comm)[0]) for comm in (COMM, MPI.COMM_SELF)]
+    assert found[0].total == pytest.approx(found[1].total, rel=1e-8)
+    own = [np.sum(local.forces() ** 2) for local in found]
+    assert np.isfinite(own).all()
+
+
+def pressed(cells=32):
+    """A cylinder pressed into the middle of a block, several cells wide."""
+    obstacle = Obstacle("parabola", radius=0.5, position=(1, 1), indentation=0.05)
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        discretisation=Discretisation(2),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(Contact("y1", obstacle=obstacle),),
+    )
+    body = box_body((cells, cells // 2), (2, 1), CellType.quadrilateral)
+    return scene, body
+
+
+def test_the_edge_of_contact_has_the_largest_errors_of_the_surface():
+    scene, body = pressed()
+    prepared = Run(scene, COMM, body)
+    half = prepared.solve().quantities["contact_area"] / 2
+    local = errors_of(prepared)
+    cells = np.arange(len(local.squared), dtype=np.int32)
+    middles = dolfinx_mesh.compute_midpoints(body.mesh, 2, cells)
+    rows = gather_rows(COMM, np.column_stack([middles, local.squared]))
+    upper = rows[rows[:, 1] > 0.5]
+    worst = upper[upper[:, 3].argmax()]
+    assert abs(abs(worst[0] - 1) - half) < 2 / 32 and worst[1] > 0.9
