@@ -1,0 +1,122 @@
+"""The packages stand in one order: each imports only from those before it, and none is crowded."""
+
+import ast
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from mpi4py import MPI
+
+from tests.scenes import ROOT
+
+pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of files; one rank will do")
+
+PACKAGE = ROOT / "fenics_contact"
+ORDER = (
+    *("common", "analytic", "scene", "results", "mesh", "body", "contact", "problem", "solve"),
+    *("evaluate", "trust", "simulation", "report", "verification", "cli"),
+)
+# A package that holds others: from the ground up.
+INSIDE = {
+    "contact": ("surface", "mortar", "kinematics", "laws"),
+    "report": (*("drawing", "formulas", "page", "histories", "contacts", "bodies", "view"),),
+    "solve": ("systems", "condensed", "iterative", "newton", "coulomb", "load_steps"),
+    "simulation": ("restart", "adaptive", "output"),
+}
+# These are read where there is no FEniCSx and no MPI, or before it is loaded.
+WITHOUT_FENICSX = ("analytic", "scene", "results", "report")
+HEAVY = {"dolfinx", "ufl", "basix", "petsc4py", "mpi4py"}
+MOST = 14  # modules of a folder
+
+
+def imports(path: Path) -> set[str]:
+    """Modules of a file's imports; what only a type checker sees counts as well."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {name.name for name in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found |= {node.module, *(f"{node.module}.{name.name}" for name in node.names)}
+    return found
+
+
+def upwards(path: Path, names: set[str]) -> list[str]:
+    """The imports of a file that do not go to the left.
+
+    Args:
+        path: Within the package.
+        names: Of the modules that it imports.
+    """
+    room, *rest = path.parts
+    found = []
+    for name in sorted(names):
+        of, _, target = name.partition(".")
+        if of != "fenics_contact" or not target:
+            continue
+        there, *inner = target.split(".")
+        if there in ORDER and ORDER.index(there) > ORDER.index(room):
+            found.append(f"{path} imports {name}")
+        order = INSIDE.get(room, ())
+        both = there == room and len(rest) > 1 and inner and {rest[0], inner[0]} <= set(order)
+        if both and order.index(inner[0]) > order.index(rest[0]):
+            found.append(f"{path} imports {name}")
+    return found
+
+
+def files() -> list[Path]:
+    return [path for path in sorted(PACKAGE.rglob("*.py")) if path.parent != PACKAGE]
+
+
+def test_every_package_has_its_place() -> None:
+    found = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
+    assert found == set(ORDER)
+    assert len(files()) > 250
+    for room, inside in INSIDE.items():
+        assert all((PACKAGE / room / name / "__init__.py").exists() for name in inside), room
+
+
+def test_imports_go_to_the_left_only() -> None:
+    wrong = [
+        words for path in files() for words in upwards(path.relative_to(PACKAGE), imports(path))
+    ]
+    assert wrong == []
+
+
+@pytest.mark.parametrize(
+    ("path", "name"),
+    [
+        ("scene/values.py", "fenics_contact.mesh.loading"),
+        ("solve/newton/newton.py", "fenics_contact.solve.coulomb.strategies"),
+    ],
+)
+def test_an_import_to_the_right_is_noticed(path: str, name: str) -> None:
+    assert upwards(Path(path), {name}) == [f"{path} imports {name}"]
+
+
+def test_what_is_read_without_fenicsx_does_not_load_it() -> None:
+    """At the top of a module, that is; a function may load it where it is called."""
+    for room in WITHOUT_FENICSX:
+        for path in (PACKAGE / room).rglob("*.py"):
+            tree = ast.parse(path.read_text(encoding="utf-8"))
+            top = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
+            names = {
+                name.split(".")[0]
+                for node in top
+                for name in (
+                    [node.module or ""]
+                    if isinstance(node, ast.ImportFrom)
+                    else [alias.name for alias in node.names]
+                )
+            }
+            assert not names & HEAVY, path
+
+
+def test_no_folder_is_crowded() -> None:
+    counted = Counter(path.parent for path in files() if path.name != "__init__.py")
+    assert {str(folder): number for folder, number in counted.items() if number > MOST} == {}
+
+
+def test_every_package_says_what_it_is_for() -> None:
+    for path in PACKAGE.rglob("__init__.py"):
+        text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+        assert text and len(text) > 20, path
