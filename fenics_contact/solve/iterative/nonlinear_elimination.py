@@ -36,6 +36,10 @@ _FLAT = 0.5
 _MOST_SEARCHES = 5
 # Krylov vectors are restarted; a solve that needs more than this is given up.
 _MOST_ITERATIONS = 300
+# Steps whose linear solves ran out of iterations, one after the other, that come to nothing: each
+# costs as much as many that do not. Nothing is gained where the imbalance is not halved.
+_MOST_VAIN = 4
+_GAIN = 0.5
 # Imbalance over the forces, below which round-off is looked at.
 _NEAR_ROUND_OFF = 1e-6
 
@@ -47,6 +51,7 @@ class EliminatingNewton:
         self._system = system
         self._comm = system.comm
         self._tolerance = 0.0
+        self._ran_out = False  # the last linear solve, of its iterations
         self._is_nonlinear = any(
             contact.is_one_sided or contact.friction is not None
             for contact in system.problem.contacts
@@ -56,16 +61,21 @@ class EliminatingNewton:
         """Solve from a state; PETSc calls this."""
         searched = _is_searched(snes)
         self._tolerance = snes.getTolerances()[0]
+        self._ran_out = False
         residual = snes.getFunction()[0]
         step, left = state.duplicate(), state.duplicate()
         snes.computeFunction(state, residual)
-        before, reason, number = 0.0, 0, 0
+        before, reason, number, vain = 0.0, 0, 0, 0
         while True:
             self._settle(snes, state, residual, searched)
             reason = self._judge(snes, number, residual)
             if reason or number == snes.getTolerances()[3]:
                 break
             imbalance = self._system.imbalance()
+            vain = vain + 1 if self._ran_out and imbalance > _GAIN * before else 0
+            if vain == _MOST_VAIN:
+                reason = -3
+                break
             rest = self._rest(imbalance, before)
             before = imbalance
             snes.computeJacobian(state, self._system.tangent)
@@ -115,7 +125,8 @@ class EliminatingNewton:
         step.axpy(1.0, correction)
         correction.destroy()
         reason = solver.getConvergedReason()
-        return bool(np.isfinite(step.norm())) and (reason > 0 or reason == -3)
+        self._ran_out = reason == -3
+        return bool(np.isfinite(step.norm())) and (reason > 0 or self._ran_out)
 
     def _advance(self, snes: Any, state: Any, residual: Any, step: Any, searched: bool) -> None:
         """Go along the step, where searched for to where the energy is flat; collective."""

@@ -13,6 +13,7 @@ from fenics_contact import (
     HalfSpace,
     Load,
     Material,
+    NotConvergedError,
     Obstacle,
     Scene,
     SolverSettings,
@@ -183,3 +184,15 @@ def test_a_scene_may_ask_for_it():
     result = run(scene, COMM, block())
     assert result.passed, result.verdict
     assert result.model["solver"] == "iterative"
+
+
+def test_linear_solves_that_come_to_nothing_are_given_up(monkeypatch):
+    """Each costs as many cycles as are allowed; a hundred Newton steps of them took minutes."""
+    monkeypatch.setattr("fenics_contact.elimination._MOST_ITERATIONS", 1)
+    monkeypatch.setattr("fenics_contact.elimination._GAIN", 1e-3)  # what is gained is nothing
+    scene = dataclasses.replace(
+        sphere(steps=1), solver=SolverSettings(strategy="monolithic", max_iterations=60)
+    )
+    with pytest.raises(NotConvergedError, match="linear system could not be solved") as caught:
+        solved(scene, block())
+    assert len(caught.value.residual_history) < 30
