@@ -188,8 +188,10 @@ def test_a_scene_may_ask_for_it():
 
 def test_linear_solves_that_come_to_nothing_are_given_up(monkeypatch):
     """Each costs as many cycles as are allowed; a hundred Newton steps of them took minutes."""
-    monkeypatch.setattr("fenics_contact.elimination._MOST_ITERATIONS", 1)
-    monkeypatch.setattr("fenics_contact.elimination._GAIN", 1e-3)  # what is gained is nothing
+    monkeypatch.setattr("fenics_contact.solve.iterative.nonlinear_elimination._MOST_ITERATIONS", 1)
+    monkeypatch.setattr(
+        "fenics_contact.solve.iterative.nonlinear_elimination._GAIN", 1e-3
+    )  # what is gained is nothing
     scene = dataclasses.replace(
         sphere(steps=1), solver=SolverSettings(strategy="monolithic", max_iterations=60)
     )
