@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import platform
 from typing import Any
 
@@ -18,6 +17,8 @@ from dolfinx import fem
 from dolfinx.mesh import exterior_facet_indices
 from mpi4py import MPI
 from numpy.typing import NDArray
+
+from fenics_contact.common import citation
 
 DOLFINX_VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 
@@ -177,9 +178,8 @@ def versions() -> dict[str, str]:
     """Versions of all that a number depends on."""
     import petsc4py
 
-    own = importlib.metadata.version("fenics-contact") if _installed() else "source"
     return {
-        "fenics_contact": own,
+        "fenics_contact": citation.VERSION,
         "dolfinx": dolfinx.__version__,
         "ufl": ufl.__version__ if hasattr(ufl, "__version__") else "",
         "petsc4py": petsc4py.__version__,
@@ -187,11 +187,3 @@ def versions() -> dict[str, str]:
         "python": platform.python_version(),
         "mpi": MPI.Get_library_version().splitlines()[0].strip("\x00 "),
     }
-
-
-def _installed() -> bool:
-    try:
-        importlib.metadata.version("fenics-contact")
-    except importlib.metadata.PackageNotFoundError:
-        return False
-    return True

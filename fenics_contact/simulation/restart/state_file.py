@@ -33,6 +33,8 @@ from fenics_contact.solve.newton.solution import Solution
 Array = NDArray[np.float64]
 
 NAME = "state.npz"
+# The version by which a checkout that was not installed used to call itself.
+_NOT_INSTALLED = "source"
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +181,7 @@ class StateFile:
     def _require_same(self, made_for: dict[str, Any]) -> None:
         """Refuse what another version, mesh or scene has left."""
         ours, theirs = self._made_for["version"], made_for["version"]
-        if ours != theirs:
+        if theirs not in (ours, _NOT_INSTALLED):
             raise self._refused(f"version {theirs} wrote it, this is {ours}")
         scene = self._made_for["scene"]
         assert isinstance(scene, dict)

@@ -153,6 +153,16 @@ def test_another_mesh_or_version_is_refused(folder, monkeypatch):
         resumed(scene, body(), folder)
 
 
+def test_what_a_checkout_has_left_is_gone_on_from(folder, monkeypatch):
+    """Whether the program was installed, or ran from its folder, is no other version of it."""
+    scene, body = SCENES["incremental"]
+    versions = state_file.compat.versions() | {"fenics_contact": "source"}
+    with monkeypatch.context() as patch:
+        patch.setattr(state_file.compat, "versions", lambda: versions)
+        stopped_after(scene, body(), folder, 2)
+    assert resumed(scene, body(), folder).converged
+
+
 def test_a_single_step_is_no_beginning_of_several(folder):
     """What a history is, its works among others, is decided before its first step."""
     scene, body = SCENES["incremental"]
