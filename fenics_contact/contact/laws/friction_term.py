@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 # Of g / |u_T|: what tangents keep along the slip. A body of which all points slip, under loads just
 # below those that friction can hold, would be moved so far by a Newton step that rounding ends it.
-_LEFT_STIFF = 1e-9
+_LEFT_STIFF = 1e-10
 
 
 class FrictionTerm:

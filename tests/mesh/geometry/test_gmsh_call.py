@@ -183,7 +183,14 @@ def test_nothing_outlives_a_run_that_is_stopped(folder, number):
     (folder / "tmp").mkdir()
     command = [sys.executable, "-m", "fenics_contact", "check", str(folder / "s.toml")]
     environment = os.environ | {"TMPDIR": str(folder / "tmp")}
-    with subprocess.Popen(command, stderr=subprocess.PIPE, env=environment, cwd=ROOT) as run:
+    with subprocess.Popen(
+        command,
+        stderr=subprocess.PIPE,
+        env=environment,
+        cwd=ROOT,
+        # What a shell starts in the background does not hear it.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    ) as run:
         end = time.monotonic() + 60
         while not processes_of(folder) and time.monotonic() < end:
             time.sleep(0.1)
