@@ -18,7 +18,6 @@ EDGES, SWINGS = "edges inside cells", "oscillates with the mesh"
 # Quantities below this share of the largest of their kind are nothing.
 _NOTHING = 1e-6
 _SIZES = {"force": "force", "area": "area", "energy": "energy", "work": "energy", "slip": "slip"}
-_SLIPS = ("max_slip", "friction_work")
 _FORCES = ("force", "reaction", "vertical", "integral")
 # Made of others, for comparison with what is known.
 _DERIVED = ("vertical", "vertical_reaction")
@@ -87,17 +86,14 @@ def refinements(rows: Iterable[Row]) -> Iterator[Change]:
     """
     by_key = {(row["number"], row["ranks"], row["stage"]): row for row in rows}
     for (number, ranks, stage), coarse in by_key.items():
-        fine = by_key.get((number, ranks, "fine"))
-        if stage == "coarse" and fine and coarse["code"] == fine["code"] == 0:
-            finest = by_key.get((number, ranks, "finest"))
-            finest = finest if finest and finest["code"] == 0 else None
-            # Also those of zones that coarse cells miss altogether.
-            within = coarse.get("edges") or fine.get("edges")
-            # The edge of a punch stays where it is, in whichever cell that is.
-            edges = within and (coarse.get("punch") or _edges_move(coarse, finest or fine))
+        fine = _answered(by_key, number, ranks, "fine")
+        if stage == "coarse" and fine and coarse["code"] == 0:
+            finest = _answered(by_key, number, ranks, "finest")
+            edges = _edges_matter(coarse, fine, finest)
             for change in _changes(coarse, fine, "refined"):
-                of_edges = change.quantity.endswith("area") or _slip_begins(change, coarse, fine)
-                if edges or (within and of_edges):
+                # Which points touch, stick or slip decides these, however little an edge moves.
+                of_edges = change.quantity.endswith(("area", "max_slip"))
+                if edges or (of_edges and _edges_within(coarse, fine)):
                     change = replace(change, causes=(EDGES,))
                 if finest and change.name in finest["quantities"]:
                     change = _judged(change, coarse, fine, finest)
@@ -126,13 +122,16 @@ def wants_finest(rows: Iterable[Row]) -> bool:
     )
 
 
-def _slip_begins(change: Change, coarse: Row, fine: Row) -> bool:
-    """Whether slip is that of a zone which the coarse cells miss altogether."""
-    if change.quantity not in _SLIPS:
-        return False
-    area = change.name.removesuffix(change.quantity) + "slip_area"
-    found = [row["quantities"].get(area, [[0.0]])[0][0] for row in (coarse, fine)]
-    return found[0] == 0 < found[1]
+def _edges_matter(coarse: Row, fine: Row, finest: Row | None) -> bool:
+    """Whether edges lie inside cells, and are elsewhere on finer ones."""
+    # The edge of a punch stays where it is, in whichever cell that is.
+    moves = coarse.get("punch") or _edges_move(coarse, finest or fine)
+    return _edges_within(coarse, fine) and bool(moves)
+
+
+def _edges_within(coarse: Row, fine: Row) -> bool:
+    """Whether edges lie inside cells, those of zones that coarse cells miss altogether as well."""
+    return bool(coarse.get("edges") or fine.get("edges"))
 
 
 def _edges_move(coarse: Row, fine: Row) -> bool:
@@ -162,10 +161,20 @@ def independent(rows: Iterable[Row]) -> Iterator[Change]:
     for (number, ranks, stage), coarse in by_key.items():
         if stage != "coarse" or coarse["code"] != 0:
             continue
-        yield from _against_known(coarse)
-        twin = by_key.get((number, ranks, "twin"))
-        if twin and twin["code"] == 0:
-            yield from _changes(coarse, twin, "twin", twin["factors"])
+        fine, finest, twin = (
+            _answered(by_key, number, ranks, stage) for stage in ("fine", "finest", "twin")
+        )
+        changes = list(_against_known(coarse))
+        if twin:
+            changes += _changes(coarse, twin, "twin", twin["factors"])
+        causes = (EDGES,) if fine and _edges_matter(coarse, fine, finest) else ()
+        yield from (replace(change, causes=causes) for change in changes)
+
+
+def _answered(by_key: Mapping[Any, Row], number: int, ranks: int, stage: str) -> Row | None:
+    """The row of a stage, where that has an answer that passed all checks."""
+    row = by_key.get((number, ranks, stage))
+    return row if row and row["code"] == 0 else None
 
 
 def _changes(

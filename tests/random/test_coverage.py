@@ -123,6 +123,20 @@ def test_edges_inside_cells_are_listed_by_themselves():
     assert not wrong(rows, listed=False)
 
 
+def test_the_largest_slip_is_that_of_points_at_an_edge():
+    slip = refined(1, 1.0, 0.01, 1.1, name="max_slip", edges=True)
+    force = refined(2, 100.0, 1.0, 110.0, edges=True)
+    assert [change.causes for change in refinements(slip + force)] == [(EDGES,), ()]
+
+
+def test_what_edges_do_to_refined_answers_they_do_to_those_known():
+    rows = refined(1, 100.0, 1.0, 110.0, edges=True, known=[["normal_force", 110.0, 0.0]])
+    assert [change.causes for change in independent(rows)] == [()]
+    for each, area in zip(rows, (0.5, 0.6), strict=True):
+        each["quantities"]["contact_area"] = [[area], 0.2]
+    assert [change.causes for change in independent(rows)] == [(EDGES,)]
+
+
 def test_a_contact_that_the_coarse_cells_miss_ends_inside_them():
     sizes = SIZES | {"area": 0.0}
     rows = refined(1, 0.0, 0.1, 10.0, sizes=sizes)
