@@ -137,6 +137,13 @@ def section(rows: list[Row], seed: int) -> str:
     short = short_bars(list(refinements(rows)))
     causes = Counter(", ".join(change.causes) or "no cause known" for change in short)
     counts = {"wrong": len(wrong(rows, listed=False)), "listed": len(wrong(rows, listed=True))}
+    codes: dict[int, set[int]] = {}
+    for row in rows:
+        if row["stage"] == "coarse":
+            codes.setdefault(row["number"], set()).add(row["code"])
+    ranks = Counter(row["number"] for row in rows if row["stage"] == "coarse")
+    counts["several"] = sum(count > 1 for count in ranks.values())
+    counts["otherwise"] = sum(len(found) > 1 for found in codes.values())
     lines = [
         HEADING,
         "",
@@ -172,8 +179,9 @@ one, does not contradict); changes below 1e-9 of the size are left out. Of {scen
 were answered on both meshes. {wrong} numbers were *wrong and passed*: off by more than 3 bars and
 by more than 1 %. {listed} more were, of which the cause is listed below: edges of what touches or
 sticks that lie inside cells (these areas move by more than 2 % with the mesh, or the edge is that
-of a punch), or numbers that oscillate with the mesh (the third mesh takes back more than a quarter
-of the change).
+of a punch; areas and the largest slip, which single points decide, also where it moves by less), or
+numbers that oscillate with the mesh (the third mesh takes back more than a quarter of the change).
+{several} of the scenes were solved on 1 and 2 ranks, {otherwise} of these with another outcome.
 
 Cells of order 1 keep their polygon when they are halved; those of order 2 come nearer to the curve.
 """
