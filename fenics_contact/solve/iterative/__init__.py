@@ -1,4 +1,4 @@
 """The paper's (3.4) for large bodies in 3D: multigrid, and the contacts' cells solved directly.
 
-Cai and Li (2011), doi 10.1137/080736272.
+X.-C. Cai and X. Li, SIAM J. Sci. Comput. 33 (2011) 746-762.
 """
