@@ -46,7 +46,7 @@ def round_off(contact: ContactSurface) -> float:
 
 
 def all_round_off(contacts: Sequence[ContactSurface], forces: float) -> bool:
-    """Whether contacts that a body was moved along touch by round-off, and nothing else acts.
+    """Whether contacts touch by round-off alone and nothing else acts on a body moved; collective.
 
     Args:
         contacts: All of a problem; others than one-sided ones are no excuse for a force.
