@@ -129,9 +129,8 @@ def test_missing_and_binary_files(folder):
     ids=["keys", "table", "lists", "hex", "digits", "supports", "loads", "contacts"],
 )
 def test_scenes_beyond_all_measure_are_refused_in_one_sentence(folder, text, message):
-    path = folder / "huge.toml"
     tables = GOOD.partition("[[support]]")[0]
-    path.write_text(f"{tables}\n{text}" if text.startswith("[") else f"{text}\n{tables}")
+    path = write(folder, f"{tables}\n{text}" if text.startswith("[") else f"{text}\n{tables}")
     with pytest.raises(InputError, match=message) as caught:
         load_scene(path)
     assert "\n" not in str(caught.value) and len(str(caught.value)) < 500
