@@ -386,11 +386,17 @@ class Run:
         }
         if self.solution is None:
             return self._stopped_short(f"No answer: {_ended(error)}", [step])
-        advice = "more load steps, or steps.automatic = true"
-        if self.scene.steps.automatic:
-            advice = "a smaller steps.smallest"
-        words = f"No answer at time {tried:g}: {_ended(error)} Or try {advice}."
+        words = f"No answer at time {tried:g}: {_ended(error)} {self._advice(tried)}"
         return self._stopped_short(words, [*self.steps, step])
+
+    def _advice(self, tried: float) -> str:
+        """Which load steps may do better than one that was tried, in words."""
+        steps = self.scene.steps
+        if not steps.automatic:
+            return "Or try more load steps, or steps.automatic = true."
+        if tried - self.steps[-1]["load_factor"] > 1.5 * steps.smallest_size:  # cut no further
+            return "A larger load step ended in the same way."
+        return "Or try a smaller steps.smallest."
 
     def _interrupted(self) -> Result:
         words = "Interrupted" + ("." if self.solution else " before any load step was done.")

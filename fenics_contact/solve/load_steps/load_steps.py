@@ -29,6 +29,9 @@ from fenics_contact.solve.solver_choice import SolverChoice, choose_solver, crea
 
 logger = logging.getLogger(__name__)
 
+# Force imbalances that differ by less than this share, and would be chance otherwise, are the same.
+_SAME_END = 1e-4
+
 
 class History:
     """All load steps of a problem.
@@ -62,6 +65,7 @@ class History:
         self._untouched = [remember(contact) for contact in self.problem.contacts]
         self._first: list[ContactMemory] = []
         self._has_moved_on = False
+        self._failed_with: float | None = None
         self.tried = 0.0
         self.guess: Unknowns | None = None
 
@@ -143,7 +147,7 @@ class History:
         try:
             found = self._try(time)
         except NotConvergedError as error:
-            if not self.pace.cut():
+            if self._fails_again(error) or not self.pace.cut():
                 raise
             logger.info("time %g: %s; a smaller step", time, error)
             self.go_back()
@@ -159,6 +163,17 @@ class History:
         self.pace.went(found.newton_iterations, change)
         if self._kept is not None:
             self._kept(self)
+
+    def _fails_again(self, error: NotConvergedError) -> bool:
+        """Whether a smaller step failed with the same force imbalance: its size is not the cause.
+
+        So it is where loads rest meanwhile.
+        """
+        before = self._failed_with
+        self._failed_with = error.residual_history[-1] if error.residual_history else None
+        if before is None or self._failed_with is None:
+            return False
+        return abs(self._failed_with - before) <= _SAME_END * before
 
     def _try(self, time: float) -> Solution:
         """Solve a step, from where it is thought to end or else from where it begins."""
@@ -234,6 +249,7 @@ class History:
         self._first = self._first or (self.last.contacts if self.last.before is None else [])
         system.earlier_forces = max(system.earlier_forces, system.present_forces)
         self._has_moved_on = False
+        self._failed_with = None
         if self._accepted is not None:
             self._accepted(time, found)
 

@@ -50,14 +50,14 @@ FEW = {"strategy": "monolithic", "max_iterations": 5}
 ANY_CHANGE = 1e3
 
 
-def let_fail(patch, condition):
+def let_fail(patch, condition, imbalance=lambda size: size):
     """Steps that a condition on time and size names fail, when all has moved already."""
     attempt = History._try
 
     def failing(self, time):
         found = attempt(self, time)
         if condition(time, time - self.time):
-            raise NotConvergedError("too far")
+            raise NotConvergedError("too far", (1.0, imbalance(time - self.time)))
         return found
 
     patch.setattr(History, "_try", failing)
@@ -203,6 +203,28 @@ def test_steps_that_are_rejected_leave_no_trace(scene, body):
         assert one["quantities"]["friction_work"] == pytest.approx(
             other["quantities"]["friction_work"], rel=1e-8, abs=1e-12
         )
+
+
+def test_smaller_steps_that_fail_in_the_same_way_are_not_cut_further(monkeypatch):
+    """The size is not the cause; a minute a step, of which there may be many."""
+    automatic = Steps(number=2, automatic=True, area_change=ANY_CHANGE)
+    tried = []
+
+    def late(time, size):
+        tried.append(time)
+        return time > 0.5
+
+    let_fail(monkeypatch, late, lambda size: 1e-6)
+    result = run(dragged(automatic), COMM, block())
+    assert result.exit_code == 3
+    assert "A larger load step ended in the same way." in result.verdict
+    assert "steps.smallest" not in result.verdict
+    assert tried == pytest.approx([0.5, 1.0, 0.75])
+    tried.clear()
+    monkeypatch.undo()
+    let_fail(monkeypatch, late, lambda size: 1e-6 * size)  # it depends on the size
+    assert run(dragged(automatic), COMM, block()).exit_code == 3
+    assert len(tried) > 5
 
 
 def test_changes_of_the_contact_cut_steps():
