@@ -1,4 +1,4 @@
-"""Pictures of README that are those of a run: ``python docs/make_run_figures.py``.
+"""Pictures of README and docs that are those of a run: ``python docs/make_run_figures.py``.
 
 Runs four scenes and draws into docs/pictures what ``fenics-contact report`` draws of them:
 

@@ -54,3 +54,8 @@ def test_api_page_has_every_public_name():
     page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
     shown = set(re.findall(r":: fenics_contact\.(\w+)$", page, re.MULTILINE))
     assert shown == set(fenics_contact.__all__)
+
+
+def test_the_readme_is_read_to_its_end():
+    """What more there is to say stands in the documentation."""
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 150
