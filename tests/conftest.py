@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import copy
 import gc
 import logging
+import os
 import sys
 import zlib
 from pathlib import Path
 
 import pytest
 
+from fenics_contact.mesh import loading
 from fenics_contact.simulation import scene_run as simulation  # loads FEniCSx in the right order
 from fenics_contact.trust.error_estimates.budget import ErrorBudget
+
+from tests.scenes import ROOT
 
 from mpi4py import MPI  # isort: skip
 from petsc4py import PETSc  # isort: skip
@@ -88,6 +93,24 @@ def _error_budget(request, monkeypatch):
     """Only tests of errors have them estimated: it takes about as long as a run."""
     if request.node.get_closest_marker("errors") is None:
         monkeypatch.setattr(simulation, "error_budget", lambda *history: ErrorBudget())
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _geometries_of_the_repository():
+    """Gmsh makes each mesh of these once: most tests are of something else, and it starts slowly."""
+    make, ours, made = loading._load, os.path.abspath(ROOT / "meshes"), {}
+
+    def load(key, source, dimension, sizes, curved):
+        if sizes is not None or not os.path.abspath(source.file).startswith(ours):
+            return make(key, source, dimension, sizes, curved)
+        wanted = repr((key, source, dimension, curved))
+        if wanted not in made:
+            made[wanted] = make(key, source, dimension, None, curved)
+        return copy.deepcopy(made[wanted])
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(loading, "_load", load)
+        yield
 
 
 @pytest.fixture
