@@ -8,10 +8,11 @@ they are first used, so that ``fenics-contact --help`` does not wait for FEniCSx
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from fenics_contact.common.citation import VERSION as __version__  # noqa: N812
 from fenics_contact._wheel import have_solver_first
+from fenics_contact.common import citation
 
 have_solver_first()
+__version__ = citation.VERSION
 
 if TYPE_CHECKING:
     from fenics_contact.cli.program import main, run_script

@@ -69,8 +69,9 @@ def as_html(result: Result) -> str:
         result: Of a run.
     """
     rows = [
-        f'<tr><th scope="row">{escape(name)}</th><td>{escape(value)}</td><td>{escape(bar)}</td></tr>'
-        for name, value, bar in [*_main_rows(result)]
+        f'<tr><th scope="row">{escape(name)}</th><td>{escape(value)}</td>'
+        f"<td>{escape(bar)}</td></tr>"
+        for name, value, bar in _main_rows(result)
     ]
     head = '<tr><th scope="col">quantity</th><th scope="col">value</th><th scope="col">±</th></tr>'
     table = f"<table><thead>{head}</thead><tbody>{''.join(rows)}</tbody></table>" if rows else ""
