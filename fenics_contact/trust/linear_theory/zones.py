@@ -198,4 +198,4 @@ def _within(reach: float, points: Array, places: Array) -> Mask:
     from scipy.spatial import cKDTree
 
     away, _ = cKDTree(places).query(points, distance_upper_bound=reach)
-    return np.isfinite(away)
+    return np.asarray(np.isfinite(away))
