@@ -6,11 +6,13 @@ they are first used, so that ``fenics-contact --help`` does not wait for FEniCSx
 """
 
 from importlib import import_module
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-if find_spec("dolfinx_solver") is not None:  # the PyPI wheel: it must come before all of FEniCSx
-    import dolfinx_solver  # noqa: F401
+from fenics_contact._wheel import have_solver_first
+from fenics_contact.common import citation
+
+have_solver_first()
+__version__ = citation.VERSION
 
 if TYPE_CHECKING:
     from fenics_contact.cli.program import main, run_script
@@ -97,4 +99,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)

@@ -52,7 +52,7 @@ def pytest_collection_modifyitems(config, items):
 def cases_left_out(items, share):
     """All but every n-th case of each test; which one of n comes first depends on the test's name.
 
-    So two ranks see each test, and among them each kind of cell, body and contact, in half the time.
+    So two ranks see each test, and among them each kind of cell, body and contact, in less time.
     """
     tests = {}
     for item in items:

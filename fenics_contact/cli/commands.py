@@ -11,7 +11,6 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from fenics_contact.cli import new_scene
 from fenics_contact.cli.progress import Announce, activity
 from fenics_contact.cli.summary import print_model, print_result
 from fenics_contact.common import citation, petsc_options
@@ -25,7 +24,6 @@ from fenics_contact.common.terminal import PlainFormatter
 from fenics_contact.results.result import Result
 from fenics_contact.scene.reading import load_scene
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.adaptive.levels import adaptive_plan
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.simulation.restart.state_file import StateFile
 from fenics_contact.simulation.scene_run import Run
@@ -40,7 +38,7 @@ def execute(options: argparse.Namespace) -> int:
         options: As ``cli_options.parse`` finds them.
     """
     if options.version:
-        return guarded(lambda: on_root(MPI.COMM_WORLD, _print_versions))
+        return guarded(lambda: on_root(MPI.COMM_WORLD, _print_all_versions))
     _log_to_terminal(options, logging.WARNING if options.command == "verify" else logging.INFO)
     action = {
         "check": lambda: _check(options),
@@ -95,6 +93,8 @@ def _load(options: argparse.Namespace) -> Scene:
 
 
 def _check(options: argparse.Namespace) -> int:
+    from fenics_contact.simulation.adaptive.levels import adaptive_plan
+
     comm = MPI.COMM_WORLD
     scene = _load(options)
     with activity(scene.steps, comm, options.quiet):
@@ -181,13 +181,15 @@ def _report(folder: Path, quiet: bool) -> int:
 
 
 def _new(options: argparse.Namespace) -> int:
+    from fenics_contact.cli import new_scene
+
     said = new_scene.listed() if options.list else new_scene.write(options.name, options.out)
     if not options.quiet:
         print(said)
     return 0
 
 
-def _print_versions() -> int:
+def _print_all_versions() -> int:
     from petsc4py import PETSc
 
     found = compat.versions()

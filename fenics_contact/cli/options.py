@@ -171,9 +171,11 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     options, left = parser.parse_known_args(words)
     if left:
         (parser if first is None else commands[first]).refuse_unknown(left)
-    if options.command is None and not options.version:
+    if options.command is None and not (options.version or options.all_versions):
         parser.print_help(sys.stderr)
         parser.exit(2)
+    if options.all_versions and not options.version:
+        parser.error("--verbose belongs to --version, or comes after a command")
     if petsc and options.command != "run":
         parser.error("only the command run takes PETSc options, after --")
     options.petsc = petsc
@@ -220,7 +222,13 @@ def _parsers() -> tuple[_Parser, dict[str, _Parser]]:
         epilog=f"{_FIRST}\n\n{_EXIT_CODES}",
     )
     parser.add_argument(
-        "--version", action="store_true", help="versions of what numbers depend on; how to cite"
+        "--version", action="store_true", help="versions of the program and of dolfinx"
+    )
+    parser.add_argument(
+        "--verbose",
+        dest="all_versions",
+        action="store_true",
+        help="with --version: of all that numbers depend on; how to cite",
     )
     group = parser.add_subparsers(prog=PROGRAM, dest="command", metavar="COMMAND", title="commands")
     made = {}

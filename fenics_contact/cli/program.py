@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fenics_contact.cli.options import parse, parse_script
+from fenics_contact.cli.versions import print_versions
 
 if TYPE_CHECKING:
     from fenics_contact.scene.scene import Scene
@@ -32,6 +33,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     0
     """
     options = parse(sys.argv[1:] if arguments is None else arguments)
+    if options.version and not options.all_versions:
+        return print_versions()
     from fenics_contact.cli.commands import execute
 
     return execute(options)

@@ -6,22 +6,17 @@ import logging
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
-from rich.progress import (
-    BarColumn,
-    Progress,
-    ProgressColumn,
-    SpinnerColumn,
-    TextColumn,
-    TimeElapsedColumn,
-)
 
 from fenics_contact.common import timings
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.results.load_history import step_line
 from fenics_contact.scene.scene import Steps
+
+if TYPE_CHECKING:
+    from rich.progress import ProgressColumn
 
 # Characters of the bar; and of all that stands beside the words.
 _BAR = 20
@@ -54,6 +49,8 @@ def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Anno
     if comm.rank > 0:
         yield lambda number, step: None
         return
+    from rich.progress import Progress
+
     with Progress(*_columns(steps), console=console, transient=True) as progress:
         task = progress.add_task("", total=steps.last)
         where = ""
@@ -78,6 +75,8 @@ def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Anno
 
 def _columns(steps: Steps) -> tuple[ProgressColumn, ...]:
     """A bar where there are several load steps; the time; and words."""
+    from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
+
     bar = BarColumn(_BAR) if steps.several else SpinnerColumn()
     return bar, TimeElapsedColumn(), TextColumn("{task.description}", markup=False)
 

@@ -23,9 +23,8 @@ from fenics_contact.results.result import (
     idle_quantities,
     motion_words,
     share_words,
-    without_value,
 )
-from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
+from fenics_contact.results.short_forms import in_figures, quantity_rows
 from fenics_contact.scene.scene import Scene
 
 # Keys of the model whose names alone say little.
@@ -72,7 +71,7 @@ def print_model(
     hidden = {"terms", "rigid_motions", *([] if model["free_rigid_motions"] else _OF_FREE_MOTIONS)}
     for key, value in model.items():
         if key not in hidden and value != []:
-            words = share_words(value) if key == "used_share_of_limit_load" else _written(value)
+            words = share_words(value) if key == "used_share_of_limit_load" else in_figures(value)
             table.add_row(_IN_WORDS.get(key, key.replace("_", " ")), escape(words))
     table.add_row("groups of the mesh", escape(groups))
     console.print(f"\n[bold]{escape(one_line(scene.title or 'Scene'))}[/bold]")
@@ -171,7 +170,7 @@ def _print_branches(console: Terminal, result: Result) -> None:
     if rows:
         table = _table(*rows[0])
         for row in rows[1:]:
-            table.add_row(*(_written(cell) for cell in row))
+            table.add_row(*(in_figures(cell) for cell in row))
         console.print(table)
 
 
@@ -187,25 +186,15 @@ def _print_levels(console: Terminal, result: Result) -> None:
 
 def _add_quantity(quantities: Table, result: Result, key: str) -> None:
     """A row with its error bar; of a resultant, a row of each contact where there are several."""
-    words = key.replace("_", " ")
-    rows: list[tuple[str, Any, Any]] = [(words, result.quantities, result.errors)]
-    if key in OF_ONE_CONTACT and len(result.contacts) > 1:
-        rows = [
-            (f"{words} of {one['name']}", one["quantities"], one.get("errors", {}))
-            for one in result.contacts
-        ]
-    for name, found, errors in rows:
-        value, bar = without_value(key, found), ""
-        if found[key] is not None:
-            value, bar = _written(found[key]), error_bar(errors.get(key))
-        quantities.add_row(escape(one_line(name)), value, *([bar] if result.errors else []))
+    for name, value, bar in quantity_rows(result, key):
+        quantities.add_row(escape(name), value, *([bar] if result.errors else []))
 
 
 def _add_reactions(quantities: Table, result: Result) -> None:
     """Those of each name, where there are several."""
     for name, found in result.reactions.items() if len(result.reactions) > 1 else ():
         bars = [error_bar(found.get("errors", {}).get("reaction"))] if result.errors else []
-        quantities.add_row(f"  of {escape(one_line(name))}", _written(found["reaction"]), *bars)
+        quantities.add_row(f"  of {escape(one_line(name))}", in_figures(found["reaction"]), *bars)
 
 
 def _shown(result: Result) -> list[str]:
@@ -244,11 +233,3 @@ def _table(*headers: str) -> Table:
     for header in headers:
         table.add_column(header)
     return table
-
-
-def _written(value: Any) -> str:
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    if isinstance(value, list | tuple):
-        return ", ".join(_written(entry) for entry in value)
-    return "none" if value is None else str(value)

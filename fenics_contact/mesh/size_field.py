@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
-from scipy.spatial import cKDTree
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -156,6 +155,8 @@ class SizeField:
         """
         if len(places) == 0:
             return self
+        from scipy.spatial import cKDTree
+
         tree = cKDTree(places)
 
         def at(points: Array) -> Array:
@@ -222,6 +223,8 @@ def finer_at(cells: Cells, sizes: Array, places: Array, wanted: Array) -> Array:
     """
     if len(places) == 0:
         return sizes
+    from scipy.spatial import cKDTree
+
     away, nearest = cKDTree(places).query(cells.points)
     return np.asarray(np.minimum(sizes, wanted[nearest] + _SLOPE * away))
 

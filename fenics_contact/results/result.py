@@ -159,7 +159,7 @@ def reactions_by_name(supports: list[dict[str, Any]]) -> dict[str, list[float]]:
     return found
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Result:
     """A run's outcome; its attributes are the keys of ``result.json``.
 
@@ -216,6 +216,17 @@ class Result:
     versions: Mapping[str, str] = field(default_factory=dict)
     points: ContactPoints | None = None
     interrupted: bool = False
+
+    def __repr__(self) -> str:
+        from fenics_contact.results.short_forms import as_text
+
+        return as_text(self)
+
+    def _repr_html_(self) -> str:
+        """What notebooks show."""
+        from fenics_contact.results.short_forms import as_html
+
+        return as_html(self)
 
     @property
     def passed(self) -> bool:

@@ -65,7 +65,9 @@ def test_help_is_as_wide_as_the_terminal(capsys, monkeypatch, columns):
         (["run", "a.toml", "b.toml"], "run: 'b.toml' is one too many; see"),
         (["run", "a.toml", "--otu", "b"], "run: there is no option '--otu'; did you mean --out"),
         (["run", "a.toml", "--qiet=1"], "there is no option '--qiet'; did you mean --quiet"),
-        (["--verison"], "there is no option '--verison'; did you mean --version?"),
+        (["--verison"], "there is no option '--verison'; did you mean --version or --verbose?"),
+        (["--verbose"], "--verbose belongs to --version, or comes after a command; see"),
+        (["--verbose", "run", "a.toml"], "--verbose belongs to --version"),
         (["check", "a.toml", "--", "-ksp_view"], "only the command run takes PETSc options"),
         (["run", "a.toml", "--quiet", "--verbose"], "not allowed with argument --quiet"),
         (["run", "a.toml", "--out"], "--out: expected one argument"),
@@ -90,6 +92,9 @@ def test_words_after_two_dashes_are_for_petsc():
 
 def test_version_says_what_numbers_depend_on(capsys):
     assert main(["--version"]) == 0
+    found = COMM.bcast(capsys.readouterr().out)
+    assert re.fullmatch(r"fenics-contact \d\S+, with dolfinx 0\.\d+\S*\n", found)
+    assert main(["--version", "--verbose"]) == 0
     found = COMM.bcast(capsys.readouterr().out)
     assert re.match(
         r"fenics-contact \d\S+, with dolfinx 0\.\d+\S*, PETSc 3\.\d+\.\d+, Python 3", found

@@ -3,6 +3,7 @@
 import re
 import tomllib
 
+import fenics_contact
 from fenics_contact.common import citation
 from tests.scenes import ROOT
 
@@ -18,6 +19,7 @@ def test_it_is_that_of_the_file():
     program, paper = CFF.split("references:")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     assert citation.VERSION == of("version", program) == project["version"]
+    assert fenics_contact.__version__ == citation.VERSION
     for text in (citation.PROGRAM, citation.PROGRAM_BIBTEX):
         assert of("license", program) in text
         assert of("name", program) in text.replace("\\_", "_")

@@ -145,6 +145,17 @@ def test_programs_get_the_package_and_one_thread(project: Path) -> None:
     assert path.strip().split(":")[0] == str(project)
 
 
+@pytest.mark.parametrize("how", [("python",), ("mpi", "2")])
+def test_dolfinx_may_be_imported_before_all_else(project: Path, how: tuple[str, ...]) -> None:
+    program = "import dolfinx; from mpi4py import MPI; print('ranks', MPI.COMM_WORLD.size)"
+    done = call(project, *how, "-c", program, LD_LIBRARY_PATH="/of/the user")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == f"ranks {how[-1]}\n" * 2 if how[0] == "mpi" else "ranks 1\n"
+    program = "import os; print(os.environ['LD_LIBRARY_PATH'])"
+    done = call(project, "python", "-c", program, LD_LIBRARY_PATH="/of/the user")
+    assert done.stdout.strip().endswith("/of/the user")
+
+
 def test_unwritable_home_gets_a_cache_of_its_own(project: Path) -> None:
     program = "import os; print(os.environ['XDG_CACHE_HOME'])"
     done = call(project, "python", "-c", program, HOME="/proc/none", XDG_CACHE_HOME="/proc/none")

@@ -20,6 +20,7 @@ import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from importlib import util
 from pathlib import Path
 from typing import Any
 
@@ -82,8 +83,9 @@ def call(ready: Prepared, job: Mapping[str, Any], sizes: bytes, limits: Limits) 
     memory = min(limits.memory or most, most)
     full_job = dict(job) | {"memory": int(memory) if np.isfinite(memory) else 0}
     # -P: the modules of this package must not stand in for those that Gmsh's imports want.
+    # -S: where packages are is known here already; to find out takes as long as a small mesh.
     program = str(Path(__file__).with_name(_PROGRAM))
-    command = [sys.executable, "-P", "-B", program, json.dumps(full_job)]
+    command = [sys.executable, "-P", "-B", "-S", program, json.dumps(full_job)]
     with tempfile.TemporaryFile() as file:  # unlike a pipe, it may be left unread
         file.write(sizes)
         file.seek(0)
@@ -108,7 +110,7 @@ def _running(command: list[str], standard_input: int, folder: str) -> Iterator[A
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             cwd=folder,
-            env=os.environ | _ONE_THREAD,
+            env=os.environ | _ONE_THREAD | {"PYTHONPATH": os.pathsep.join(_packages())},
             pass_fds=(theirs,),
             start_new_session=True,
         )
@@ -127,6 +129,14 @@ def _running(command: list[str], standard_input: int, folder: str) -> Iterator[A
         for stream in (process.stdout, process.stderr):
             assert stream is not None
             stream.close()
+
+
+def _packages() -> list[str]:
+    """The folders of what Gmsh's process imports, and those that the user has named."""
+    found = [util.find_spec(name) for name in ("gmsh", "numpy")]
+    places = [Path(spec.origin) for spec in found if spec is not None and spec.origin is not None]
+    folders = [str(p.parent.parent if p.name == "__init__.py" else p.parent) for p in places]
+    return [*dict.fromkeys(folders), *filter(None, [os.environ.get("PYTHONPATH")])]
 
 
 class _Watch:

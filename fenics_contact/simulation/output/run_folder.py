@@ -26,7 +26,6 @@ from fenics_contact.results.contact_table import CSV_HEADER
 from fenics_contact.results.result import ContactPoints, Result
 from fenics_contact.scene.scene import Steps
 from fenics_contact.scene.writing import write_scene
-from fenics_contact.simulation.adaptive.levels import AdaptiveRun
 from fenics_contact.simulation.output.fields import FieldSeries
 from fenics_contact.simulation.output.step_table import StepTable
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
@@ -127,6 +126,8 @@ def solve_levels_and_write(
     Raises:
         MachineError: A file could not be written; those of before are whole.
     """
+    from fenics_contact.simulation.adaptive.levels import AdaptiveRun
+
     comm, aside = first.problem.comm, folder / _LEVEL
     levels = AdaptiveRun(first)
 
