@@ -15,7 +15,6 @@ import pytest
 from fenics_contact.mesh import loading
 from fenics_contact.simulation import scene_run as simulation  # loads FEniCSx in the right order
 from fenics_contact.trust.error_estimates.budget import ErrorBudget
-
 from tests.scenes import ROOT
 
 from mpi4py import MPI  # isort: skip
@@ -97,7 +96,7 @@ def _error_budget(request, monkeypatch):
 
 @pytest.fixture(autouse=True, scope="session")
 def _geometries_of_the_repository():
-    """Gmsh makes each mesh of these once: most tests are of something else, and it starts slowly."""
+    """Gmsh makes each mesh of these once: it starts slowly, and few tests are of it."""
     make, ours, made = loading._load, os.path.abspath(ROOT / "meshes"), {}
 
     def load(key, source, dimension, sizes, curved):
