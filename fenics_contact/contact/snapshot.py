@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.kinematics.against_body import BodyKinematics
 
 Array = NDArray[np.float64]
 
@@ -43,24 +42,22 @@ class ContactMemory:
 def remember(contact: ContactSurface) -> ContactMemory:
     """The present state of a contact."""
     kinematics, friction = contact.kinematics, contact.friction
-    slipless = np.zeros_like(contact.trace.normals)
     return ContactMemory(
         indentation=kinematics.indentation,
         dissipated=contact.history.dissipated,
         left_open=contact.history.left_open,
-        regularisation_parameter=1.0 if friction is None else friction.chosen_parameter,
-        is_scaled=contact.is_scaled,
-        reference=slipless if friction is None else friction.reference.copy(),
+        regularisation_parameter=friction.chosen_parameter,
+        is_scaled=friction.is_scaled,
+        reference=friction.reference.copy(),
         bound=contact.friction_bound.copy(),
         before=contact.history.at_points(),
-        paired_at=kinematics.paired_at if isinstance(kinematics, BodyKinematics) else None,
+        paired_at=kinematics.paired_at,
     )
 
 
 def recall_pairing(contact: ContactSurface, memory: ContactMemory) -> bool:
     """Pair two bodies as they were; whether they were paired otherwise; collective."""
-    kinematics = contact.kinematics
-    if not isinstance(kinematics, BodyKinematics) or kinematics.paired_at is memory.paired_at:
+    if contact.kinematics.paired_at is memory.paired_at:
         return False
     contact.pair_anew(memory.paired_at)
     return True
@@ -70,9 +67,6 @@ def recall(contact: ContactSurface, memory: ContactMemory) -> None:
     """Go back to a remembered state, bodies being paired as they were."""
     contact.kinematics.indentation = memory.indentation
     contact.history.restore(memory.before, memory.dissipated, memory.left_open)
-    contact.is_scaled = memory.is_scaled
-    if contact.normal is not None:
-        contact.normal.release()
-    if contact.friction is not None:
-        contact.friction.regularisation_parameter = memory.regularisation_parameter
-        contact.friction.recall(memory.reference, memory.bound)
+    contact.normal.release()
+    contact.friction.recall_scale(memory.regularisation_parameter, memory.is_scaled)
+    contact.friction.recall(memory.reference, memory.bound)

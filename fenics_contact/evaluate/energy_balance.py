@@ -127,7 +127,7 @@ class EnergyBook:
     @property
     def applies(self) -> bool:
         """Whether there is a path to count along: the static law of friction has none."""
-        static = any(contact.law == "static" for contact in self._problem.contacts)
+        static = any(not contact.friction.follows_path for contact in self._problem.frictional)
         return self._problem.scene.steps.several and not static
 
     @property

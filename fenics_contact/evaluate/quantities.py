@@ -68,7 +68,7 @@ def _undecided(contact: ContactSurface, state: ContactState) -> dict[str, int]:
     A point that sticks creeps by ε times the share of its bound that it carries, whatever ε:
     that it creeps by nearly ε says that friction is nearly used up, not that ε decides.
     """
-    if contact.friction is None:
+    if not contact.friction.rubs:
         return {}
     slip = np.linalg.norm(contact.friction.counted(state.slip), axis=1)
     slips = contact.trace.owned & (state.status == SLIP) & (contact.friction_bound > 0)

@@ -31,18 +31,14 @@ def sides_of(contact: ContactSurface) -> dict[str, str]:
 
 def regularisation_of(contact: ContactSurface) -> dict[str, float]:
     """The ε of a load step; none where it follows from pressures to come."""
-    is_open = contact.is_coulomb and not contact.is_scaled
+    is_open = contact.is_coulomb and not contact.friction.is_scaled
     return {} if is_open else {"regularisation_parameter": contact.regularisation_parameter}
 
 
 def parameters_of(contact: ContactSurface) -> dict[str, Any]:
     """A contact's parameters as used; what varies in space is said so."""
     scene = contact.contact
-    given = {
-        "pressure": scene.pressure,
-        "foundation_stiffness": scene.foundation_stiffness,
-        "friction_coefficient": scene.friction_coefficient,
-    }
+    given = contact.parameters | {"friction_coefficient": scene.friction_coefficient}
     used = {
         **regularisation_of(contact),
         "penalty_parameter": contact.penalty_parameter or None,

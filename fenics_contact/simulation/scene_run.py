@@ -287,7 +287,7 @@ class Run:
             {
                 "name": contact.label,
                 "contact": contact.contact.kind,
-                "law": contact.law,
+                "law": contact.friction.kind,
                 **sides_of(contact),
                 "parameters": parameters_of(contact),
                 **self.others.limit(contact.label),

@@ -8,6 +8,8 @@ are meshed, or as they stand after a load step.
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,6 +34,7 @@ class BodyKinematics(ContactKinematics):
         InputError: The surfaces do not face each other.
     """
 
+    faces_body: ClassVar[bool] = True
     pairing: Pairing
 
     def __init__(
