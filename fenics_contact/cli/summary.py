@@ -40,7 +40,7 @@ _OF_FREE_MOTIONS = ("free_rigid_motions", "used_share_of_limit_load")
 # Quantities in the order shown; the others are in the files.
 _HIDDEN = ("pressure_integral", "contact_force", "external_work", "penalty_energy")
 _SHOWN = [name for name in QUANTITIES if name not in _HIDDEN]
-# Parameters of a contact, in the order of its line; those that do not apply are zero or missing.
+# Parameters of a contact that come first in its line; those that do not apply are zero or missing.
 _PARAMETERS = (
     "pressure",
     "foundation_stiffness",
@@ -225,8 +225,9 @@ def _print_contacts(console: Terminal, contacts: list[dict[str, Any]]) -> None:
         words.append(
             "no friction" if contact["law"] == "none" else f"friction law {contact['law']}"
         )
-        for name in _PARAMETERS:
-            value = contact["parameters"].get(name)
+        parameters = contact["parameters"]
+        for name in dict.fromkeys((*_PARAMETERS, *parameters)):
+            value = parameters.get(name)
             if value:
                 written = f"{value:.3g}" if isinstance(value, float) else str(value)
                 words.append(f"{name.replace('_', ' ')} {written}")

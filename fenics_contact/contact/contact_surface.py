@@ -18,8 +18,10 @@ from fenics_contact.contact.driving import ContactPaths
 from fenics_contact.contact.kinematics.against_body import BodyKinematics
 from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
 from fenics_contact.contact.kinematics.jump import ContactKinematics
-from fenics_contact.contact.laws.friction import FrictionLaw, friction_law
-from fenics_contact.contact.laws.normal import NormalLaw, acting_law, law_of
+from fenics_contact.contact.laws.friction import friction_law
+from fenics_contact.contact.laws.friction.law import FrictionLaw
+from fenics_contact.contact.laws.normal import acting_law, law_of
+from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.parameters import ContactScales
 from fenics_contact.contact.slave_and_master import ContactSides

@@ -117,12 +117,15 @@ class ContactKinematics(ABC):
         """
         require_smooth(self.trace, f"{key}.on")
 
+    @abstractmethod
     def leave_out(self, points: NDArray[np.bool_]) -> None:
         """Take points out of an obstacle's reach."""
 
+    @abstractmethod
     def bring_up(self) -> None:
         """Take an obstacle to where it first touches the undeformed surface; collective."""
 
+    @abstractmethod
     def displace(self, displacement: Array) -> None:
         """Move an obstacle, and its gap with it.
 
@@ -130,12 +133,15 @@ class ContactKinematics(ABC):
             displacement: From where it stood at first, (components,) (length).
         """
 
+    @abstractmethod
     def stand(self) -> None:
         """Take the gap of an obstacle as it stands now, after it was driven or moved."""
 
+    @abstractmethod
     def touch(self) -> None:
         """Drive an obstacle until it just touches the body; collective."""
 
+    @abstractmethod
     def pair_anew(self, displacement: Array | None) -> None:
         """Find what faces what on the displaced bodies; collective.
 

@@ -145,6 +145,15 @@ class FrictionLaw:
             bound: g at the points (stress).
         """
 
+    def hold(self, traction: Array) -> None:
+        """Set the tractions of the modes ``held`` and ``status``, (points, components)."""
+
+    def set_status(self, sticks: NDArray[np.bool_], directions: Array, bound: Array) -> None:
+        """Springs g/ε on points that stick, tractions −g × direction on those that slip."""
+
+    def glue(self, stiffness: float, points: NDArray[np.bool_]) -> None:
+        """Springs along the surface at some points (stress/length), whatever the pressure."""
+
     def counted(self, slip: Array) -> Array:
         """The slip that the law sees: since the start, or since the last accepted step."""
         return slip

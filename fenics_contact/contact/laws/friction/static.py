@@ -19,4 +19,4 @@ class Static(RegularisedFriction):
 
     def work(self, given: Array, traction: Array, slip: Array) -> Array:
         """−σ_T · u_T since the start."""
-        return 0.0 - np.einsum("ij,ij->i", traction, slip)
+        return np.asarray(0.0 - np.einsum("ij,ij->i", traction, slip))
