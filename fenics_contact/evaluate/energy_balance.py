@@ -157,9 +157,9 @@ class EnergyBook:
         """
         if not self.applies or self.done == 0:
             return None
-        limit = _ROUND_OFF + self.round_off / self.done
+        limit = _ROUND_OFF + self.round_off / self.done + self.open_share
         if self.changed:
-            limit += _SHARE + self.open_share
+            limit += _SHARE
         return Check(abs(quantities["energy_defect"]) / self.done, limit)
 
 
