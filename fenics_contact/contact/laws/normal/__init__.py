@@ -8,6 +8,7 @@ from __future__ import annotations
 from fenics_contact.contact.laws.normal.bonded import Bonded
 from fenics_contact.contact.laws.normal.foundation import Foundation
 from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.laws.normal.normal_compliance import NormalCompliance
 from fenics_contact.contact.laws.normal.prescribed import Prescribed
 from fenics_contact.contact.laws.normal.unilateral import Unilateral
 from fenics_contact.contact.laws.normal.untouched import Untouched
@@ -18,6 +19,7 @@ LAWS: tuple[type[NormalLaw], ...] = (
     Unilateral,
     Foundation,
     Bonded,
+    NormalCompliance,
 )
 
 
