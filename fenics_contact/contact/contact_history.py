@@ -70,7 +70,7 @@ class ContactHistory:
             depths.append(np.where(np.isfinite(known.gap), least, 0.0))
         mean = 0.5 * (self.last.contact_pressure + state.contact_pressure)
         stored = state.penalty_energy - self.last.penalty_energy
-        return np.abs(mean * (depths[1] - depths[0]) - stored)
+        return np.asarray(np.abs(mean * (depths[1] - depths[0]) - stored))
 
     def advance(self, state: ContactState, gap: Array, work: float) -> None:
         """A step is accepted.

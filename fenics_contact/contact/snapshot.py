@@ -22,9 +22,8 @@ class ContactMemory:
         left_open: Work of pressures, where a gap was measured anew (force × length).
         regularisation_parameter: ε as chosen (length).
         is_scaled: Whether ε has been set.
-        reference: Where slip counts from, at the points, (points, components) (length).
-        bound: Friction bound at the points, (points,) (stress).
-        before: What happened at the points at the end of the step before, by name.
+        at_points: What its laws declare, and what happened at the end of the step before, by name:
+            (points,) or (points, components).
         paired_at: Displacement at which two bodies were paired; None as meshed (length).
     """
 
@@ -33,9 +32,7 @@ class ContactMemory:
     left_open: float
     regularisation_parameter: float
     is_scaled: bool
-    reference: Array
-    bound: Array
-    before: dict[str, Array]
+    at_points: dict[str, Array]
     paired_at: Array | None
 
 
@@ -48,9 +45,9 @@ def remember(contact: ContactSurface) -> ContactMemory:
         left_open=contact.history.left_open,
         regularisation_parameter=friction.chosen_parameter,
         is_scaled=friction.is_scaled,
-        reference=friction.reference.copy(),
-        bound=contact.friction_bound.copy(),
-        before=contact.history.at_points(),
+        at_points=friction.remember(contact.pressure())
+        | contact.history.at_points()
+        | contact.normal.remember(),
         paired_at=kinematics.paired_at,
     )
 
@@ -66,7 +63,7 @@ def recall_pairing(contact: ContactSurface, memory: ContactMemory) -> bool:
 def recall(contact: ContactSurface, memory: ContactMemory) -> None:
     """Go back to a remembered state, bodies being paired as they were."""
     contact.kinematics.indentation = memory.indentation
-    contact.history.restore(memory.before, memory.dissipated, memory.left_open)
-    contact.normal.release()
+    contact.history.restore(memory.at_points, memory.dissipated, memory.left_open)
+    contact.normal.recall(memory.at_points)
     contact.friction.recall_scale(memory.regularisation_parameter, memory.is_scaled)
-    contact.friction.recall(memory.reference, memory.bound)
+    contact.friction.recall(memory.at_points)

@@ -12,6 +12,23 @@ Array = NDArray[np.float64]
 OPEN, STICK, SLIP = "OPEN", "STICK", "SLIP"
 
 
+@dataclass(frozen=True)
+class PointArray:
+    """An array at the contact points that a law keeps from load step to load step.
+
+    It is saved, restored and restarted by this name.
+
+    Attributes:
+        name: That of the law's attribute.
+        unit: Such as ``length``.
+        is_vector: Whether it is (points, components), not (points,).
+    """
+
+    name: str
+    unit: str
+    is_vector: bool = False
+
+
 @dataclass(frozen=True, eq=False)
 class ContactState:
     """What happens at the contact points of this rank, one row a point.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
-from fenics_contact.contact.state import OPEN, SLIP
+from fenics_contact.contact.state import OPEN, SLIP, PointArray
 
 Array = NDArray[np.float64]
 Mode = Literal["law", "coupled", "status", "held", "off"]
@@ -24,6 +25,7 @@ class FrictionLaw:
         carries_shear: Whether it can exert a force along the surface.
         follows_path: Whether slip counts from the last accepted load step, so that answers depend
             on the way there.
+        state: Arrays at the points that it keeps from load step to load step, its attributes.
         name: What is modelled where, for results.
         mode: What it does in a solve: ``law`` follows the friction law; ``coupled`` does so
             and lets the tangent know that the bound follows the pressure; ``status`` has
@@ -42,6 +44,10 @@ class FrictionLaw:
     rubs: ClassVar[bool] = False
     carries_shear: ClassVar[bool] = False
     follows_path: ClassVar[bool] = False
+    state: ClassVar[tuple[PointArray, ...]] = (
+        PointArray("reference", "length", is_vector=True),
+        PointArray("bound", "stress"),
+    )
 
     def __init__(self, site: LawSite, normal: NormalLaw, coefficient: Array) -> None:
         self.site, self.normal, self.coefficient = site, normal, coefficient
@@ -137,12 +143,20 @@ class FrictionLaw:
             is_scaled: As it was then.
         """
 
-    def recall(self, reference: Array, bound: Array) -> None:
+    def remember(self, pressure: Array) -> dict[str, Array]:
+        """The arrays of ``state`` by name.
+
+        Args:
+            pressure: Of the normal law at the points (stress).
+        """
+        found = {array.name: getattr(self, array.name).copy() for array in self.state}
+        return found | {"bound": self.present_bound(pressure).copy()}
+
+    def recall(self, at_points: Mapping[str, Array]) -> None:
         """Follow the law as after a load step, whatever has been tried since.
 
         Args:
-            reference: As ``reference``.
-            bound: g at the points (stress).
+            at_points: As ``remember`` gave them, among others.
         """
 
     def hold(self, traction: Array) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -233,17 +234,16 @@ class RegularisedFriction(FrictionLaw):
         self._choose(epsilon)
         self.is_scaled = is_scaled
 
-    def recall(self, reference: Array, bound: Array) -> None:
+    def recall(self, at_points: Mapping[str, Array]) -> None:
         """Follow the law as after a load step, whatever has been tried since.
 
         Args:
-            reference: As ``reference``.
-            bound: g at the points (stress).
+            at_points: As ``remember`` gave them, among others.
         """
         self.mode = "law"
         self.set_share(1.0)
-        self.set_bound(bound)
-        self.accept(reference)
+        self.set_bound(at_points["bound"])
+        self.accept(at_points["reference"])
 
     def counted(self, slip: Array) -> Array:
         """The slip that the law sees: since the start, or since the last accepted step."""

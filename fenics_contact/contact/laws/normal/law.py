@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.contact.state import PointArray
 from fenics_contact.scene.contact import Contact
 
 Array = NDArray[np.float64]
@@ -26,6 +27,7 @@ class NormalLaw:
         pressure_is_known: Whether its pressure is given, so that friction has a bound beforehand.
         pushes_only: Whether the body may leave it.
         has_penalty: Whether its stiffness stands for no give at all.
+        state: Arrays at the points that it keeps from load step to load step, its attributes.
         name: What is modelled where, for results.
 
     Args:
@@ -39,6 +41,7 @@ class NormalLaw:
     pressure_is_known: ClassVar[bool] = False
     pushes_only: ClassVar[bool] = False
     has_penalty: ClassVar[bool] = False
+    state: ClassVar[tuple[PointArray, ...]] = ()
 
     def __init__(self, site: LawSite) -> None:
         self.site = site
@@ -94,6 +97,20 @@ class NormalLaw:
         Args:
             pressure: At the points, (points,) (stress).
         """
+
+    def remember(self) -> dict[str, Array]:
+        """The arrays of ``state`` as they are, by name."""
+        return {array.name: getattr(self, array.name).copy() for array in self.state}
+
+    def recall(self, at_points: Mapping[str, Array]) -> None:
+        """Follow the jump as after a load step, whatever has been tried since.
+
+        Args:
+            at_points: As ``remember`` gave them, among others.
+        """
+        self.release()
+        for array in self.state:
+            setattr(self, array.name, at_points[array.name].copy())
 
     def release(self) -> None:
         """Follow the jump again."""
