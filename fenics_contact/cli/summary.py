@@ -14,6 +14,7 @@ from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.results.accuracy_messages import level_rows
 from fenics_contact.results.check_messages import compares
+from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.result import (
     QUANTITIES,
     Check,
@@ -223,7 +224,7 @@ def _print_contacts(console: Terminal, contacts: list[dict[str, Any]]) -> None:
     for contact in contacts:
         words = [contact["contact"]]
         words.append(
-            "no friction" if contact["law"] == "none" else f"friction law {contact['law']}"
+            "no friction" if not carries_shear(contact) else f"friction law {contact['law']}"
         )
         parameters = contact["parameters"]
         for name in dict.fromkeys((*_PARAMETERS, *parameters)):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.laws.normal import law_of
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.newton.solution import Solution
 
@@ -27,6 +28,16 @@ def sides_of(contact: ContactSurface) -> dict[str, str]:
     if sides.opposite is None:
         return {}
     return {"slave": sides.slave, "master": sides.master, "slave_reason": sides.why}
+
+
+def answers_of(contact: ContactSurface) -> dict[str, bool]:
+    """What its laws answer to pages and pictures, as ``results.contact_answers`` reads it."""
+    named = law_of(contact.contact)
+    return {
+        "pressure_is_given": named.pressure_is_known,
+        "is_rigid": named.has_penalty,
+        "carries_shear": contact.can_shear,
+    }
 
 
 def regularisation_of(contact: ContactSurface) -> dict[str, float]:
