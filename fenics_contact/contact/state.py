@@ -1,4 +1,4 @@
-"""What happens at the points of a contact."""
+"""What happens at the points of a contact; ``results.point_arrays`` has the list of its arrays."""
 
 from __future__ import annotations
 
@@ -10,23 +10,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 OPEN, STICK, SLIP = "OPEN", "STICK", "SLIP"
-
-
-@dataclass(frozen=True)
-class PointArray:
-    """An array at the contact points that a law keeps from load step to load step.
-
-    It is saved, restored and restarted by this name.
-
-    Attributes:
-        name: That of the law's attribute.
-        unit: Such as ``length``.
-        is_vector: Whether it is (points, components), not (points,).
-    """
-
-    name: str
-    unit: str
-    is_vector: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,11 +5,12 @@ import dataclasses
 import numpy as np
 from mpi4py import MPI
 
-from fenics_contact import Run
+from fenics_contact import ContactPoints, Run
 from fenics_contact.contact.laws import normal
 from fenics_contact.contact.laws.normal.foundation import Foundation
 from fenics_contact.contact.snapshot import recall, remember
-from fenics_contact.contact.state import PointArray
+from fenics_contact.contact.state import ContactState
+from fenics_contact.results.point_arrays import AT_POINTS, WRITTEN, PointArray
 from fenics_contact.simulation.restart.state_file import StateFile
 from tests.scenes import box_body
 from tests.simulation.restart.test_state_file import STEPS, silent
@@ -62,3 +63,11 @@ def test_a_declared_array_is_in_the_state_of_a_run(monkeypatch, folder):
     law, x = other.contacts[0].normal, other.contacts[0].trace.coordinates[:, 0]
     np.testing.assert_allclose(law.wear, x, rtol=1e-12)  # as at the last step's time, 1
     np.testing.assert_allclose(law.grooves, x[:, None] * other.contacts[0].trace.normals)
+
+
+def test_what_happens_at_the_points_is_one_list():
+    names = {field.name for field in dataclasses.fields(ContactState)}
+    assert names == {array.name for array in AT_POINTS} | {"status"}
+    assert {array.name for array in WRITTEN} < {
+        field.name for field in dataclasses.fields(ContactPoints)
+    }

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
-from fenics_contact.contact.state import OPEN, SLIP, PointArray
+from fenics_contact.contact.state import OPEN, SLIP
+from fenics_contact.results.point_arrays import PointArray
 
 Array = NDArray[np.float64]
 Mode = Literal["law", "coupled", "status", "held", "off"]

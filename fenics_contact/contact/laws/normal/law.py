@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.contact.laws.site import LawSite
-from fenics_contact.contact.state import PointArray
+from fenics_contact.results.point_arrays import PointArray
 from fenics_contact.scene.contact import Contact
 
 Array = NDArray[np.float64]
