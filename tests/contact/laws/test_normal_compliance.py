@@ -9,6 +9,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Load, Material, Obstacle, Scene, Steps, Support, run
 from fenics_contact.problem.problem import Problem
+from tests.contact.pair_bodies import Box, boxes
 from tests.scenes import box_body
 from tests.simulation.restart.test_state_file import resumed, stopped_after
 from tests.solve.matrices import product
@@ -185,3 +186,21 @@ def test_a_run_is_restarted_on_other_ranks(folder):
 def test_contradictions_are_refused(keys, message):
     with pytest.raises(ValueError, match=message):
         Contact("top", **keys)
+
+
+def test_between_two_bodies_both_give_way():
+    """Blocks pressed together by a uniform pressure are d = (p/c)^(1/m) deep in each other."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.0),
+        support=(Support("lower.y0", {"y": 0}), Support("lower.x0", {"x": 0})),
+        load=(Load("upper.y1", traction=(0, -10)),),
+        contact=(
+            Contact("upper.y0", against="lower.y1", normal_law=law(2), friction_coefficient=0.2),
+        ),
+    )
+    lower, upper = Box("lower", (0, -1), (1, 0), (5, 4)), Box("upper", (0, 0), (1, 1), (3, 3))
+    result = run(scene, COMM, boxes((lower, upper)))
+    assert result.passed, result.verdict
+    assert result.points.contact_pressure == pytest.approx(10, rel=1e-7)
+    assert -result.points.gap == pytest.approx((10 / COEFFICIENT) ** 0.5, rel=1e-7)
