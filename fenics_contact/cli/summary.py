@@ -14,6 +14,7 @@ from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.results.accuracy_messages import level_rows
 from fenics_contact.results.check_messages import compares
+from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.result import (
     QUANTITIES,
     Check,
@@ -39,7 +40,7 @@ _OF_FREE_MOTIONS = ("free_rigid_motions", "used_share_of_limit_load")
 # Quantities in the order shown; the others are in the files.
 _HIDDEN = ("pressure_integral", "contact_force", "external_work", "penalty_energy")
 _SHOWN = [name for name in QUANTITIES if name not in _HIDDEN]
-# Parameters of a contact, in the order of its line; those that do not apply are zero or missing.
+# Parameters of a contact that come first in its line; those that do not apply are zero or missing.
 _PARAMETERS = (
     "pressure",
     "foundation_stiffness",
@@ -212,10 +213,11 @@ def _print_contacts(console: Terminal, contacts: list[dict[str, Any]]) -> None:
     for contact in contacts:
         words = [contact["contact"]]
         words.append(
-            "no friction" if contact["law"] == "none" else f"friction law {contact['law']}"
+            "no friction" if not carries_shear(contact) else f"friction law {contact['law']}"
         )
-        for name in _PARAMETERS:
-            value = contact["parameters"].get(name)
+        parameters = contact["parameters"]
+        for name in dict.fromkeys((*_PARAMETERS, *parameters)):
+            value = parameters.get(name)
             if value:
                 written = f"{value:.3g}" if isinstance(value, float) else str(value)
                 words.append(f"{name.replace('_', ' ')} {written}")

@@ -58,15 +58,19 @@ class ContactHistory:
         return np.where(self.changed(state), np.abs(np.einsum("ij,ij->i", beyond, slip)), 0.0)
 
     def open_pressing(self, state: ContactState) -> Array:
-        """Work of pressures across gaps that close or open within a step (energy/area).
+        """By how much the trapezoidal rule misses the work of pressures in a step (energy/area).
 
-        The trapezoidal rule has it; in truth there is no pressure before they are closed.
+        It takes pressures to grow with the depth from where a point was, be there a gap at first,
+        and in a straight line, whatever the law; the energy that is stored tells what they did.
         """
-        before, after = (
-            np.where(np.isfinite(s.gap), np.maximum(s.gap, 0.0), 0.0) for s in (self.last, state)
-        )
-        across = state.contact_pressure * before + self.last.contact_pressure * after
-        return np.asarray(0.5 * across)
+        depths = []
+        for known in (self.last, state):
+            # What overlaps as meshed does not press yet.
+            least = np.where(known.contact_pressure > 0, -known.gap, np.minimum(-known.gap, 0.0))
+            depths.append(np.where(np.isfinite(known.gap), least, 0.0))
+        mean = 0.5 * (self.last.contact_pressure + state.contact_pressure)
+        stored = state.penalty_energy - self.last.penalty_energy
+        return np.asarray(np.abs(mean * (depths[1] - depths[0]) - stored))
 
     def advance(self, state: ContactState, gap: Array, work: float) -> None:
         """A step is accepted.

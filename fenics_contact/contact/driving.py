@@ -16,10 +16,11 @@ class ContactPaths:
     Args:
         contact: Of the scene.
         key: Where it is there, for messages.
+        is_glued: Whether its obstacle can be pulled.
     """
 
-    def __init__(self, contact: Contact, key: str) -> None:
-        self._is_glued = contact.kind == "bonded"
+    def __init__(self, contact: Contact, key: str, is_glued: bool) -> None:
+        self._is_glued = is_glued
         self._obstacle = obstacle = contact.obstacle or Obstacle()
         self._pressure = KeyedPath(contact.pressure_path, f"{key}.pressure_path")
         self._drive = KeyedPath(obstacle.path, f"{key}.obstacle.path")

@@ -37,11 +37,12 @@ def round_off(contact: ContactSurface) -> float:
     Of the jump w and of the obstacle's motion m that is taken off in it, which the body's
     displacement and its forces know nothing of.
     """
-    if contact.normal is None:
-        return 0.0
-    lengths = np.linalg.norm(contact.kinematics.jump_at_points(), axis=1)
+    jump = contact.kinematics.jump_at_points()
+    lengths = np.linalg.norm(jump, axis=1)
     lengths += float(np.linalg.norm(contact.kinematics.motion))
-    pressed = np.where(contact.pressure() > 0, contact.normal.stiffness, 0.0)
+    pressed = np.where(
+        contact.pressure() > 0, contact.normal.stiffness(contact.normal.depth(jump)), 0.0
+    )
     return 20 * float(np.finfo(float).eps) * float(contact.trace.integral(pressed * lengths))
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.contact.slave_and_master import ContactSides
-from fenics_contact.scene.contact import Contact
 
 # ε = this × g h / E, h the shortest edge at the contact: a stuck point creeps by less
 # than ε, which changes the stress near it by about E ε / h, so the bias is of this order.
@@ -29,12 +30,10 @@ class ContactScales:
             self.moduli = self.moduli.against(elastic.moduli_behind(sides.opposite.nodes))
             self.facet_size = min(self.facet_size, sides.opposite.smallest_edge())
 
-    def penalty_parameter(self, contact: Contact) -> float:
-        """The scene's ε₁, or one whose bias in force and peak pressure is below .1 %; else 0."""
-        if contact.kind not in ("unilateral", "bonded"):
-            return 0.0
-        if contact.penalty_parameter != "auto":
-            return float(contact.penalty_parameter)
+    def penalty_parameter(self, given: float | Literal["auto"]) -> float:
+        """The scene's ε₁, or one whose bias in force and peak pressure is below .1 %."""
+        if given != "auto":
+            return float(given)
         return _PENALTY_SHARE * self.facet_size / self.moduli.confined
 
     def regularisation_parameter(self, bound: float) -> float:

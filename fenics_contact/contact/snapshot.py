@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.kinematics.against_body import BodyKinematics
 
 Array = NDArray[np.float64]
 
@@ -23,9 +22,8 @@ class ContactMemory:
         left_open: Work of pressures, where a gap was measured anew (force × length).
         regularisation_parameter: ε as chosen (length).
         is_scaled: Whether ε has been set.
-        reference: Where slip counts from, at the points, (points, components) (length).
-        bound: Friction bound at the points, (points,) (stress).
-        before: What happened at the points at the end of the step before, by name.
+        at_points: What its laws declare, and what happened at the end of the step before, by name:
+            (points,) or (points, components).
         paired_at: Displacement at which two bodies were paired; None as meshed (length).
     """
 
@@ -34,33 +32,29 @@ class ContactMemory:
     left_open: float
     regularisation_parameter: float
     is_scaled: bool
-    reference: Array
-    bound: Array
-    before: dict[str, Array]
+    at_points: dict[str, Array]
     paired_at: Array | None
 
 
 def remember(contact: ContactSurface) -> ContactMemory:
     """The present state of a contact."""
     kinematics, friction = contact.kinematics, contact.friction
-    slipless = np.zeros_like(contact.trace.normals)
     return ContactMemory(
         indentation=kinematics.indentation,
         dissipated=contact.history.dissipated,
         left_open=contact.history.left_open,
-        regularisation_parameter=1.0 if friction is None else friction.chosen_parameter,
-        is_scaled=contact.is_scaled,
-        reference=slipless if friction is None else friction.reference.copy(),
-        bound=contact.friction_bound.copy(),
-        before=contact.history.at_points(),
-        paired_at=kinematics.paired_at if isinstance(kinematics, BodyKinematics) else None,
+        regularisation_parameter=friction.chosen_parameter,
+        is_scaled=friction.is_scaled,
+        at_points=friction.remember(contact.pressure())
+        | contact.history.at_points()
+        | contact.normal.remember(),
+        paired_at=kinematics.paired_at,
     )
 
 
 def recall_pairing(contact: ContactSurface, memory: ContactMemory) -> bool:
     """Pair two bodies as they were; whether they were paired otherwise; collective."""
-    kinematics = contact.kinematics
-    if not isinstance(kinematics, BodyKinematics) or kinematics.paired_at is memory.paired_at:
+    if contact.kinematics.paired_at is memory.paired_at:
         return False
     contact.pair_anew(memory.paired_at)
     return True
@@ -69,10 +63,7 @@ def recall_pairing(contact: ContactSurface, memory: ContactMemory) -> bool:
 def recall(contact: ContactSurface, memory: ContactMemory) -> None:
     """Go back to a remembered state, bodies being paired as they were."""
     contact.kinematics.indentation = memory.indentation
-    contact.history.restore(memory.before, memory.dissipated, memory.left_open)
-    contact.is_scaled = memory.is_scaled
-    if contact.normal is not None:
-        contact.normal.release()
-    if contact.friction is not None:
-        contact.friction.regularisation_parameter = memory.regularisation_parameter
-        contact.friction.recall(memory.reference, memory.bound)
+    contact.history.restore(memory.at_points, memory.dissipated, memory.left_open)
+    contact.normal.recall(memory.at_points)
+    contact.friction.recall_scale(memory.regularisation_parameter, memory.is_scaled)
+    contact.friction.recall(memory.at_points)

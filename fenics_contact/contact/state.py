@@ -1,4 +1,4 @@
-"""What happens at the points of a contact."""
+"""What happens at the points of a contact; ``results.point_arrays`` has the list of its arrays."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def contact_zone(contact: ContactSurface, state: ContactState) -> Zone | None:
 
 
 def _may_open(contact: ContactSurface) -> bool:
-    return contact.contact.kind not in ("prescribed", "bonded") and contact.normal is not None
+    return contact.is_one_sided
 
 
 def cut_areas(contact: ContactSurface, state: ContactState) -> tuple[float, float]:
@@ -88,7 +88,7 @@ def _cut_pieces(contact: ContactSurface, state: ContactState) -> list[NDArray[np
     """Which pieces of this rank the edges of contact and of stick pass through."""
     zones = [state.status != OPEN, state.status == STICK]
     zones[0] = zones[0] if _may_open(contact) else np.ones_like(zones[0])
-    zones[1] = zones[1] if contact.friction is not None else np.ones_like(zones[1])
+    zones[1] = zones[1] if contact.friction.rubs else np.ones_like(zones[1])
     inside = [zone[contact.trace.pieces.points] for zone in zones]
     return [found.any(axis=1) & ~found.all(axis=1) for found in inside]
 
@@ -100,7 +100,7 @@ def stick_area(contact: ContactSurface, state: ContactState) -> float:
 
 def stick_zone(contact: ContactSurface, state: ContactState) -> Zone | None:
     """Where it sticks, as ``contact_zone``."""
-    if contact.friction is None or contact.contact.kind == "prescribed":
+    if not contact.is_coulomb:
         return None
     carried = np.linalg.norm(state.friction_traction, axis=1)
     slip = np.linalg.norm(contact.friction.counted(state.slip), axis=1)
@@ -162,7 +162,6 @@ def edge_places(
         outer: Those of the points outside.
         ends: Coordinates of either, (pairs, 3) (length).
     """
-    assert contact.normal is not None
     distance, depth = zone.distance[outer], zone.depth[inner]
     length = np.linalg.norm(ends[1] - ends[0], axis=1)
     modulus = contact.moduli.plane_strain
@@ -171,7 +170,8 @@ def edge_places(
     if beyond.any():
         found[beyond] = contact.kinematics.end_of_obstacle(inner[beyond], outer[beyond])
     pushed = ~beyond & (distance > 0)
-    soft = pushed & (depth > 0) & (contact.normal.stiffness[inner] * length < _SOFT * modulus)
+    stiffness = contact.normal.stiffness(zone.depth)[inner]
+    soft = pushed & (depth > 0) & (stiffness * length < _SOFT * modulus)
     found[soft] = depth[soft] / (depth[soft] + distance[soft])
     stiff = pushed & ~soft
     stress = zone.stress[inner][stiff]

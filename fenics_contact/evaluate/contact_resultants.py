@@ -48,7 +48,7 @@ def resultants(
 
 def _friction(contact: ContactSurface, state: ContactState, force: Array) -> Array:
     """On the slave: of the law at the nodes; of glue, of its traction."""
-    if contact.friction is not None:
+    if contact.friction.rubs:
         return resultant(contact.spaces, force[contact.owned_nodes])
     friction = np.asarray(contact.trace.integral(state.friction_traction))
     if contact.spaces.kinematics == "axisymmetric":

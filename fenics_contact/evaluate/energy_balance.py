@@ -127,7 +127,7 @@ class EnergyBook:
     @property
     def applies(self) -> bool:
         """Whether there is a path to count along: the static law of friction has none."""
-        static = any(contact.law == "static" for contact in self._problem.contacts)
+        static = any(not contact.friction.follows_path for contact in self._problem.frictional)
         return self._problem.scene.steps.several and not static
 
     @property
@@ -157,9 +157,9 @@ class EnergyBook:
         """
         if not self.applies or self.done == 0:
             return None
-        limit = _ROUND_OFF + self.round_off / self.done
+        limit = _ROUND_OFF + self.round_off / self.done + self.open_share
         if self.changed:
-            limit += _SHARE + self.open_share
+            limit += _SHARE
         return Check(abs(quantities["energy_defect"]) / self.done, limit)
 
 

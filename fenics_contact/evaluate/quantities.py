@@ -15,6 +15,7 @@ from fenics_contact.evaluate.contact_radii import radii
 from fenics_contact.evaluate.contact_resultants import resultant, resultants
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
+from fenics_contact.results.point_arrays import WRITTEN
 from fenics_contact.results.result import ContactPoints
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 from fenics_contact.solve.newton.solution import Solution
@@ -68,7 +69,7 @@ def _undecided(contact: ContactSurface, state: ContactState) -> dict[str, int]:
     A point that sticks creeps by ε times the share of its bound that it carries, whatever ε:
     that it creeps by nearly ε says that friction is nearly used up, not that ε decides.
     """
-    if contact.friction is None:
+    if not contact.friction.rubs:
         return {}
     slip = np.linalg.norm(contact.friction.counted(state.slip), axis=1)
     slips = contact.trace.owned & (state.status == SLIP) & (contact.friction_bound > 0)
@@ -176,22 +177,21 @@ def _of_the_only(contacts: list[dict[str, Any]]) -> dict[str, Any]:
 def contact_points(problem: Problem, solution: Solution) -> ContactPoints:
     """All contact points on every rank; only contact data is gathered."""
     rows = [_rows(number, problem, solution) for number in range(len(problem.contacts))]
-    width = 2 + 3 + 3 + 2 + 3 + 3 + 1
-    table = np.concatenate(rows) if rows else np.zeros((0, width))
+    widths = [2, 3, 3, *(len(array.columns) for array in WRITTEN), 1]
+    table = np.concatenate(rows) if rows else np.zeros((0, sum(widths)))
     table = gather_rows(problem.comm, table)
     size = np.abs(table[:, 2:5]).max(initial=np.finfo(float).tiny)
     order = np.lexsort((*np.round(table[:, [4, 3, 2]] / size, 9).T, table[:, 0]))
     table = table[order]
+    codes, coordinates, normals, *arrays, weights = np.split(table, np.cumsum(widths)[:-1], axis=1)
+    found = zip(WRITTEN, arrays, strict=True)
     return ContactPoints(
-        contact=table[:, 0].astype(np.int64),
-        status=np.array([OPEN, STICK, SLIP])[table[:, 1].astype(int)],
-        coordinates=table[:, 2:5],
-        normals=table[:, 5:8],
-        gap=table[:, 8],
-        contact_pressure=table[:, 9],
-        friction_traction=table[:, 10:13],
-        slip=table[:, 13:16],
-        weights=table[:, 16],
+        contact=codes[:, 0].astype(np.int64),
+        status=np.array([OPEN, STICK, SLIP])[codes[:, 1].astype(int)],
+        coordinates=coordinates,
+        normals=normals,
+        weights=weights[:, 0],
+        **{array.name: part if array.is_vector else part[:, 0] for array, part in found},
     )
 
 
@@ -205,10 +205,11 @@ def _rows(number: int, problem: Problem, solution: Solution) -> Array:
         status[:, None],
         trace.coordinates,
         _three(trace.normals),
-        state.gap[:, None],
-        state.contact_pressure[:, None],
-        _three(state.friction_traction),
-        _three(state.slip),
+        *(
+            _three(values) if array.is_vector else values[:, None]
+            for array in WRITTEN
+            for values in [getattr(state, array.name)]
+        ),
         trace.weights[:, None],
     ]
     return np.asarray(np.hstack(columns)[trace.owned])

@@ -212,7 +212,7 @@ class FarField:
         normals = np.zeros((len(rows), 3))
         normals[:, : self._spaces.components] = rows[:, 3:]
         flat = largest(comm, np.abs(normals + inward).ravel()) <= _FLAT
-        if contact.contact.kind == "prescribed" or not flat:
+        if not (contact.normal.has_counterpart and flat):
             raise InputError(
                 f"{key}: a half_space needs a flat contact surface and an obstacle that is driven "
                 "straight into it"

@@ -30,11 +30,11 @@ def named_motions(problem: Problem, rigid: RigidMotions) -> list[dict[str, Any]]
             jumps = rigid.jumps(contact) @ motion
             across = contact.kinematics.normal(jumps)
             along = np.linalg.norm(contact.kinematics.tangential(jumps), axis=1)
-            acts = contact.kinematics.reached | (contact.normal is None)
-            presses = contact.normal is not None and contact.is_one_sided
+            acts = contact.kinematics.reached | contact.normal.pressure_is_known
+            presses = contact.is_one_sided
             for word, sizes in (
                 ("contact", np.abs(across) * presses),
-                ("friction", along * (contact.friction is not None)),
+                ("friction", along * (contact.friction.rubs)),
             ):
                 if largest(problem.comm, sizes[acts]) > _RESISTS:
                     resisted.append(f"{word} at '{contact.label}'")

@@ -151,7 +151,7 @@ class Problem:
     @property
     def frictional(self) -> list[ContactSurface]:
         """The contacts that have a friction term."""
-        return [contact for contact in self.contacts if contact.friction is not None]
+        return [contact for contact in self.contacts if contact.friction.rubs]
 
     @property
     def coulomb(self) -> list[ContactSurface]:
@@ -283,7 +283,7 @@ class Problem:
             if contact.contact.against is not None:
                 continue  # what stands opposite may move
             free = contact.owned_nodes & contact.supports.movable
-            if contact.friction is not None and self.comm.allreduce(int(free.sum())) == 0:
+            if contact.friction.rubs and self.comm.allreduce(int(free.sum())) == 0:
                 raise InputError(
                     f"contact[{number}].on = '{contact.contact.on}': supports hold every point of "
                     "it along the surface, so nothing can slip"
@@ -294,8 +294,7 @@ class Problem:
         for number, load in enumerate(self.scene.load):
             terms += self._load_term(number, load)
         for contact in self.contacts:
-            if contact.pressure_load is not None:
-                terms.append(Term(f"contact pressure on {contact.label}", (contact.pressure_load,)))
+            terms += [Term(contact.normal.name, (form,)) for form, _ in contact.normal.loads]
         for contact in self.contacts:
             terms += [Term(term.name, term.forms) for term in contact.terms]
             if contact.floats:
@@ -330,10 +329,10 @@ class Problem:
         return [
             (
                 contact.trace.surface.on_body(contact.trace.surface.assemble(form)),
-                contact.paths.pressure_factor,
+                path,
             )
             for contact in self.contacts
-            if (form := contact.pressure_load) is not None
+            for form, path in contact.normal.loads
         ]
 
     def _assemble_loads(self) -> list[tuple[NDArray[np.float64], Callable[[float], float]]]:

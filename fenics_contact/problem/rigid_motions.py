@@ -81,7 +81,7 @@ class RigidMotions:
         rows = self._fields[:owned].reshape(-1, modes)[held]
         every = [np.hstack([rows, np.zeros((len(rows), floats))])]
         for contact in problem.contacts:
-            if contact.contact.kind == "bonded":
+            if contact.normal.sticks:
                 reached = contact.kinematics.reached[: len(contact.nodes)]
                 moved = contact.kinematics.relative(self._fields)
                 fields = moved[contact.trace.numbers[contact.owned_nodes & reached]]
@@ -130,12 +130,12 @@ class RigidMotions:
         """
         rows = [np.zeros((0, self.count + 2))]
         for contact in self._problem.contacts:
-            if contact.normal is None or not contact.is_one_sided:
+            if not contact.is_one_sided:
                 continue
             trace = contact.trace
             closing = np.einsum("ijk,ij->ik", self.jumps(contact), trace.normals)
             gap = self.gap(contact)
-            acts = trace.owned & np.isfinite(gap) & (contact.normal.stiffness > 0)
+            acts = trace.owned & np.isfinite(gap) & contact.normal.can_press()
             rows.append(np.column_stack([trace.weights, closing, gap])[acts])
         table = gather_rows(self._problem.comm, np.concatenate(rows))
         return table[:, 0], table[:, 1:-1], table[:, -1]

@@ -24,6 +24,7 @@ from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.formulas.recognition import AnalyticContact, recognise
 from fenics_contact.report.histories.load_steps import draw_history
+from fenics_contact.results.contact_answers import pressure_is_given
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.scene import Scene
@@ -141,7 +142,7 @@ def _of_contacts(run: _Run) -> Iterator[Picture]:
                 profile = run.folder / f"contact_{number}_formula.png"
                 yield draw_profile(rows, contact, analytic, profile)
         path = run.folder / f"stress_{number}.png"
-        if contact["contact"] != "prescribed":
+        if not pressure_is_given(contact):
             below = draw_section(run.body, run.result, rows, contact, path, analytic)
             if below is not None:
                 yield below

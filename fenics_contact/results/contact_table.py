@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.plain_text import one_line
+from fenics_contact.results.point_arrays import WRITTEN
 
 Array = NDArray[np.float64]
 
 CSV_HEADER = [
-    *("contact", "x", "y", "z", "nx", "ny", "nz", "gap", "contact_pressure"),
-    *("traction_x", "traction_y", "traction_z", "slip_x", "slip_y", "slip_z", "status"),
+    *("contact", "x", "y", "z", "nx", "ny", "nz"),
+    *(column for array in WRITTEN for column in array.columns),
+    "status",
 ]
 _STATUS = ("OPEN", "STICK", "SLIP")
 

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.results.contact_answers import carries_shear
+
 Array = NDArray[np.float64]
 
 _AXES = "xyz"
@@ -81,7 +83,7 @@ class History:
                 yield Drive(where, r"indentation, $\delta$", "normal force, $P$", depth, normal)
             moved = self.of_contact(number, "obstacle_displacement")
             friction = self.of_contact(number, "friction_force")
-            if moved is not None and friction is not None and contact["law"] != "none":
+            if moved is not None and friction is not None and carries_shear(contact):
                 yield from _along(where, moved, friction, "friction force", "Q")
 
     def _supports(self, far: tuple[str, ...]) -> Iterator[Drive]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.common.errors import StoppedError
+from fenics_contact.results.contact_answers import carries_shear, pressure_is_given
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 
 # Those that have a true value to be apart from; others count points, or say how a run went.
@@ -54,9 +55,9 @@ def idle_quantities(contacts: Sequence[Mapping[str, Any]]) -> set[str]:
         contacts: As in ``result.json``.
     """
     idle = set()
-    if all(contact["law"] == "none" for contact in contacts):
+    if all(not carries_shear(contact) for contact in contacts):
         idle |= _OF_FRICTION
-    if all(contact["contact"] == "prescribed" for contact in contacts):
+    if all(pressure_is_given(contact) for contact in contacts):
         idle |= _OF_CONTACT_FOUND
     return idle
 

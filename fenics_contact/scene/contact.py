@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from fenics_contact.scene.normal_laws import AnyNormalLaw
 from fenics_contact.scene.values import (
     CONSTANT,
     RAMP,
@@ -194,6 +195,10 @@ class Contact:
         Value | None,
         Field(description="of a `winkler` foundation, ≥ 0: pressure over depth (stress/length)"),
     ] = None
+    normal_law: Annotated[
+        AnyNormalLaw | None,
+        Field(description="in place of `contact`: a law of the pressure with keys of its own"),
+    ] = None
     law: Annotated[
         Literal["static", "incremental", "none"],
         Field(
@@ -210,6 +215,8 @@ class Contact:
     ] = "auto"
 
     def __post_init__(self) -> None:
+        if self.normal_law is not None and self.contact is not None:
+            raise ValueError(f"contact: the normal_law says that it is {self.normal_law.kind}")
         prescribed = self.kind == "prescribed"
         if prescribed != (self.pressure is not None):
             raise ValueError(
@@ -242,8 +249,10 @@ class Contact:
                 raise ValueError(f"{key} = {value} must be ≥ 0")
 
     @property
-    def kind(self) -> Kind:
+    def kind(self) -> str:
         """What is known of the contact, also where the scene leaves it to the other keys."""
+        if self.normal_law is not None:
+            return self.normal_law.kind
         if self.contact is not None:
             return self.contact
         if self.foundation_stiffness is not None:

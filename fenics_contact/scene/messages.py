@@ -136,7 +136,8 @@ def _suggestion(key: str, location: tuple[Any, ...], table: type) -> str:
     from fenics_contact.scene.values import Profile
 
     for step in location:
-        table = next((k.table for k in keys_of(table) if k.name == step and k.table), table)
+        tables = next((k.tables for k in keys_of(table) if k.name == step), ()) or (table,)
+        table = next((t for t in tables if t.__name__ in location), tables[0])
         table = Profile if step == Profile.__name__ else table
     accepted = [known.name for known in keys_of(table)]
     near = difflib.get_close_matches(key, accepted, n=1)

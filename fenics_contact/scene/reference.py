@@ -27,7 +27,7 @@ class Key:
     accepts: str
     default: str
     description: str
-    table: type | None
+    tables: tuple[type, ...]
     is_list: bool
 
 
@@ -40,13 +40,13 @@ def keys_of(table: type) -> list[Key]:
 def _key(field: Any, hint: Any) -> Key:
     plain, information = _unwrap(hint)
     description = next((i.description for i in information if _is_described(i)), "")
-    table = next((c for c in _classes(plain) if c is not Profile), None)
+    tables = tuple(c for c in _classes(plain) if c is not Profile)
     return Key(
         name=field.name,
         accepts=_accepted(hint),
         default=_default(field),
         description=description or "",
-        table=table,
+        tables=tables,
         is_list=typing.get_origin(plain) is tuple,
     )
 
@@ -136,13 +136,13 @@ def render() -> str:
     ]
     text += _section("The scene", "top level", Scene)
     for key in keys_of(Scene):
-        if key.table is not None:
+        for table in key.tables:
             header = f"[[{key.name}]]" if key.is_list else f"[{key.name}]"
-            text += _section(f"`{header}`", "a list" if key.is_list else "a table", key.table)
-            for inner in keys_of(key.table):
-                if inner.table is not None:
+            text += _section(f"`{header}`", "a list" if key.is_list else "a table", table)
+            for inner in keys_of(table):
+                for of_inner in inner.tables:
                     title = f"`[{key.name}.{inner.name}]`"
-                    text += _section(title, f"a table of the last {header}", inner.table)
+                    text += _section(title, f"a table of the last {header}", of_inner)
     text += _section("A profile", "in place of a number", Profile)
     text += ["", "```toml", 'pressure = { along = "x", at = [0, 8], values = [100, 300] }', "```"]
     return "\n".join(text) + "\n"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.laws.normal import law_of
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.newton.solution import Solution
 
@@ -29,20 +30,26 @@ def sides_of(contact: ContactSurface) -> dict[str, str]:
     return {"slave": sides.slave, "master": sides.master, "slave_reason": sides.why}
 
 
+def answers_of(contact: ContactSurface) -> dict[str, bool]:
+    """What its laws answer to pages and pictures, as ``results.contact_answers`` reads it."""
+    named = law_of(contact.contact)
+    return {
+        "pressure_is_given": named.pressure_is_known,
+        "is_rigid": named.has_penalty,
+        "carries_shear": contact.can_shear,
+    }
+
+
 def regularisation_of(contact: ContactSurface) -> dict[str, float]:
     """The ε of a load step; none where it follows from pressures to come."""
-    is_open = contact.is_coulomb and not contact.is_scaled
+    is_open = contact.is_coulomb and not contact.friction.is_scaled
     return {} if is_open else {"regularisation_parameter": contact.regularisation_parameter}
 
 
 def parameters_of(contact: ContactSurface) -> dict[str, Any]:
     """A contact's parameters as used; what varies in space is said so."""
     scene = contact.contact
-    given = {
-        "pressure": scene.pressure,
-        "foundation_stiffness": scene.foundation_stiffness,
-        "friction_coefficient": scene.friction_coefficient,
-    }
+    given = contact.parameters | {"friction_coefficient": scene.friction_coefficient}
     used = {
         **regularisation_of(contact),
         "penalty_parameter": contact.penalty_parameter or None,

@@ -32,6 +32,7 @@ from fenics_contact.results.result import Check, Result
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation import verdict
 from fenics_contact.simulation.description import (
+    answers_of,
     parameters_of,
     regularisation_of,
     sides_of,
@@ -287,7 +288,8 @@ class Run:
             {
                 "name": contact.label,
                 "contact": contact.contact.kind,
-                "law": contact.law,
+                "law": contact.friction.kind,
+                "answers": answers_of(contact),
                 **sides_of(contact),
                 "parameters": parameters_of(contact),
                 **self.others.limit(contact.label),

@@ -89,7 +89,7 @@ def test_every_link_leads_to_what_it_names(page):
             "[`friction_energy`](../fenics_contact/contact/laws/energies.py)",
             "[`friction_energy`](energies.py)",
         ),
-        ("[`FrictionTerm.traction`]", "[`FrictionTerm.smoothed_norm`]"),
+        ("[`RegularisedFriction.traction`]", "[`RegularisedFriction.smoothed_norm`]"),
         ("[`test_surface_shift`]", "[`surface_shifted`]"),
     ],
 )

@@ -8,6 +8,8 @@ are meshed, or as they stand after a load step.
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,6 +34,7 @@ class BodyKinematics(ContactKinematics):
         InputError: The surfaces do not face each other.
     """
 
+    faces_body: ClassVar[bool] = True
     pairing: Pairing
 
     def __init__(
@@ -122,3 +125,18 @@ class BodyKinematics(ContactKinematics):
 
     def _gap(self, points: Array, normals: Array) -> Array:
         return self.pairing.distances_from(points, normals)
+
+    def leave_out(self, points: NDArray[np.bool_]) -> None:
+        """All points count: what faces none has no gap."""
+
+    def bring_up(self) -> None:
+        """Bodies stand where they are meshed."""
+
+    def displace(self, displacement: Array) -> None:
+        """Bodies are moved by their supports."""
+
+    def stand(self) -> None:
+        """Their gaps are those of the last pairing."""
+
+    def touch(self) -> None:
+        """Nothing drives a body alone."""

@@ -147,3 +147,6 @@ class ObstacleKinematics(ContactKinematics):
         nearest = smallest(self._spaces.comm, distance)
         jump = self.jump.x.array.reshape(-1, self._spaces.components)
         self.move(jump + self.motion, self.indentation + nearest)
+
+    def pair_anew(self, displacement: Array | None) -> None:
+        """An obstacle is measured where it stands, whatever the body does."""

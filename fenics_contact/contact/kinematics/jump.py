@@ -7,6 +7,7 @@ for a second deformable body, and nowhere else.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from typing import ClassVar
 
 import numpy as np
 from dolfinx import fem
@@ -40,12 +41,14 @@ class ContactKinematics(ABC):
         brought_up: How far it was brought up to the surface beforehand, under a force: so
             that depths are no differences of long distances (length).
         displacement: How far it has moved besides, (components,) (length).
+        faces_body: Whether a deformable surface stands opposite, not a rigid obstacle.
         pairing: The deformable body opposite, None against an obstacle.
         axis: The obstacle's own, ``direction``; None where it has none but the surface's.
         paired_at: Displacement at which it was found what faces what, at the body's nodes of
             this rank; None as meshed (length).
     """
 
+    faces_body: ClassVar[bool] = False
     pairing: Pairing | None = None
     axis: Array | None = None
     paired_at: Array | None = None
@@ -113,6 +116,64 @@ class ContactKinematics(ABC):
             InputError: On every rank.
         """
         require_smooth(self.trace, f"{key}.on")
+
+    @abstractmethod
+    def leave_out(self, points: NDArray[np.bool_]) -> None:
+        """Take points out of an obstacle's reach."""
+
+    @abstractmethod
+    def bring_up(self) -> None:
+        """Take an obstacle to where it first touches the undeformed surface; collective."""
+
+    @abstractmethod
+    def displace(self, displacement: Array) -> None:
+        """Move an obstacle, and its gap with it.
+
+        Args:
+            displacement: From where it stood at first, (components,) (length).
+        """
+
+    @abstractmethod
+    def stand(self) -> None:
+        """Take the gap of an obstacle as it stands now, after it was driven or moved."""
+
+    @abstractmethod
+    def touch(self) -> None:
+        """Drive an obstacle until it just touches the body; collective."""
+
+    @abstractmethod
+    def pair_anew(self, displacement: Array | None) -> None:
+        """Find what faces what on the displaced bodies; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components); None as meshed
+                (length).
+        """
+
+    def slid_share(self, closed: NDArray[np.bool_]) -> float:
+        """Slip since it was found what faces what, over the size of the contact; collective.
+
+        Args:
+            closed: Which points are in contact.
+        """
+        return 0.0
+
+    @property
+    def sagitta(self) -> float:
+        """How far the facets of two bodies are from smooth surfaces, about (length)."""
+        return 0.0
+
+    def whole_gap(self) -> Array:
+        """The gap as an obstacle stands, also at points left out of its reach (length)."""
+        return self.gap
+
+    def depths_of_slid(self, distance: float) -> Array:
+        """How deep points that slid farther than a distance are in an obstacle with a shape.
+
+        Where they are now, along the normals of the undeformed surface; −∞ where it is not before
+        them (length).
+        """
+        return np.zeros(0)
 
     @property
     def reached(self) -> NDArray[np.bool_]:

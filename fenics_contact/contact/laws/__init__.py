@@ -1,4 +1,5 @@
-"""Energies of contact and friction in UFL, and the terms that compile and drive them.
+"""Laws across a contact (``normal``) and along it (``friction``), a file each.
 
-The paper's (1.8), (2.6) to (2.8) and (4.1).
+Each says its energy in UFL once, and answers for itself whatever other rooms ask of it. The paper's
+(1.6), (1.8), (2.6) to (2.8) and (4.1).
 """

@@ -1,6 +1,6 @@
-"""The friction energy: the paper's j_ε (Section 2.3).
+"""Energies of contact and friction in UFL: a given pressure, and the paper's j_ε (Section 2.3).
 
-It sees the displacement jump (against a rigid obstacle: the trace), the
+They see the displacement jump (against a rigid obstacle: the trace), the
 normal, parameters, a weight (2πr where axisymmetric) and a measure, and nothing
 else: the same function serves a boundary of the body and a contact submesh.
 """
@@ -12,26 +12,30 @@ from typing import Any
 import ufl
 
 
-def coulomb_residual(
-    jump: Any,
-    test: Any,
-    normal: Any,
-    gap: Any,
-    stiffness: Any,
-    friction_coefficient: Any,
-    direction: Any,
-    weight: Any,
-    measure: Any,
+def prescribed_pressure_energy(
+    jump: Any, normal: Any, contact_pressure: Any, weight: Any, measure: Any
 ) -> Any:
-    """∫ μ p(w_n) q · v_T, p = k (w_n − s)₊: its derivative couples the bound to the pressure.
+    """∫ p v_n: minus the work of a given contact pressure (paper, (1.8), σ_n = −p)."""
+    return weight * contact_pressure * ufl.dot(jump, normal) * measure
+
+
+def coulomb_residual(
+    test: Any, normal: Any, friction_bound: Any, direction: Any, weight: Any, measure: Any
+) -> Any:
+    """∫ μ p(w_n) q · v_T: its derivative couples the bound to the pressure.
 
     With the direction q of the slip held as a coefficient; with ``primal_dual_residual`` for a
     bound that is held, it makes the tangent of Coulomb's law.
+
+    Args:
+        test: Test function of the jump's space.
+        normal: Outward unit normal.
+        friction_bound: μ p of the jump, by the normal law (stress).
+        direction: q, a coefficient.
+        weight: Factor of the integral (2πr where axisymmetric).
+        measure: Measure of the contact surface.
     """
-    depth = ufl.dot(jump, normal) - gap
-    pressure = stiffness * ufl.conditional(ufl.gt(depth, 0), depth, 0)
-    bound = friction_coefficient * pressure
-    return weight * bound * ufl.dot(direction, tangential(test, normal)) * measure
+    return weight * friction_bound * ufl.dot(direction, tangential(test, normal)) * measure
 
 
 def traction_work(traction: Any, test: Any, normal: Any, weight: Any, measure: Any) -> Any:

@@ -51,15 +51,13 @@ def contact_cones(problem: Problem, rigid: RigidMotions) -> ContactCones:
     components, count = problem.spaces.components, rigid.count
     rows = [np.zeros((0, 1 + (1 + components) * count))]
     for contact in problem.contacts:
-        if contact.normal is None or not contact.is_one_sided:
+        if not contact.is_one_sided:
             continue
         jumps, trace = rigid.jumps(contact), contact.trace
-        coefficients = np.zeros(len(trace.weights))
-        if contact.friction is not None:
-            coefficients = contact.friction.bound_of(np.ones(len(trace.weights)))
+        coefficients = contact.friction.bound_of(np.ones(len(trace.weights)))
         closing = np.einsum("ijk,ij->ik", jumps, trace.normals)
         slips = jumps - closing[:, None, :] * trace.normals[:, :, None]
-        acts = trace.owned & contact.kinematics.reached & (contact.normal.stiffness > 0)
+        acts = trace.owned & contact.normal.can_press()
         flat = slips.reshape(len(slips), components * count)
         rows.append(np.column_stack([coefficients, closing, flat])[acts])
     table = gather_rows(problem.comm, np.concatenate(rows))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.report.drawing.fields import nodes_at
+from fenics_contact.results.contact_answers import is_rigid
 from fenics_contact.results.contact_table import ContactTable
 
 Array = NDArray[np.float64]
@@ -82,7 +83,7 @@ def obstacle_surface(
         rows: Points of the contact.
         contact: Its entry in ``result.json``.
     """
-    if contact["contact"] not in ("unilateral", "bonded") or "master" in contact:
+    if not is_rigid(contact) or "master" in contact:
         return None
     found, nodes = nodes_at(body, rows, contact)
     finite = np.isfinite(found.numbers["gap"])

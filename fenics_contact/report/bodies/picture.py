@@ -15,6 +15,7 @@ from fenics_contact.report.bodies.view import View, choose_view
 from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, WIDE
+from fenics_contact.results.contact_answers import is_rigid
 from fenics_contact.results.contact_table import ContactTable
 
 Array = NDArray[np.float64]
@@ -74,7 +75,7 @@ def _caption(view: View, contacts: list[tuple[ContactTable, dict[str, Any]]], be
     if contacts:
         said += " Points: " + ", ".join(mark.label for mark in view.marks)
         said += ", seen through the bodies." if view.hides else "."
-    if any(c["contact"] in ("unilateral", "bonded") and "master" not in c for _, c in contacts):
+    if any(is_rigid(c) and "master" not in c for _, c in contacts):
         what = "hatched" if view.flat else "translucent"
         said += f" The obstacle is {what}"
         said += "." if view.factor == 1 else "; gaps are magnified as displacements are."

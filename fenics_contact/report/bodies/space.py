@@ -16,6 +16,7 @@ from fenics_contact.report.contacts.maps import triangulation
 from fenics_contact.report.drawing.display import display
 from fenics_contact.report.drawing.fields import nodes_at, outline, surface, surface_edges
 from fenics_contact.report.drawing.style import COLOUR_MAP
+from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.contact_table import ContactTable
 
 Array = NDArray[np.float64]
@@ -203,7 +204,7 @@ def _add_slip(plotter: Any, body: Any, view: View, contacts: Contacts) -> None:
 
     starts, slips = [], []
     for rows, contact in contacts:
-        if contact["law"] == "none":
+        if not carries_shear(contact):
             continue
         found, nodes = nodes_at(body, rows, contact)
         moved = np.asarray(body.points)[nodes]

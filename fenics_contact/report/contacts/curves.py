@@ -13,6 +13,7 @@ from fenics_contact.report.drawing.figures import in_words, new_figure, save, su
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import FORMULA, WIDE
 from fenics_contact.report.formulas.recognition import AnalyticContact
+from fenics_contact.results.contact_answers import carries_shear, pressure_is_given
 from fenics_contact.results.contact_table import ContactTable
 
 Array = NDArray[np.float64]
@@ -73,7 +74,9 @@ def _caption(
 ) -> str:
     what = in_words([f"{name}{_symbol(name)}" for name in names])
     said = f"{what[0].upper()}{what[1:]} along the surface {surface_of(contact)} against {axis}."
-    status = "in contact and open" if contact["law"] == "none" else "that stick, slip and are open"
+    status = (
+        "in contact and open" if not carries_shear(contact) else "that stick, slip and are open"
+    )
     said += f" The strip below shows the parts {status}."
     if analytic is not None:
         said += f" Black lines: {formula_words(analytic)}."
@@ -118,7 +121,7 @@ def _legends(panels: list[Any]) -> None:
 
 def _panels(line: SurfaceLine, contact: dict[str, Any]) -> list[str]:
     """The curves worth drawing: what is found, and what is not zero all along."""
-    found, frictional = contact["contact"] != "prescribed", contact["law"] != "none"
+    found, frictional = not pressure_is_given(contact), carries_shear(contact)
     apart = np.isfinite(line.rows.numbers["gap"]) & ~line.rows.closed
     return [
         *(["contact pressure"] if found or not frictional else []),

@@ -17,6 +17,7 @@ from fenics_contact.report.drawing.fields import nodes_at
 from fenics_contact.report.drawing.figures import new_figure, set_title, style, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, marks
+from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.load_history import Drive, History
 
@@ -123,7 +124,7 @@ def draw_film(film: Film, flat: bool, axes: str, path: Path) -> Picture:
         axes: Letters of the model's axes.
         path: Where to.
     """
-    rough = film.contact["law"] != "none"
+    rough = carries_shear(film.contact)
     names = ["line"] if flat else (["zones", "traction"] if rough else ["zones"])
     names += ["drive"] if film.drive else []
     widths = [_WIDTHS[name] for name in names]
@@ -212,7 +213,7 @@ class _Map:
         points = self._surface.points
         self._zones(panels[0], self._status[number])
         drawn = panels[:1]
-        if self._film.contact["law"] != "none":
+        if carries_shear(self._film.contact):
             drawn = panels[:2]
             traction = self._traction[number]
             sizes = np.linalg.norm(traction, axis=1)
@@ -249,7 +250,7 @@ class _Line:
         self._lines = [SurfaceLine.of(frame, film.contact) for frame in film.frames]
         self._view = SurfaceLine.of(film.zone, film.contact).view
         given = film.contact["parameters"]["friction_coefficient"]
-        rough = film.contact["law"] != "none"
+        rough = carries_shear(film.contact)
         self._coefficient = float(given) if isinstance(given, float | int) and rough else None
         self._values = [
             line.traction if rough else line.rows.numbers["contact_pressure"]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
+from fenics_contact.results.contact_answers import pressure_is_given
 from fenics_contact.results.contact_table import ContactTable
 
 Array = NDArray[np.float64]
@@ -41,7 +42,7 @@ class SurfaceLine:
         order = np.argsort(points[:, axis], kind="stable")
         rows, position = rows.rows(order), points[order, axis]
         low, high = float(position[0]), float(position[-1])
-        if contact["contact"] != "prescribed":
+        if not pressure_is_given(contact):
             around = neighbourhood(position[:, None], rows.closed)
             low, high = max(low, float(around[0][0])), min(high, float(around[1][0]))
         return cls(rows, axis, position, (low, high), marks(contact["law"]))

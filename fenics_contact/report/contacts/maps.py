@@ -13,6 +13,7 @@ from scipy.spatial import QhullError
 from fenics_contact.report.drawing.figures import in_words, new_figure, plain, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, DOUBLE, EDGE, marks, neighbourhood
+from fenics_contact.results.contact_answers import carries_shear, pressure_is_given
 from fenics_contact.results.contact_table import ContactTable
 
 Array = NDArray[np.float64]
@@ -45,7 +46,7 @@ class Surface:
         points = rows.vectors("x", "y", "z")
         axes = np.sort(np.argsort(np.ptp(points, axis=0))[-2:])
         points, shown = points[:, axes], np.ones(len(points), dtype=bool)
-        if contact["contact"] != "prescribed":
+        if not pressure_is_given(contact):
             low, high = neighbourhood(points, rows.closed)
             shown = ((points >= low) & (points <= high)).all(axis=1)
             rows, points = rows.rows(shown), points[shown]
@@ -107,7 +108,7 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> Pictur
         path: PNG file to write.
     """
     surface = Surface.of(rows, contact)
-    found, frictional = contact["contact"] != "prescribed", contact["law"] != "none"
+    found, frictional = not pressure_is_given(contact), carries_shear(contact)
     draw = {
         "status": _status,
         **({"contact pressure p": _pressure} if found or not frictional else {}),
@@ -136,7 +137,7 @@ def _status(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) 
     panel.legend(loc="lower left", bbox_to_anchor=(-0.05, 1.0), ncols=3, handletextpad=0.1)
     slip = surface.rows.vectors("slip_x", "slip_y", "slip_z")[:, surface.axes]
     slides = surface.arrows[surface.rows.status[surface.arrows] == "SLIP"]
-    if contact["law"] != "none" and np.linalg.norm(slip[slides], axis=1).any():
+    if carries_shear(contact) and np.linalg.norm(slip[slides], axis=1).any():
         panel.quiver(*surface.points[slides].T, *slip[slides].T, color="black", width=0.006)
 
 

@@ -17,6 +17,7 @@ from fenics_contact.analytic import contact as formulas
 from fenics_contact.analytic.contact import HertzContact
 from fenics_contact.report.formulas.apex_curvature import relative_curvature
 from fenics_contact.report.formulas.surface_cover import covers
+from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.load_history import History
 from fenics_contact.scene.material import Material
@@ -210,7 +211,7 @@ def _with_force(
     hertz = _hertz(whole, line, punch, modulus, radius)
     if not punch and hertz.radius > _NARROW * radius and _is_round(scene):
         return None
-    rough = result["contacts"][0]["law"] != "none"
+    rough = carries_shear(result["contacts"][0])
     changes = rough and (abs(mismatch) > _ALIKE or punch)
     name = "flat punch" if punch else "Hertz"
     smooth = AnalyticContact(

@@ -13,6 +13,7 @@ from fenics_contact.report.drawing.figures import new_figure, plain, save, set_t
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, COLUMN, DOUBLE, LINES, WIDE
 from fenics_contact.report.histories.hysteresis import Loop, last_loop
+from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.load_history import Drive, History
 
 Array = NDArray[np.float64]
@@ -117,7 +118,7 @@ def _friction_curves(
     found = [history.of_contact(number, "friction_force") for number in range(len(contacts))]
     largest = max((float(np.abs(f).max()) for f in found if f is not None), default=0.0)
     for contact, forces in zip(contacts, found, strict=True):
-        if contact["law"] == "none" or forces is None or largest == 0:
+        if not carries_shear(contact) or forces is None or largest == 0:
             continue
         for axis, values in zip("xyz", forces.T, strict=False):
             if np.abs(values).max() > _SHOWN * largest:
@@ -131,7 +132,7 @@ def _areas(history: History, contacts: list[dict[str, Any]], path: Path) -> Pict
         closed = history.of_contact(number, "contact_area")
         sticks = history.of_contact(number, "stick_area")
         assert closed is not None and sticks is not None
-        rough = contact["law"] != "none"
+        rough = carries_shear(contact)
         colour, label = ("SLIP", "slip") if rough else ("STICK", "in contact")
         panel.fill_between(history.time, closed, color=COLOURS[colour], lw=0, label=label)
         if rough:
@@ -147,7 +148,7 @@ def _areas(history: History, contacts: list[dict[str, Any]], path: Path) -> Pict
         panel.legend(loc="upper left", ncols=2)
     save(figure, path)
     said = "Area in contact over the pseudo-time t"
-    if any(contact["law"] != "none" for contact in contacts):
+    if any(carries_shear(contact) for contact in contacts):
         said += ", and the parts of it that stick and slip"
     return Picture(path, "Areas in contact", said + ".")
 

@@ -18,6 +18,7 @@ from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.report.page.html import Html
 from fenics_contact.report.view.revolved import revolved
 from fenics_contact.report.view.surface import Surface, boundary, surface_of
+from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.contact_table import ContactTable
 
 Array = NDArray[np.float64]
@@ -97,7 +98,7 @@ def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
 
 def _kinds(result: dict[str, Any]) -> tuple[Mark, ...]:
     """States of contact points: open, stick and slip, or without any friction open and closed."""
-    frictional = any(contact["law"] != "none" for contact in result["contacts"])
+    frictional = any(carries_shear(contact) for contact in result["contacts"])
     *closed, still_open = marks("static" if frictional else "none")
     return still_open, *closed
 

@@ -36,7 +36,7 @@ def asked_of(run: Run) -> dict[str, float]:
         )
     _require_present(accuracy, run)
     present = set()
-    if any(contact.contact.kind != "prescribed" for contact in contacts):
+    if any(contact.normal.has_counterpart for contact in contacts):
         present |= {"normal_force", "max_contact_pressure"}
     if any(contact.is_one_sided for contact in contacts):
         present.add("contact_area")

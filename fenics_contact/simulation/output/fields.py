@@ -124,7 +124,7 @@ def _contact_fields(problem: Problem, solution: Solution) -> dict[str, Array]:
 def _reaction_pressure(forces: BulkForces) -> dict[str, Array]:
     """Pressure from the bulk's nodal forces on the contacts that push, if there are any."""
     contacts = forces.problem.contacts
-    pushing = [i for i, contact in enumerate(contacts) if contact.normal is not None]
+    pushing = [i for i, contact in enumerate(contacts) if not contact.normal.pressure_is_known]
     if not pushing:
         return {}
     nodal = np.zeros(len(forces.problem.spaces.coordinates))

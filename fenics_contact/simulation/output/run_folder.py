@@ -23,6 +23,7 @@ from fenics_contact.common.failures import failing_together
 from fenics_contact.common.parallel import on_root
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.results.contact_table import CSV_HEADER
+from fenics_contact.results.point_arrays import WRITTEN
 from fenics_contact.results.result import ContactPoints, Result
 from fenics_contact.scene.scene import Steps
 from fenics_contact.scene.writing import write_scene
@@ -283,15 +284,12 @@ def _write_result(result: Result, folder: Path, scene: str) -> None:
 
 
 def _csv_rows(points: ContactPoints, names: list[str]) -> list[list[str]]:
-    columns = [
-        _without_round_off(points.coordinates),
-        _without_round_off(points.normals),
+    columns = [_without_round_off(points.coordinates), _without_round_off(points.normals)]
+    for array in WRITTEN:
+        values = getattr(points, array.name).reshape(len(points.contact), -1)
         # The gap is a difference of lengths; closed, round-off is most of it.
-        _without_round_off(points.gap[:, None], np.abs(points.coordinates).max(initial=0.0)),
-        _without_round_off(points.contact_pressure[:, None]),
-        _without_round_off(points.friction_traction),
-        _without_round_off(points.slip),
-    ]
+        size = np.abs(points.coordinates).max(initial=0.0) if array.name == "gap" else 0.0
+        columns.append(_without_round_off(values, size))
     table = np.hstack(columns)
     numbers = ",".join(["%.8g"] * table.shape[1])  # one format a row: there may be many
     rows = zip(points.contact.tolist(), table.tolist(), points.status.tolist(), strict=True)

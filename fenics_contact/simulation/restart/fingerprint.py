@@ -20,7 +20,7 @@ from fenics_contact.scene.scene import Scene
 _FREE = ("title", "steps", "solver", "mesh")
 # Keys that states written before they were there do not know: as long as they have their defaults
 # they do not count.
-_LATER = {"Support": {"name": None}}
+_LATER = {"Support": {"name": None}, "Contact": {"normal_law": None}}
 # Where functions are asked: places along each axis of the box around the body, and pseudo-times.
 _PLACES = 7
 _TIMES = np.linspace(0.0, 5.0, 51).tolist()

@@ -19,7 +19,7 @@ from fenics_contact.common.atomic_files import make_folder
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import on_root, total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.snapshot import ContactMemory
+from fenics_contact.contact.snapshot import ContactMemory, remember
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.earlier_results import steps_in_todays_terms
 from fenics_contact.scene.scene import Scene
@@ -223,7 +223,7 @@ class StateFile:
     def _contact_as_arrays(self, number: int, memory: ContactMemory) -> Arrays:
         """What is at the points of a contact, at its nodes and at its facets' centres."""
         trace = self._problem.contacts[number].trace
-        values = np.column_stack([memory.reference, memory.bound, *memory.before.values()])
+        values = np.column_stack(list(memory.at_points.values()))
         count = len(trace.nodes)
         on_body = trace.surface.on_body(trace.at_all_nodes(values[:count]))
         wanted = self._problem.contacts[number].on_body
@@ -250,19 +250,16 @@ class StateFile:
             raise self._refused("its facets are those of another mesh")
         values = np.concatenate([at_nodes, arrays[f"{name}_at_centres"][places]])
         paired_at = arrays.get(f"{name}_paired_at")
-        before = contact.history.at_points()
-        wide = [memory.shape[1] if memory.ndim == 2 else 1 for memory in before.values()]
-        size = self._problem.spaces.components
-        reference, bound, *parts = np.split(values, np.cumsum([size, 1, *wide])[:-1], axis=1)
-        shaped = [
-            part.reshape(like.shape).copy()
-            for part, like in zip(parts, before.values(), strict=True)
-        ]
+        present = remember(contact).at_points
+        wide = [array.shape[1] if array.ndim == 2 else 1 for array in present.values()]
+        parts = np.split(values, np.cumsum(wide)[:-1], axis=1)
+        at_points = {
+            name: part.reshape(present[name].shape).copy()
+            for name, part in zip(present, parts, strict=True)
+        }
         return ContactMemory(
             **plain,
-            reference=reference.copy(),
-            bound=bound[:, 0].copy(),
-            before=dict(zip(before, shaped, strict=True)),
+            at_points=at_points,
             paired_at=None
             if paired_at is None
             else self._spread(self._nodes, arrays["nodes"], paired_at),

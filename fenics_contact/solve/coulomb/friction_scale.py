@@ -18,13 +18,9 @@ def follow_pressure(contact: ContactSurface, imbalance: float) -> None:
         contact: Any; one whose ε is given keeps it.
         imbalance: That was accepted (force).
     """
-    if not contact.finds_scale or not carries_more_than(contact, imbalance):
+    if not contact.friction.finds_scale or not carries_more_than(contact, imbalance):
         return
-    assert contact.friction is not None
-    needed = _needed(contact)
-    if needed > 0:
-        contact.friction.regularisation_parameter = needed
-        contact.is_scaled = True
+    contact.friction.set_scale(_needed(contact))
 
 
 def fits(contact: ContactSurface, too_large: float, too_small: float) -> bool:
@@ -35,15 +31,15 @@ def fits(contact: ContactSurface, too_large: float, too_small: float) -> bool:
         too_large: Largest of ε over that needed.
         too_small: Largest of that needed over ε.
     """
-    if not contact.finds_scale:
+    if not contact.friction.finds_scale:
         return True
-    assert contact.friction is not None
     needed, chosen = _needed(contact), contact.friction.chosen_parameter
-    return contact.is_scaled and needed <= too_small * chosen and chosen <= too_large * needed
+    return (
+        contact.friction.is_scaled and needed <= too_small * chosen and chosen <= too_large * needed
+    )
 
 
 def _needed(contact: ContactSurface) -> float:
     """The ε whose bias is below .1 % at the present pressure, 0 without one; collective."""
-    assert contact.friction is not None
     bound = contact.friction.bound_of(contact.pressure())
     return contact.scales.regularisation_parameter(largest(contact.spaces.comm, bound))

@@ -97,7 +97,6 @@ def _minimise(newton: Newton) -> None:
         logger.info("%s; next: searching along the steps", error)
         newton.restore(start)
         for contact in newton.problem.frictional:
-            assert contact.friction is not None
             contact.friction.stick_all()
         newton.run(search_energy=True)
 
@@ -158,7 +157,6 @@ class _CoulombLoop:
     def _start_anew(self) -> None:
         """Whatever a way that failed has left behind."""
         for contact in self.contacts:
-            assert contact.friction is not None and contact.normal is not None
             contact.normal.release()
             contact.friction.set_share(1.0)
         self.newton.restore(self.start)
@@ -193,7 +191,6 @@ class _CoulombLoop:
     def _rub_nothing(self) -> None:
         """What to do where nothing touches; what glue holds then is not held."""
         for contact in self.contacts:
-            assert contact.friction is not None
             contact.friction.mode = "law"
             contact.friction.set_bound(np.zeros_like(contact.friction.bound))
         if self._is_glued:
@@ -231,7 +228,6 @@ class _CoulombLoop:
             self._solve_without_friction(tolerance)
         self._scale()
         for contact in self.contacts:
-            assert contact.friction is not None
             contact.friction.stick_all()
         self._sticks = [np.ones(len(c.trace.weights), dtype=bool) for c in self.contacts]
         self._directions = [np.zeros_like(c.trace.normals) for c in self.contacts]
@@ -239,7 +235,6 @@ class _CoulombLoop:
 
     def _solve_without_friction(self, tolerance: float | None) -> None:
         for contact in self.contacts:
-            assert contact.friction is not None
             contact.friction.mode = "off"
             if self._is_glued:
                 stiffness = _GLUE * contact.moduli.combined / contact.facet_size
@@ -279,7 +274,6 @@ class _CoulombLoop:
 
     def _lagged_pass(self, pressures: list[Array]) -> list[Array]:
         for contact, pressure in zip(self.contacts, pressures, strict=True):
-            assert contact.friction is not None
             contact.friction.mode = "law"
             contact.friction.set_bound(contact.friction.bound_of(pressure))
         before = self.newton.save()
@@ -293,13 +287,11 @@ class _CoulombLoop:
     def _campos_pass(self, pressures: list[Array]) -> list[Array]:
         """Step 3 with the status of the last pass, then Step 4."""
         for i, (contact, pressure) in enumerate(zip(self.contacts, pressures, strict=True)):
-            assert contact.friction is not None and contact.normal is not None
             contact.normal.hold(pressure)
             bound = contact.friction.bound_of(pressure)
             contact.friction.set_status(self._sticks[i], self._directions[i], bound)
         self.newton.run(search_energy=False)
         for i, (contact, pressure) in enumerate(zip(self.contacts, pressures, strict=True)):
-            assert contact.friction is not None and contact.normal is not None
             bound = contact.friction.bound_of(pressure)
             contact.friction.hold(self._next_status(i, bound))
             contact.friction.mode = "held"
@@ -314,7 +306,6 @@ class _CoulombLoop:
         the direction of its slip; it never reverses at once.
         """
         contact = self.contacts[number]
-        assert contact.friction is not None
         kinematics, epsilon = contact.kinematics, contact.friction.regularisation_parameter
         slip = contact.friction.counted(kinematics.tangential(kinematics.jump_at_points()))
         size = np.linalg.norm(slip, axis=1)
@@ -329,7 +320,7 @@ class _CoulombLoop:
 
     def _monolithic(self) -> None:
         """Newton's method with the coupled tangent, from the adhesive start, full steps."""
-        if all(contact.is_scaled for contact in self.contacts):
+        if all(contact.friction.is_scaled for contact in self.contacts):
             try:
                 self._solve_coupled(self._is_out_of_scale)
                 return
@@ -348,7 +339,6 @@ class _CoulombLoop:
 
     def _solve_coupled(self, hopeless: Callable[[], bool] | None = None) -> None:
         for contact in self.contacts:
-            assert contact.friction is not None
             contact.friction.stick_all()
             contact.friction.mode = "coupled"
         self.newton.run(search_energy=False, hopeless=hopeless)
@@ -357,7 +347,6 @@ class _CoulombLoop:
         shares = _FALLING if RigidMotions(self.problem).slides_on_coulomb else _RISING
         for share in shares:
             for contact in self.contacts:
-                assert contact.friction is not None
                 contact.friction.set_share(share)
             if share == shares[0]:
                 self._monolithic()

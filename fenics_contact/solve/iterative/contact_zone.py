@@ -147,11 +147,7 @@ def touching(problem: Problem) -> Nodes:
     """Nodes at which forces of contacts depend on displacements at present; collective."""
     found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
     for contact in (contact for contact in problem.contacts if contact.terms):
-        acts = np.zeros(len(contact.trace.weights), dtype=bool)
-        if contact.normal is not None:
-            acts |= (contact.pressure() > 0) | (not contact.is_one_sided)
-        if contact.friction is not None:
-            acts |= contact.friction.bound > 0
+        acts = contact.normal.acts(contact.pressure()) | (contact.friction.bound > 0)
         at_nodes = contact.trace.to_nodes(acts.astype(np.float64)) > 0
         found |= contact.kinematics.reaches(contact.trace.at_all_nodes(at_nodes))
     return found

@@ -53,8 +53,7 @@ class EliminatingNewton:
         self._tolerance = 0.0
         self._ran_out = False  # the last linear solve, of its iterations
         self._is_nonlinear = any(
-            contact.is_one_sided or contact.friction is not None
-            for contact in system.problem.contacts
+            contact.is_one_sided or contact.friction.rubs for contact in system.problem.contacts
         )
 
     def solve(self, snes: Any, right: Any, state: Any) -> None:

@@ -135,9 +135,7 @@ class History:
         assert self.last is not None
         self._recall(self._untouched)
         for contact, memory in zip(self.problem.contacts, self._first, strict=False):
-            contact.is_scaled = memory.is_scaled
-            if contact.friction is not None:
-                contact.friction.regularisation_parameter = memory.regularisation_parameter
+            contact.friction.recall_scale(memory.regularisation_parameter, memory.is_scaled)
         other = History(self.newton)
         other.pace = FixedPace(Steps(times=tuple(times)))
         return other
@@ -223,8 +221,9 @@ class History:
         """
         if self.last is None:
             return self.guess
-        static = any(contact.law == "static" for contact in self.problem.coulomb)
-        if static or self.last.before is None:
+        if not all(contact.friction.follows_path for contact in self.problem.coulomb):
+            return None
+        if self.last.before is None:
             return None
         before = self.last.before
         close = 1e-9 * (time - before.time)

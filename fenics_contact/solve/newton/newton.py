@@ -332,7 +332,6 @@ class Newton:
 
     def _stick_all(self) -> None:
         for contact in self.problem.frictional:
-            assert contact.friction is not None
             contact.friction.stick_all()
 
     def _converged(self, snes: Any, iteration: int, norms: tuple[float, float, float]) -> Any:
@@ -393,12 +392,7 @@ class Newton:
             internal_force=internal,
             normal_force=[force[n] for force, n in zip(normal, nodes, strict=True)],
             friction_force=[force[n] for force, n in zip(friction, nodes, strict=True)],
-            friction_bound=[
-                np.zeros_like(contact.trace.weights)
-                if contact.friction is None
-                else contact.friction.bound.copy()
-                for contact in self.problem.contacts
-            ],
+            friction_bound=[contact.friction.bound.copy() for contact in self.problem.contacts],
             states=[contact.state() for contact in self.problem.contacts],
             residual_history=tuple(self.history),
             newton_iterations=self.steps,

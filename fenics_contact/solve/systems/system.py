@@ -145,12 +145,7 @@ class System(ABC):
 
     def contact_forces(self, terms: str) -> list[Array]:
         """Forces on the body at the nodes of each surface, by a kind of term; collective."""
-        found = []
-        for contact in self.problem.contacts:
-            term = getattr(contact, terms)
-            none = np.zeros((len(contact.trace.all_nodes), self.problem.spaces.components))
-            found.append(none if term is None else term.force())
-        return found
+        return [getattr(contact, terms).force() for contact in self.problem.contacts]
 
     def all_contact_forces(self) -> list[Array]:
         """Those of all terms together; remembers their 1-norm; collective."""

@@ -44,7 +44,7 @@ def penetration_depth(forces: BulkForces, contacts: list[ComparedPressures]) -> 
     worst = _glue(forces)
     for compared in contacts:
         contact, state = compared.contact, compared.state
-        if contact.contact.kind != "unilateral" or not compared.tells:
+        if not (contact.has_penalty and compared.tells):
             continue
         counted = contact.trace.owned.copy()
         counted[: len(contact.nodes)] &= contact.supports.free_across
@@ -71,7 +71,7 @@ def _glue(forces: BulkForces) -> Check | None:
     comm = forces.problem.comm
     free = forces.problem.free.all(axis=1)
     for number, contact in enumerate(forces.problem.contacts):
-        if contact.contact.kind != "bonded" or contact.normal is None:
+        if not contact.normal.sticks:
             continue
         if not carries_more_than(contact, forces.imbalance):
             continue
@@ -133,7 +133,7 @@ def _creep_share(compared: ComparedFriction, steps: int) -> Check | None:
     sums = [compared.area * part for part in (carried * creep, carried**2, rough)]
     crept, squares, area = total(compared.comm, np.array([part.sum() for part in sums]))
     gives = compared.strongest * size_of(contact, area) / contact.moduli.combined
-    anew = steps if contact.law == "incremental" else 1
+    anew = steps if contact.friction.follows_path else 1
     value = float(anew * crept / (squares * gives))
     return Check(value, _LARGEST_SHARE, contact.label, kind="share")
 

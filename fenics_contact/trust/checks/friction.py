@@ -83,7 +83,7 @@ def compared_friction(forces: BulkForces) -> list[ComparedFriction]:
     for number, contact in enumerate(problem.contacts):
         free, movable = contact.supports.free_along, contact.supports.movable
         counted = contact.owned_nodes & movable
-        if contact.friction is None or problem.comm.allreduce(int(counted.sum())) == 0:
+        if not contact.friction.rubs or problem.comm.allreduce(int(counted.sum())) == 0:
             continue
         trace = contact.trace
         traction = np.linalg.norm(solution.states[number].friction_traction, axis=1)

@@ -73,7 +73,7 @@ def compared_pressures(forces: BulkForces) -> list[ComparedPressures]:
     found = []
     comm = problem.comm
     for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
-        if contact.normal is None or contact.contact.kind == "bonded":
+        if not contact.is_one_sided:
             continue
         free = contact.owned_nodes & contact.supports.free_across
         peak = largest(comm, state.contact_pressure)
@@ -137,7 +137,7 @@ def penetration(forces: BulkForces, contacts: list[ComparedPressures]) -> Check 
     sunk, pushing = 0.0, False
     for compared in contacts:
         contact, energy = compared.contact, compared.state.penalty_energy
-        if compared.tells and contact.contact.kind != "winkler":  # whose depth is asked for
+        if compared.tells and contact.has_penalty:  # whose depth is asked for
             sunk, pushing = sunk + float(contact.trace.integral(energy)), True
     if not pushing:
         return None

@@ -26,7 +26,6 @@ def outer_loop(forces: BulkForces) -> Check | None:
     for number, contact in enumerate(problem.contacts):
         if not contact.is_coulomb:
             continue
-        assert contact.friction is not None
         wanted = contact.friction.bound_of(solution.states[number].contact_pressure)
         peak = largest(problem.comm, wanted)
         if peak <= 0 or not carries_more_than(contact, forces.imbalance):

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.kinematics.against_body import BodyKinematics
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import nearer_to_failing
@@ -28,7 +27,7 @@ def action_and_reaction(forces: BulkForces) -> Check | None:
     """
     worst: Check | None = None
     for contact, given in zip(forces.problem.contacts, forces.solution.contact_force, strict=True):
-        if isinstance(contact.kinematics, BodyKinematics):
+        if contact.kinematics.faces_body:
             nodal = contact.kinematics.on_body(contact.trace.at_all_nodes(given))
             worst = nearer_to_failing(worst, _balance(forces, contact, nodal))
     return worst
@@ -51,7 +50,6 @@ def _balance(forces: BulkForces, contact: ContactSurface, nodal: Array) -> Check
         turned = []
     left = total(spaces.comm, np.concatenate([vectors.sum(axis=0), moments.sum(axis=0)]))
     off = np.linalg.norm([*left[counted], *(left[3 + k] for k in turned)])
-    assert isinstance(contact.kinematics, BodyKinematics)
     closed = contact.kinematics.reached & (contact.pressure() != 0)
     apart = largest(spaces.comm, np.abs(contact.kinematics.gap[closed]))
     limit = _SAFETY * (apart + contact.kinematics.sagitta) / extent + 2 * contact.slid_share()

@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 
 from fenics_contact.common.parallel import gather_rows, largest
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.kinematics.against_body import BodyKinematics
-from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
 from fenics_contact.problem.problem import Problem
 from fenics_contact.trust.convergence.support_steps import support_steps
 
@@ -67,14 +65,12 @@ def displacement_jumps(problem: Problem, displacement: Array, time: float) -> li
     if scale == 0:
         return []
     stiff = {
-        number: contact
-        for number, contact in enumerate(problem.contacts)
-        if contact.normal is not None and contact.has_penalty
+        number: contact for number, contact in enumerate(problem.contacts) if contact.has_penalty
     }
     held = _held(problem, displacement, time)
     found = _at_nodes(problem, stiff, held, _NONE * scale)
     for number, contact in stiff.items():
-        if isinstance(contact.kinematics, BodyKinematics):
+        if contact.kinematics.faces_body:
             found += _between_bodies(problem, number, held, _NONE * scale)
     found += [
         Jump(place, size, (), (number,)) for number, place, size in support_steps(problem, time)
@@ -115,7 +111,7 @@ def _at_nodes(
 ) -> list[Jump]:
     """Where supports and obstacles ask a node for what it cannot do; collective."""
     count = len(problem.spaces.coordinates)
-    obstacles = {n: c for n, c in stiff.items() if isinstance(c.kinematics, ObstacleKinematics)}
+    obstacles = {n: c for n, c in stiff.items() if not c.kinematics.faces_body}
     asked = np.zeros(count)
     for contact in obstacles.values():
         asked += contact.on_body
@@ -154,7 +150,6 @@ def _rows_of_obstacle(problem: Problem, number: int, chosen: NDArray[np.bool_]) 
     """n·u ≤ s + n·(motion of the obstacle), or u = motion where it is glued on."""
     contact = problem.contacts[number]
     kinematics, nodes = contact.kinematics, contact.nodes
-    assert isinstance(kinematics, ObstacleKinematics)
     gap = kinematics.whole_gap()[: len(nodes)]
     mine = chosen[nodes] & contact.owned_nodes & np.isfinite(gap)
     motion = kinematics.indentation * kinematics.direction + kinematics.displacement

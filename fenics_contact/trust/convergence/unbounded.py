@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.trust.convergence.displacement_jumps import Jump, displacement_jumps
@@ -82,7 +81,7 @@ class Unbounded:
             return any(contact.can_shear for contact in touched)
         if name == "reaction" and number is None:
             # Between supports, also of two bodies that touch, forces cancel in the sum.
-            driven = [c for c in touched if isinstance(c.kinematics, ObstacleKinematics)]
+            driven = [c for c in touched if not c.kinematics.faces_body]
             return bool(jump.supports and driven)
         return bool(touched) and name in (*_RESULTANTS, *_PEAKS)
 

@@ -11,7 +11,6 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from fenics_contact.contact.kinematics.against_body import BodyKinematics
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import (
     contact_quantities,
@@ -322,10 +321,9 @@ def _recorded(step: Mapping[str, Any], answer: Mapping[Hashable, Any]) -> dict[H
 
 def _remembers(problem: Problem) -> bool:
     """Whether the answer depends on load steps: by friction, or by bodies that are paired anew."""
-    if any(contact.law == "incremental" for contact in problem.contacts):
+    if any(contact.friction.follows_path for contact in problem.contacts):
         return True
-    pairs = [c.kinematics for c in problem.contacts if isinstance(c.kinematics, BodyKinematics)]
-    return any(kinematics.paired_at is not None for kinematics in pairs)
+    return any(contact.kinematics.paired_at is not None for contact in problem.contacts)
 
 
 def _row(key: Hashable, found: Mapping[str, Errors]) -> Row:

@@ -130,14 +130,11 @@ def _all_small(found: Errors, answer: Quantities, contacts: int) -> bool:
 
 def _stiffen(left: float, problem: Problem) -> None:
     for contact in problem.contacts:
-        if contact.has_penalty:
-            assert contact.normal is not None
-            contact.normal.soften(left)
+        contact.normal.soften(left)
 
 
 def _regularise_less(left: float, problem: Problem) -> None:
     for contact in problem.frictional:
-        assert contact.friction is not None
         contact.friction.regularise_less(left)
 
 
@@ -168,7 +165,6 @@ def _one_more_pass(history: History, measure: Measure) -> Quantities | None:
     newton.continue_start()
     try:
         for contact in history.problem.coulomb:
-            assert contact.friction is not None
             contact.friction.set_bound(contact.friction.bound_of(contact.pressure()))
         newton.run(False)
         return measure(newton.solution())

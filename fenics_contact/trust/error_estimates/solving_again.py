@@ -105,7 +105,6 @@ def newton_again(history: History, tolerance: float | None = None) -> Solution:
     """
     newton, problem = history.newton, history.problem
     for contact in problem.coulomb:
-        assert contact.friction is not None
         contact.friction.mode = "coupled"
     newton.run(False if problem.coulomb else None, tolerance)
     return newton.solution()
@@ -133,10 +132,8 @@ def differences(
 
 def _restore(history: History) -> None:
     for contact in history.problem.contacts:
-        if contact.normal is not None:
-            contact.normal.soften(1.0)
-        if contact.friction is not None:
-            contact.friction.regularise_less(1.0)
+        contact.normal.soften(1.0)
+        contact.friction.regularise_less(1.0)
     if history.problem.far_field is not None:
         history.problem.far_field.beyond[:] = 0.0
     history.problem.disturbance = None

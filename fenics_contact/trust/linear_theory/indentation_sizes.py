@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
 from fenics_contact.problem.problem import Problem
 from fenics_contact.trust.linear_theory.displacement_gradient import CellPoints
 
@@ -41,7 +40,6 @@ class IndentationSize:
         self._problem = problem
         self.label = contact.label
         spaces, kinematics = problem.spaces, contact.kinematics
-        assert isinstance(kinematics, ObstacleKinematics)
         self.kinematics = kinematics
         pressed = np.zeros(spaces.parts.count)
         pressed[spaces.parts.of_node[contact.nodes]] = 1.0

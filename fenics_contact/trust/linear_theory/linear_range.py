@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.common.parallel import largest
-from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
 from fenics_contact.solve.newton.solution import Solution
@@ -46,7 +45,7 @@ class LinearRange:
             IndentationSize(problem, contact, self._points)
             for contact in problem.contacts
             if contact.has_penalty
-            and isinstance(contact.kinematics, ObstacleKinematics)
+            and not contact.kinematics.faces_body
             and contact.kinematics.direction.any()
         ]
         self._sides = [self._side(axis, at) for axis, at in problem.supports.flat_sides]

@@ -121,7 +121,6 @@ def _begin(history: History, start: Start) -> None:
         displacement += _shift(contact, start)
     newton.place(displacement, history.last.unknowns.scalars)
     for contact in problem.coulomb:
-        assert contact.friction is not None
         contact.friction.mode = "coupled"
         if start.way is None:
             contact.friction.stick_all()
@@ -140,7 +139,6 @@ def _slip(contact: ContactSurface, way: tuple[float, ...]) -> Array:
 
 def _shift(contact: ContactSurface, start: Start) -> Array:
     """What takes the slave's nodes to where a start has them, at the body's nodes; collective."""
-    assert contact.friction is not None
     kinematics, trace = contact.kinematics, contact.trace
     depth = _DEPTH * contact.facet_size * (1.0 if start.closed else -1.0)
     gap = np.where(kinematics.reached, kinematics.gap, 0.0)

@@ -69,7 +69,6 @@ def uniqueness_limit(system: CondensedSystem, number: int) -> float | None:
 
 def _points(contact: ContactSurface) -> Array:
     """Place among the surface's nodes, coefficient and normal of the points to look at."""
-    assert contact.friction is not None
     trace, comm = contact.trace, contact.spaces.comm
     count = len(contact.nodes)
     coefficient = contact.friction.bound_of(np.ones(len(trace.weights)))[:count]

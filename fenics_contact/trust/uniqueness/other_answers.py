@@ -80,7 +80,6 @@ def look_around(history: History) -> OtherAnswers:
     for number, contact in enumerate(problem.contacts):
         if contact.is_coulomb and isinstance(system, CondensedSystem):
             limit = uniqueness_limit(system, number)
-            assert contact.friction is not None
             coefficient = contact.friction.bound_of(np.ones(len(contact.trace.weights)))
             if limit is not None:
                 limits[contact.label] = limit, largest(problem.comm, coefficient)

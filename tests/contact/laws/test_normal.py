@@ -7,7 +7,6 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from fenics_contact import Contact, Load, Material, Obstacle, Scene, Support, run
-from fenics_contact.contact.laws.normal_contact import bonded_energy, penetration_energy
 from fenics_contact.problem.problem import Problem
 from tests.scenes import box_body
 from tests.solve.matrices import product
@@ -46,15 +45,7 @@ def test_residual_and_tangent_are_derivatives_of_the_energy(dimension, degree, k
     problem = pad(dimension, kind, degree, **keys)
     contact = problem.contacts[0]
     trace, spaces = contact.trace, contact.trace.surface
-    stiffness = trace.coefficient(contact.normal.stiffness)
-    if kind == "bonded":
-        energy = bonded_energy(contact.kinematics.jump, stiffness, trace.weight, trace.measure)
-    else:
-        gap = trace.coefficient(contact.kinematics.gap)
-        energy = penetration_energy(
-            contact.kinematics.jump, trace.normal, gap, stiffness, trace.weight, trace.measure
-        )
-    energy = fem.form(energy)
+    energy = fem.form(contact.normal.energy)
     points = spaces.coordinates
     shift = np.stack([np.sin(3 * points[:, 0] + i) for i in range(spaces.components)], axis=1)
     owned = slice(0, spaces.owned_nodes)
@@ -192,10 +183,7 @@ def test_kind_follows_from_the_keys():
 
 
 def test_forms_know_neither_the_facets_normal_nor_the_volume():
-    contact = pad(3).contacts[0]
-    trace = contact.trace
-    jump = contact.kinematics.jump
-    energy = penetration_energy(jump, trace.normal, 0.0, 1.0, trace.weight, trace.measure)
+    energy = pad(3).contacts[0].normal.energy
     assert not ufl.algorithms.analysis.extract_type(energy, ufl.classes.FacetNormal)
     assert [integral.integral_type() for integral in energy.integrals()] == [
         "cell"

@@ -120,7 +120,7 @@ def _frictional_works(problem: Problem) -> set[Hashable]:
     found: set[Hashable] = {
         (number, "friction_work")
         for number, contact in enumerate(problem.contacts)
-        if contact.friction is not None
+        if contact.friction.rubs
     }
     return found | {"friction_work"} if found else found
 
@@ -223,7 +223,7 @@ def _radii_cut(
 def _peak_error(forces: BulkForces, number: int) -> float | None:
     """Of the largest pressure of a contact, None if it may have no bound; collective."""
     problem, contact = forces.problem, forces.problem.contacts[number]
-    if contact.normal is None:  # the pressure is given
+    if contact.normal.pressure_is_known:
         return 0.0
     peak = largest(problem.comm, forces.solution.states[number].contact_pressure)
     needed = largest(problem.comm, forces.pressure(number)[contact.trace.numbers])

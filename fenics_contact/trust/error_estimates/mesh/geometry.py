@@ -96,7 +96,6 @@ def _again(
 
 
 def _set_gap(contact: ContactSurface, gap: Array) -> None:
-    assert contact.normal is not None
     contact.kinematics.gap = gap
     contact.normal.set_gap(gap)
 

@@ -51,7 +51,7 @@ def load_scatter(
     """
     problem = history.problem
     last, answer = recorded[-1]
-    if not any(contact.is_one_sided or contact.friction for contact in problem.contacts):
+    if not any(contact.is_one_sided or contact.friction.rubs for contact in problem.contacts):
         return dict.fromkeys(answer, 0.0)
     assert history.last is not None
     turn = max((knot for knot in knots(problem.scene) if knot < last), default=0.0)

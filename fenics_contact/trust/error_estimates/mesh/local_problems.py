@@ -212,7 +212,7 @@ def _nodal_forces(forces: BulkForces, contact: ContactSurface, trace: Trace) -> 
     number = problem.contacts.index(contact)
     at_nodes = contact.trace.at_all_nodes(forces.solution.contact_force[number])
     whole = contact.kinematics.on_body(at_nodes)
-    if contact.pressure_load is not None:
+    if contact.normal.loads:
         whole = whole + problem.pressure_load
     return whole[trace.surface.body_nodes]
 

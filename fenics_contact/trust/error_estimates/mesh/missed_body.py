@@ -143,6 +143,6 @@ class MissedBody:
         """Which facets are glued to obstacles."""
         found = np.zeros(len(self._sides.facets), dtype=bool)
         for contact in self._problem.contacts:
-            if contact.contact.kind == "bonded" and contact.contact.obstacle is not None:
+            if contact.normal.sticks and contact.contact.obstacle is not None:
                 found |= self._sides.within(contact.trace.group)
         return found

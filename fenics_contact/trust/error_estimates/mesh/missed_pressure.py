@@ -53,16 +53,17 @@ def missed_pressure(
         None where the pressure is not given, or where it is one number on a flat surface.
     """
     spaces, group, given = contact.spaces, contact.trace.group, contact.contact.pressure
-    if given is None or contact.pressure_load is None:
+    if given is None or not contact.normal.loads:
         return None
     is_curved = total(spaces.comm, int(sides.within(group).sum())) > 0
     load = ActingLoad("pressure", None, group, spaces, (given,), "contact.pressure")
     if load.is_constant and not is_curved:
         return None
     load, test = load.as_given(), ufl.TestFunction(spaces.displacement_space)
-    surface, factor = contact.trace.surface, contact.paths.pressure_factor(time)
+    surface, (form, path) = contact.trace.surface, contact.normal.loads[0]
+    factor = path(time)
     nodal = spaces.assemble(form_cache.form(load.work(test)))
-    nodal -= surface.on_body(surface.assemble(contact.pressure_load))
+    nodal -= surface.on_body(surface.assemble(form))
     whole = spaces.weight * load.value * spaces.boundary(group)
     parts = [float(fem.assemble_scalar(form_cache.form(whole)))]
     if is_curved:

@@ -77,7 +77,7 @@ def pinned_friction(problem: Problem, solution: Solution) -> list[PinnedFriction
 
 def _sum(contact: ContactSurface, state: ContactState, holds: list[Array]) -> tuple[float, float]:
     """Of several directions at the body's nodes: force and area; collective."""
-    if contact.friction is None:
+    if not contact.friction.rubs:
         return 0.0, 0.0
     parts = [_unknown(contact, state, held[contact.nodes]) for held in holds]
     return sum(force for force, _ in parts), sum(area for _, area in parts)
@@ -122,7 +122,6 @@ def _unknown(contact: ContactSurface, state: ContactState, held: Array) -> tuple
     direction = along[pieces.points]
     lengths = np.linalg.norm(direction, axis=2, keepdims=True)
     direction = direction / np.where(lengths > 0, lengths, 1.0)
-    assert contact.friction is not None
     slip = contact.friction.counted(state.slip)[:count][pieces.points]
     traction = state.friction_traction[:count][pieces.points]
     slips = _uses_much(contact, state)[pieces.points] & ~pinned[pieces.points]
@@ -141,7 +140,6 @@ def _unknown(contact: ContactSurface, state: ContactState, held: Array) -> tuple
 
 def _uses_much(contact: ContactSurface, state: ContactState) -> NDArray[np.bool_]:
     """Which nodes slip, or carry more than half of what friction could."""
-    assert contact.friction is not None
     carried = np.linalg.norm(state.friction_traction, axis=1)
     used = carried > _MUCH * contact.friction.bound_of(state.contact_pressure)
     found = (state.status == SLIP) | ((state.status != OPEN) & used)

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import History
 from fenics_contact.trust.convergence.support_steps import past_steps
@@ -59,7 +58,7 @@ def _missed(problem: Problem, displacement: Array, time: float) -> Array:
     """By how much held nodes miss what others ask of them, at the body's nodes; collective."""
     missed = np.zeros_like(displacement)
     for contact in problem.contacts:
-        if contact.has_penalty and isinstance(contact.kinematics, ObstacleKinematics):
+        if contact.has_penalty and not contact.kinematics.faces_body:
             missed += _to_obstacle(contact, displacement)
     missed[problem.free] = 0.0
     flat, present = missed.reshape(-1), displacement.reshape(-1)
@@ -72,7 +71,6 @@ def _missed(problem: Problem, displacement: Array, time: float) -> Array:
 def _to_obstacle(contact: ContactSurface, displacement: Array) -> Array:
     """From where nodes are to where an obstacle lets them be, at the body's nodes; collective."""
     kinematics, nodes, trace = contact.kinematics, contact.nodes, contact.trace
-    assert isinstance(kinematics, ObstacleKinematics)
     motion = kinematics.indentation * kinematics.direction + kinematics.displacement
     away = motion - displacement[nodes]
     gap = kinematics.whole_gap()[: len(nodes)]

@@ -1,9 +1,10 @@
-"""The friction of one contact, compiled: j_ε of the jump, with its primal-dual tangent."""
+"""Friction with a bound, compiled: j_ε of the jump, with its primal-dual tangent."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, ClassVar
 
 import numpy as np
 import ufl
@@ -11,14 +12,19 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from fenics_contact.common import form_cache
+from fenics_contact.common.parallel import largest
 from fenics_contact.contact.laws.energies import (
     coulomb_residual,
     friction_energy,
     primal_dual_residual,
+    smoothed_norm,
     traction_work,
 )
-from fenics_contact.contact.laws.normal_term import NormalTerm
-from fenics_contact.contact.surface.trace import Trace
+from fenics_contact.contact.laws.friction.law import FrictionLaw
+from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.laws.point_values import PointDensity
+from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.contact.state import OPEN, SLIP, STICK
 
 Array = NDArray[np.float64]
 
@@ -27,52 +33,31 @@ Array = NDArray[np.float64]
 _LEFT_STIFF = 1e-10
 
 
-class FrictionTerm:
+class RegularisedFriction(FrictionLaw):
     """j_ε (paper, (2.7)) with its primal-dual tangent.
 
     Attributes:
-        name: What is modelled, in words.
         energy: j_ε as a UFL form.
         residual: Its first derivative, compiled.
         tangent: The primal-dual tangent, compiled.
-        bound: g at the points (stress).
-        regularisation_parameter: ε (length).
-        mode: What it does in a solve: ``law`` follows the friction law; ``coupled`` does so
-            and lets the tangent know that the bound follows the pressure; ``status`` has
-            springs g/ε on points that stick and held tractions on those that slip (paper,
-            Step 3); ``held`` keeps tractions on all points (Step 4); ``off`` does nothing.
-
-    Args:
-        name: What is modelled, in words.
-        trace: The contact points.
-        jump: The jump, a dolfinx function.
-        coefficient: Friction coefficient at the points.
-        normal: The term across the contact that makes the pressure; None if that is given.
-        incremental: Whether slip counts from the last accepted step, not from the start.
     """
 
-    def __init__(
-        self,
-        name: str,
-        trace: Trace,
-        jump: Any,
-        coefficient: Array,
-        normal: NormalTerm | None,
-        incremental: bool,
-    ) -> None:
-        self.name = name
-        self.mode: Literal["law", "coupled", "status", "held", "off"] = "law"
-        self._trace, self._jump, self._normal = trace, jump, normal
-        self._coefficient = coefficient
+    rubs: ClassVar[bool] = True
+    carries_shear: ClassVar[bool] = True
+
+    def __init__(self, site: LawSite, normal: NormalLaw, coefficient: Array) -> None:
+        super().__init__(site, normal, coefficient)
+        self.name = f"regularised friction on {site.contact.label}"
+        trace, jump = site.trace, site.kinematics.jump
+        self._trace, self._jump = trace, jump
         surface = trace.surface
         count = len(trace.weights)
         self._reference = np.zeros((count, surface.components))
-        self._accepted = trace.function(self._reference) if incremental else None
+        self._accepted = trace.function(self._reference) if self.follows_path else None
         slipped = jump if self._accepted is None else jump - self._accepted.ufl
-        self.bound = np.zeros(count)
         self._bound = trace.function(self.bound)
         self._epsilon = fem.Constant(surface.mesh, 1.0)
-        self._chosen, self._left = 1.0, 1.0
+        self._chosen, self._left, self.regularisation_parameter = 1.0, 1.0, 1.0
         self._share = fem.Constant(surface.mesh, 1.0)
         self._slip = np.zeros_like(self._reference)
         self._dual = np.zeros_like(self._reference)
@@ -97,6 +82,9 @@ class FrictionTerm:
         self.stick_all()
         self.residual = form_cache.form(ufl.derivative(self.energy, jump))
         self.tangent = form_cache.form(ufl.derivative(self._modified, jump))
+        given = site.contact.regularisation_parameter
+        if given != "auto":
+            self.set_scale(float(given))
 
     @property
     def forms(self) -> tuple[Any, ...]:
@@ -113,15 +101,12 @@ class FrictionTerm:
     @cached_property
     def _coupling(self) -> Any:
         """Derivative of the bound μ p in the jump, the direction held; compiled when asked."""
-        assert self._normal is not None
         trace = self._trace
+        coefficient = self._share * trace.coefficient(self.coefficient)
         residual = coulomb_residual(
-            self._jump,
             self._test,
             trace.normal,
-            self._normal.gap_ufl,
-            self._normal.stiffness_ufl,
-            self._share * trace.coefficient(self._coefficient),
+            coefficient * self.normal.pressure_ufl(self._jump),
             self._direction.ufl,
             trace.weight,
             trace.measure,
@@ -142,24 +127,25 @@ class FrictionTerm:
         return function, form_cache.form(work)
 
     @property
-    def regularisation_parameter(self) -> float:
-        """ε as used (length)."""
-        return float(self._epsilon.value)
-
-    @regularisation_parameter.setter
-    def regularisation_parameter(self, epsilon: float) -> None:
-        self._chosen = epsilon
-        self._epsilon.value = epsilon * self._left
-
-    @property
     def chosen_parameter(self) -> float:
         """The ε that was set, of which a part may be used (length)."""
         return self._chosen
 
+    def set_scale(self, epsilon: float) -> None:
+        """Use an ε from now on, unless it is 0: under no pressure it does not matter (length)."""
+        if epsilon > 0:
+            self._choose(epsilon)
+            self.is_scaled = True
+
+    def _choose(self, epsilon: float) -> None:
+        self._chosen = epsilon
+        self.regularisation_parameter = epsilon * self._left
+        self._epsilon.value = self.regularisation_parameter
+
     def regularise_less(self, left: float) -> None:
         """Use this part of every ε that is set, from now on."""
         self._left = left
-        self.regularisation_parameter = self._chosen
+        self._choose(self._chosen)
 
     def set_bound(self, bound: Array) -> None:
         """Set g at the points (stress)."""
@@ -172,7 +158,18 @@ class FrictionTerm:
 
     def bound_of(self, pressure: Array) -> Array:
         """μ p at the points (stress)."""
-        return float(self._share.value) * self._coefficient * pressure
+        return float(self._share.value) * self.coefficient * pressure
+
+    def present_bound(self, pressure: Array) -> Array:
+        """The bound at a pressure of its normal law; a given one is followed as time goes on."""
+        return self.bound if self.normal.pressure_is_known else self.bound_of(pressure)
+
+    def follow_given(self, pressure: Array) -> None:
+        """Take the bound, and the ε that it needs, from a pressure that is given (stress)."""
+        self.set_bound(self.bound_of(pressure))
+        if self.site.contact.regularisation_parameter == "auto":
+            strongest = largest(self._trace.spaces.comm, self.bound)
+            self.set_scale(self.site.scales.regularisation_parameter(strongest))
 
     def hold(self, traction: Array) -> None:
         """Set the tractions of the modes ``held`` and ``status``, (points, components)."""
@@ -232,17 +229,21 @@ class FrictionTerm:
         """The slip that counts as none, at the points, (points, components) (length)."""
         return self._reference
 
-    def recall(self, reference: Array, bound: Array) -> None:
+    def recall_scale(self, epsilon: float, is_scaled: bool) -> None:
+        """Use an ε that was used before."""
+        self._choose(epsilon)
+        self.is_scaled = is_scaled
+
+    def recall(self, at_points: Mapping[str, Array]) -> None:
         """Follow the law as after a load step, whatever has been tried since.
 
         Args:
-            reference: As ``reference``.
-            bound: g at the points (stress).
+            at_points: As ``remember`` gave them, among others.
         """
         self.mode = "law"
         self.set_share(1.0)
-        self.set_bound(bound)
-        self.accept(reference)
+        self.set_bound(at_points["bound"])
+        self.accept(at_points["reference"])
 
     def counted(self, slip: Array) -> Array:
         """The slip that the law sees: since the start, or since the last accepted step."""
@@ -262,9 +263,26 @@ class FrictionTerm:
 
     def traction(self, slip: Array) -> Array:
         """−g φ_ε′ at the points for a slip since the start (paper, (2.8)) (stress)."""
-        slip = self.counted(slip)
-        length = np.maximum(np.linalg.norm(slip, axis=1), self.regularisation_parameter)
-        return -(self.bound / length)[:, None] * slip + 0.0  # no −0
+        epsilon = self.regularisation_parameter
+        slope = self._at_points.slope(
+            "slip", slip=self.counted(slip), bound=self.bound, epsilon=epsilon
+        )
+        return 0.0 - slope
+
+    @cached_property
+    def _at_points(self) -> PointDensity:
+        surface = self._trace.surface
+        sizes = {"slip": surface.components, "bound": 0, "epsilon": 0}
+        return PointDensity(_density, surface.mesh, sizes)
+
+    def status(self, closed: NDArray[np.bool_], slip: Array, bound: Array) -> NDArray[np.str_]:
+        """STICK where |u_T| ≤ ε and friction acts, SLIP beyond, OPEN without contact."""
+        small = np.linalg.norm(slip, axis=1) <= self.regularisation_parameter
+        return np.where(closed, np.where((bound > 0) & small, STICK, SLIP), OPEN)
+
+    def status_at_rest(self, closed: NDArray[np.bool_]) -> NDArray[np.str_]:
+        """What touches sticks, if it is rough."""
+        return np.where(closed, np.where(self.coefficient > 0, STICK, SLIP), OPEN)
 
     def _lengths_and_directions(self) -> tuple[Array, Array]:
         """max(|u_T|, ε) and its gradient, u_T/|u_T| where slipping and 0 where sticking."""
@@ -276,3 +294,8 @@ class FrictionTerm:
     def _set_tangent_state(self) -> None:
         self._direction.set((1 - _LEFT_STIFF) * self._dual)
         self._length.set(self._lengths_and_directions()[0])
+
+
+def _density(slip: Any, bound: Any, epsilon: Any) -> Any:
+    """G φ_ε in UFL (energy/area)."""
+    return bound * smoothed_norm(slip, epsilon)

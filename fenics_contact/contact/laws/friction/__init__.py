@@ -1,0 +1,52 @@
+"""The laws along a contact, one file each: frictionless, static, incremental, stick.
+
+The paper's (1.6) and (2.6) to (2.8). A new law is a file of its own and a line in ``LAWS``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.parallel import largest
+from fenics_contact.contact.laws.friction.frictionless import Frictionless
+from fenics_contact.contact.laws.friction.incremental import Incremental
+from fenics_contact.contact.laws.friction.law import FrictionLaw
+from fenics_contact.contact.laws.friction.static import Static
+from fenics_contact.contact.laws.friction.stick import Stick
+from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.laws.site import LawSite
+
+Array = NDArray[np.float64]
+
+LAWS: tuple[type[FrictionLaw], ...] = (
+    Frictionless,
+    Static,
+    Incremental,
+)
+
+
+def friction_law(site: LawSite, normal: NormalLaw) -> FrictionLaw:
+    """The law along a contact that the scene names; collective.
+
+    Where the coefficient, or a pressure that is given, is 0 everywhere, there is no friction.
+
+    Args:
+        site: Where it acts.
+        normal: The law across the contact.
+
+    Raises:
+        InputError: A coefficient is negative; on every rank.
+    """
+    contact = site.contact
+    coefficient = site.given(contact.friction_coefficient, "friction_coefficient")
+    if normal.sticks:
+        return Stick(site, normal, coefficient)
+    known = normal.pressure_is_known
+    pressure = normal.pressure(np.zeros_like(site.trace.normals)) if known else 1.0
+    is_smooth = largest(site.trace.spaces.comm, coefficient * pressure) == 0
+    named = next(law for law in LAWS if law.kind == contact.law)
+    law = (Frictionless if is_smooth else named)(site, normal, coefficient)
+    if known:
+        law.follow_given(normal.pressure(np.zeros_like(site.trace.normals)))
+    return law

@@ -1,0 +1,23 @@
+"""Coulomb's friction law: it acts on the slip since the last accepted load step."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact.laws.friction.regularised import RegularisedFriction
+
+Array = NDArray[np.float64]
+
+
+class Incremental(RegularisedFriction):
+    """σ_T = −g φ_ε′(Δu_T), Δu_T the slip of the present load step."""
+
+    kind: ClassVar[str] = "incremental"
+    follows_path: ClassVar[bool] = True
+
+    def work(self, given: Array, traction: Array, slip: Array) -> Array:
+        """As the history of the contact tells it."""
+        return given

@@ -1,0 +1,205 @@
+"""What every law along a contact answers: the interface that all other rooms go through."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.contact.state import OPEN, SLIP
+from fenics_contact.results.point_arrays import PointArray
+
+Array = NDArray[np.float64]
+Mode = Literal["law", "coupled", "status", "held", "off"]
+
+
+class FrictionLaw:
+    """The law along a contact; this one exerts nothing, and others say what they do instead.
+
+    Attributes:
+        kind: As scenes and results name it.
+        rubs: Whether it has a bound, up to which points stick and beyond which they slip.
+        carries_shear: Whether it can exert a force along the surface.
+        follows_path: Whether slip counts from the last accepted load step, so that answers depend
+            on the way there.
+        state: Arrays at the points that it keeps from load step to load step, its attributes.
+        name: What is modelled where, for results.
+        mode: What it does in a solve: ``law`` follows the friction law; ``coupled`` does so
+            and lets the tangent know that the bound follows the pressure; ``status`` has
+            springs g/ε on points that stick and held tractions on those that slip (paper,
+            Step 3); ``held`` keeps tractions on all points (Step 4); ``off`` does nothing.
+        bound: g that it is solved with, at the points (stress).
+        is_scaled: Whether ε is known: the scene gives it, or a pressure was found for it.
+
+    Args:
+        site: Where it acts.
+        normal: The law across the contact.
+        coefficient: Friction coefficient at the points.
+    """
+
+    kind: ClassVar[str] = "none"
+    rubs: ClassVar[bool] = False
+    carries_shear: ClassVar[bool] = False
+    follows_path: ClassVar[bool] = False
+    state: ClassVar[tuple[PointArray, ...]] = (
+        PointArray("reference", "length", is_vector=True),
+        PointArray("bound", "stress"),
+    )
+
+    def __init__(self, site: LawSite, normal: NormalLaw, coefficient: Array) -> None:
+        self.site, self.normal, self.coefficient = site, normal, coefficient
+        self.name = ""
+        self.mode: Mode = "law"
+        self.bound = np.zeros(len(site.trace.weights))
+        self.is_scaled = False
+        self.regularisation_parameter = 0.0
+
+    @property
+    def forms(self) -> tuple[Any, ...]:
+        """The compiled forms that every solve needs."""
+        return ()
+
+    @property
+    def tangents(self) -> tuple[Any, ...]:
+        """Forms of the tangent in the present mode."""
+        return ()
+
+    @property
+    def depends_on_pressure(self) -> bool:
+        """Whether its bound follows a pressure that is not known (Coulomb's friction)."""
+        return self.rubs and not self.normal.pressure_is_known
+
+    @property
+    def finds_scale(self) -> bool:
+        """Whether ε follows the pressures that are found."""
+        return self.depends_on_pressure and self.site.contact.regularisation_parameter == "auto"
+
+    @property
+    def chosen_parameter(self) -> float:
+        """The ε that was set, of which a part may be used (length)."""
+        return 1.0
+
+    @property
+    def reference(self) -> Array:
+        """The slip that counts as none, at the points, (points, components) (length)."""
+        return np.zeros_like(self.site.trace.normals)
+
+    def set_scale(self, epsilon: float) -> None:
+        """Use an ε from now on, unless it is 0: under no pressure it does not matter (length)."""
+
+    def regularise_less(self, left: float) -> None:
+        """Use this part of every ε that is set, from now on."""
+
+    def set_bound(self, bound: Array) -> None:
+        """Set g at the points (stress)."""
+
+    def set_share(self, share: float) -> None:
+        """Use this share of the coefficient, from below or above 1, on the way to all of it."""
+
+    def follow_given(self, pressure: Array) -> None:
+        """Take the bound, and the ε that it needs, from a pressure that is given (stress)."""
+
+    def bound_of(self, pressure: Array) -> Array:
+        """μ p at the points (stress)."""
+        return np.zeros(len(pressure))
+
+    def present_bound(self, pressure: Array) -> Array:
+        """The bound at a pressure of its normal law (stress)."""
+        return np.zeros(len(pressure))
+
+    def force(self) -> Array:
+        """Forces on the body at all nodes of the surface, (nodes, components); collective."""
+        trace = self.site.trace
+        return np.zeros((len(trace.all_nodes), trace.surface.components))
+
+    def stick_all(self) -> None:
+        """Set the tangent to the adhesive start: u_T = 0 and no friction yet."""
+
+    def slip_all(self, slip: Array) -> None:
+        """Set the tangent to points that have slipped.
+
+        Args:
+            slip: As the law counts it, nowhere 0, (points, components) (length).
+        """
+
+    def follow(self, slip: Array) -> None:
+        """Move the tangent to a new state.
+
+        Args:
+            slip: w_T since the start at the points, (points, components) (length).
+        """
+
+    def accept(self, slip: Array) -> None:
+        """A load step is done at a slip since the start."""
+
+    def recall_scale(self, epsilon: float, is_scaled: bool) -> None:
+        """Use an ε that was used before.
+
+        Args:
+            epsilon: As ``chosen_parameter`` (length).
+            is_scaled: As it was then.
+        """
+
+    def remember(self, pressure: Array) -> dict[str, Array]:
+        """The arrays of ``state`` by name.
+
+        Args:
+            pressure: Of the normal law at the points (stress).
+        """
+        found = {array.name: getattr(self, array.name).copy() for array in self.state}
+        return found | {"bound": self.present_bound(pressure).copy()}
+
+    def recall(self, at_points: Mapping[str, Array]) -> None:
+        """Follow the law as after a load step, whatever has been tried since.
+
+        Args:
+            at_points: As ``remember`` gave them, among others.
+        """
+
+    def hold(self, traction: Array) -> None:
+        """Set the tractions of the modes ``held`` and ``status``, (points, components)."""
+
+    def set_status(self, sticks: NDArray[np.bool_], directions: Array, bound: Array) -> None:
+        """Springs g/ε on points that stick, tractions −g × direction on those that slip."""
+
+    def glue(self, stiffness: float, points: NDArray[np.bool_]) -> None:
+        """Springs along the surface at some points (stress/length), whatever the pressure."""
+
+    def counted(self, slip: Array) -> Array:
+        """The slip that the law sees: since the start, or since the last accepted step."""
+        return slip
+
+    def traction(self, slip: Array) -> Array:
+        """Traction on the body for a slip since the start, (points, components) (stress)."""
+        return np.zeros_like(slip)
+
+    def work(self, given: Array, traction: Array, slip: Array) -> Array:
+        """Dissipated since the start, or in the present step where slip counts from the last one.
+
+        Args:
+            given: What friction did in the step as its history tells it, (points,) (energy/area).
+            traction: At the end, (points, components) (stress).
+            slip: That counts, likewise (length).
+
+        Returns:
+            (points,) (energy/area).
+        """
+        return np.zeros(len(slip))
+
+    def status(self, closed: NDArray[np.bool_], slip: Array, bound: Array) -> NDArray[np.str_]:
+        """OPEN, STICK or SLIP.
+
+        Args:
+            closed: Points in contact.
+            slip: That counts (length).
+            bound: g at the points (stress).
+        """
+        return np.where(closed, SLIP, OPEN)
+
+    def status_at_rest(self, closed: NDArray[np.bool_]) -> NDArray[np.str_]:
+        """The same before there are any loads."""
+        return np.where(closed, SLIP, OPEN)

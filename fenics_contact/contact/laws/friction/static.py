@@ -1,0 +1,22 @@
+"""The static friction law: it acts on the total displacement along the surface (the paper's)."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact.laws.friction.regularised import RegularisedFriction
+
+Array = NDArray[np.float64]
+
+
+class Static(RegularisedFriction):
+    """σ_T = −g φ_ε′(u_T) (paper, (1.6), (2.8)): what it dissipates is −σ_T · u_T."""
+
+    kind: ClassVar[str] = "static"
+
+    def work(self, given: Array, traction: Array, slip: Array) -> Array:
+        """−σ_T · u_T since the start."""
+        return np.asarray(0.0 - np.einsum("ij,ij->i", traction, slip))

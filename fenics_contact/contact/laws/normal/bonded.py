@@ -1,0 +1,50 @@
+"""Bonded contact: glued, along the surface and across it, in pressure and in tension."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+
+from fenics_contact.contact.laws.normal.spring import PenaltyLaw
+
+Array = NDArray[np.float64]
+
+
+class Bonded(PenaltyLaw):
+    """ψ = |w|²/(2ε₁): what stands opposite is glued on as it stands, whatever the gap."""
+
+    kind: ClassVar[str] = "bonded"
+    model: ClassVar[str] = "bonded contact (penalty)"
+    sticks: ClassVar[bool] = True
+    pushes_only: ClassVar[bool] = False
+
+    def fields(self) -> Mapping[str, Array]:
+        """1/ε₁ where something stands opposite."""
+        stiffness = np.where(self.site.kinematics.reached, 1 / self._penalty, 0.0)
+        return {"stiffness": stiffness}
+
+    @staticmethod
+    def density(depth: Any, jump: Any, **fields: Any) -> Any:
+        """½ k |w|²."""
+        return 0.5 * fields["stiffness"] * ufl.dot(jump, jump)
+
+    def depth(self, jump: Array) -> Array:
+        """w_n: no gap counts."""
+        kinematics = self.site.kinematics
+        return np.where(kinematics.reached, kinematics.normal(jump), -np.inf)
+
+    def stiffness(self, depth: Array) -> Array:
+        """K at the points (stress/length)."""
+        return self._fields["stiffness"] / float(self._softness.value)
+
+    def is_closed(self, pressure: Array) -> NDArray[np.bool_]:
+        """All that is glued on."""
+        return self.site.kinematics.reached
+
+    def touches_at_rest(self) -> NDArray[np.bool_]:
+        """All that is glued on."""
+        return self.site.kinematics.reached

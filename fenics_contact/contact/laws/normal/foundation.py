@@ -1,0 +1,36 @@
+"""A Winkler foundation: springs that the body may leave, of a stiffness that is meant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact.laws.normal.spring import SpringLaw, positive
+from fenics_contact.scene.contact import Contact
+
+Array = NDArray[np.float64]
+
+
+class Foundation(SpringLaw):
+    """ψ = ½ k ⟨d⟩² with the stiffness k of the foundation (E. Winkler, 1867)."""
+
+    kind: ClassVar[str] = "winkler"
+    model: ClassVar[str] = "Winkler foundation"
+
+    @classmethod
+    def parameters(cls, contact: Contact) -> dict[str, Any]:
+        """The stiffness as the scene gives it (stress/length)."""
+        return {"foundation_stiffness": contact.foundation_stiffness}
+
+    def fields(self) -> Mapping[str, Array]:
+        """K (stress/length)."""
+        given = self.site.contact.foundation_stiffness or 0.0
+        return {"stiffness": self.site.given(given, "foundation_stiffness")}
+
+    @staticmethod
+    def density(depth: Any, jump: Any, **fields: Any) -> Any:
+        """½ k ⟨d⟩²."""
+        return 0.5 * fields["stiffness"] * positive(depth) ** 2

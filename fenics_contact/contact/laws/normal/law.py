@@ -1,0 +1,155 @@
+"""What every law across a contact answers: the interface that all other rooms go through."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.scene.contact import Contact
+
+Array = NDArray[np.float64]
+
+
+class NormalLaw:
+    """The law across a contact; this one exerts nothing, and others say what they do instead.
+
+    Attributes:
+        kind: As scenes and results name it.
+        model: What it models, in words.
+        sticks: Whether it holds what stands opposite along the surface as well: then the friction
+            law is ``stick``.
+        has_counterpart: Whether an obstacle or a body stands opposite.
+        pressure_is_known: Whether its pressure is given, so that friction has a bound beforehand.
+        pushes_only: Whether the body may leave it.
+        has_penalty: Whether its stiffness stands for no give at all.
+        state: Arrays at the points that it keeps from load step to load step, its attributes.
+        name: What is modelled where, for results.
+
+    Args:
+        site: Where it acts.
+    """
+
+    kind: ClassVar[str] = ""
+    model: ClassVar[str] = ""
+    sticks: ClassVar[bool] = False
+    has_counterpart: ClassVar[bool] = True
+    pressure_is_known: ClassVar[bool] = False
+    pushes_only: ClassVar[bool] = False
+    has_penalty: ClassVar[bool] = False
+    state: ClassVar[tuple[PointArray, ...]] = ()
+
+    def __init__(self, site: LawSite) -> None:
+        self.site = site
+        self.name = f"{self.model} on {site.contact.label}"
+
+    @classmethod
+    def parameters(cls, contact: Contact) -> dict[str, Any]:
+        """What the scene gives, by its names, for results: numbers, profiles or functions."""
+        return {}
+
+    @classmethod
+    def penalty_parameter(cls, site: LawSite) -> float:
+        """ε₁ as used (length/stress), 0 without a penalty."""
+        return 0.0
+
+    @property
+    def forms(self) -> tuple[Any, ...]:
+        """Compiled forms of the forces that follow the jump; none where nothing does."""
+        return ()
+
+    @property
+    def tangents(self) -> tuple[Any, ...]:
+        """Forms of the tangent in the present mode."""
+        return ()
+
+    @property
+    def loads(self) -> list[tuple[Any, Callable[[float], float]]]:
+        """Linear forms of what is given, in full, with the share that acts at a pseudo-time."""
+        return []
+
+    def pressure_ufl(self, jump: Any) -> Any:
+        """The pressure of a jump in UFL, for friction whose bound follows it (stress)."""
+        raise NotImplementedError(f"{self.kind}: no friction depends on its pressure")
+
+    def set_time(self, time: float) -> None:
+        """Bring what is given to a pseudo-time."""
+
+    def set_gap(self, gap: Array) -> None:
+        """Follow what stands opposite.
+
+        Args:
+            gap: At the points; infinite where nothing stands (length).
+        """
+
+    def force(self) -> Array:
+        """Forces on the body at all nodes of the surface, (nodes, components); collective."""
+        trace = self.site.trace
+        return np.zeros((len(trace.all_nodes), trace.surface.components))
+
+    def hold(self, pressure: Array) -> None:
+        """Press with a given pressure from now on, whatever the jump; collective.
+
+        Args:
+            pressure: At the points, (points,) (stress).
+        """
+
+    def remember(self) -> dict[str, Array]:
+        """The arrays of ``state`` as they are, by name."""
+        return {array.name: getattr(self, array.name).copy() for array in self.state}
+
+    def recall(self, at_points: Mapping[str, Array]) -> None:
+        """Follow the jump as after a load step, whatever has been tried since.
+
+        Args:
+            at_points: As ``remember`` gave them, among others.
+        """
+        self.release()
+        for array in self.state:
+            setattr(self, array.name, at_points[array.name].copy())
+
+    def release(self) -> None:
+        """Follow the jump again."""
+
+    def soften(self, factor: float) -> None:
+        """Divide a penalty's stiffness by a factor, from now on; the others are as they are."""
+
+    def depth(self, jump: Array) -> Array:
+        """How deep the points are at a jump, −∞ where nothing stands (length)."""
+        return self.site.kinematics.normal(jump) - self.site.kinematics.gap
+
+    def pressure(self, jump: Array) -> Array:
+        """Contact pressure at the points at a jump, > 0 in compression (stress)."""
+        return np.zeros(len(jump))
+
+    def stiffness(self, depth: Array) -> Array:
+        """Derivative of the pressure in the depth, at a depth of the points (stress/length)."""
+        return np.zeros(len(depth))
+
+    def traction(self, jump: Array) -> Array:
+        """Traction along the surface on the body at a jump, (points, components) (stress)."""
+        return np.zeros_like(jump)
+
+    def stored(self, jump: Array) -> Array:
+        """Energy at the points at a jump (energy/area)."""
+        return np.zeros(len(jump))
+
+    def can_press(self) -> NDArray[np.bool_]:
+        """Points at which it presses once they come deep enough."""
+        return np.zeros(len(self.site.trace.weights), dtype=bool)
+
+    def acts(self, pressure: Array) -> NDArray[np.bool_]:
+        """Points whose forces depend on the jump, at a pressure of its own (stress)."""
+        return np.zeros(len(pressure), dtype=bool)
+
+    def is_closed(self, pressure: Array) -> NDArray[np.bool_]:
+        """Points in contact at a pressure of its own (stress)."""
+        return pressure > 0
+
+    def touches_at_rest(self) -> NDArray[np.bool_]:
+        """Points in contact before there are any loads."""
+        return self.site.kinematics.gap <= 1e-12 * self.site.trace.extent()

@@ -1,0 +1,48 @@
+"""Normal compliance: the asperities of rough surfaces give way by a power law."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact.laws.normal.spring import SpringLaw, positive
+from fenics_contact.scene import normal_laws
+from fenics_contact.scene.contact import Contact
+
+Array = NDArray[np.float64]
+
+
+class NormalCompliance(SpringLaw):
+    """p = c ⟨d⟩^m at a depth d = −gap, of which ψ = c ⟨d⟩^(m + 1)/(m + 1) is the energy.
+
+    J. T. Oden, J. A. C. Martins, Models and computational methods for dynamic friction phenomena,
+    Computer Methods in Applied Mechanics and Engineering 52 (1985) 527-634, Section 2.
+    """
+
+    kind: ClassVar[str] = "normal compliance"
+    model: ClassVar[str] = "normal compliance"
+
+    @classmethod
+    def parameters(cls, contact: Contact) -> dict[str, Any]:
+        """C (stress/length^m) and m."""
+        law = contact.normal_law
+        assert isinstance(law, normal_laws.NormalCompliance)
+        return {"coefficient": law.coefficient, "exponent": law.exponent}
+
+    def fields(self) -> Mapping[str, Array]:
+        """C and m at the points."""
+        given = self.parameters(self.site.contact)
+        coefficient = self.site.given(given["coefficient"], "normal_law.coefficient")
+        return {
+            "coefficient": coefficient,
+            "exponent": np.full(len(coefficient), given["exponent"]),
+        }
+
+    @staticmethod
+    def density(depth: Any, jump: Any, **fields: Any) -> Any:
+        """C ⟨d⟩^(m + 1)/(m + 1)."""
+        power = fields["exponent"] + 1
+        return fields["coefficient"] * positive(depth) ** power / power

@@ -1,0 +1,68 @@
+"""A contact whose pressure is given: a load, and the bound of friction (paper, (1.8))."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+
+from fenics_contact.common import form_cache
+from fenics_contact.common.parallel import largest
+from fenics_contact.contact.laws.energies import prescribed_pressure_energy
+from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.scene.contact import Contact
+
+Array = NDArray[np.float64]
+
+
+class Prescribed(NormalLaw):
+    """σ_n = −p: a pressure that acts on the body whatever it does (paper, (1.8))."""
+
+    kind: ClassVar[str] = "prescribed"
+    model: ClassVar[str] = "contact pressure"
+    has_counterpart: ClassVar[bool] = False
+    pressure_is_known: ClassVar[bool] = True
+
+    def __init__(self, site: LawSite) -> None:
+        super().__init__(site)
+        self._in_full = site.given(site.contact.pressure or 0.0, "pressure")
+        self._present = self._in_full
+        self._form = self._work() if largest(site.trace.spaces.comm, self._in_full) > 0 else None
+
+    def _work(self) -> Any:
+        """The work f on Γ_C as a linear form: minus the derivative of ∫ p v_n."""
+        trace = self.site.trace
+        pressure = trace.coefficient(self._in_full)
+        test = ufl.TestFunction(trace.surface.space)
+        work = prescribed_pressure_energy(test, trace.normal, pressure, trace.weight, trace.measure)
+        return form_cache.form(-work)
+
+    @classmethod
+    def parameters(cls, contact: Contact) -> dict[str, Any]:
+        """The pressure as the scene gives it (stress)."""
+        return {"pressure": contact.pressure}
+
+    @property
+    def loads(self) -> list[tuple[Any, Callable[[float], float]]]:
+        """The pressure's work, unless it is 0 everywhere."""
+        return [] if self._form is None else [(self._form, self.site.paths.pressure_factor)]
+
+    def set_time(self, time: float) -> None:
+        """Take the share of the pressure that acts at a pseudo-time."""
+        self._present = self.site.paths.pressure_factor(time) * self._in_full
+
+    def depth(self, jump: Array) -> Array:
+        """No depth is known."""
+        return np.zeros(len(jump))
+
+    def pressure(self, jump: Array) -> Array:
+        """What acts at present (stress)."""
+        return self._present
+
+    def touches_at_rest(self) -> NDArray[np.bool_]:
+        """Where it presses."""
+        return self._present > 0

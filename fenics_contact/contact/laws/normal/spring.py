@@ -1,0 +1,197 @@
+"""Laws whose forces follow the jump, each from an energy density of its own.
+
+The energy is derived in the jump (the displacement relative to what stands opposite), a function of
+a space on the surface; forces on the body are minus its first derivative.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from fenics_contact.common import form_cache
+from fenics_contact.contact.laws.energies import prescribed_pressure_energy
+from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.laws.point_values import PointDensity
+from fenics_contact.contact.laws.site import LawSite
+
+Array = NDArray[np.float64]
+
+
+def depth_of(jump: Any, normal: Any, gap: Any) -> Any:
+    """w_n − s: how deep a point is in what stands opposite (length)."""
+    return ufl.dot(jump, normal) - gap
+
+
+def positive(depth: Any) -> Any:
+    """⟨d⟩ = max(d, 0): the penetration of a depth (length)."""
+    return ufl.conditional(ufl.gt(depth, 0), depth, 0)
+
+
+class SpringLaw(NormalLaw):
+    """A law with an energy density ψ of depth and jump; pressure and tangent are its derivatives.
+
+    Attributes:
+        energy: ∫ ψ as a UFL form.
+        residual: Its first derivative in the jump, compiled.
+        tangent: Its second derivative, compiled.
+    """
+
+    pushes_only: ClassVar[bool] = True
+
+    def __init__(self, site: LawSite) -> None:
+        super().__init__(site)
+        trace, kinematics = site.trace, site.kinematics
+        self._fields = dict(self.fields())
+        self._in_ufl = {name: trace.coefficient(found) for name, found in self._fields.items()}
+        self._softness = fem.Constant(trace.surface.mesh, 1.0)
+        self._held: Array | None = None
+        # Where no obstacle stands, a gap that nothing closes.
+        self._far = 1e3 * trace.extent()
+        self._gap = trace.function(np.zeros(len(trace.weights)))
+        self.set_gap(kinematics.gap)
+        jump = kinematics.jump
+        depth = depth_of(jump, trace.normal, self._gap.ufl)
+        density = self.density(depth, jump, **self._in_ufl) / self._softness
+        self.energy = trace.weight * density * trace.measure
+        self.residual = form_cache.form(ufl.derivative(self.energy, jump))
+        self.tangent = form_cache.form(ufl.derivative(ufl.derivative(self.energy, jump), jump))
+
+    @abstractmethod
+    def fields(self) -> Mapping[str, Array]:
+        """Parameters of the density at the points, by name, each (points,)."""
+
+    @staticmethod
+    @abstractmethod
+    def density(depth: Any, jump: Any, **fields: Any) -> Any:
+        """ψ in UFL (energy/area).
+
+        Args:
+            depth: w_n − s (length).
+            jump: w, (components,) (length).
+            fields: As ``fields`` names them.
+        """
+
+    @property
+    def forms(self) -> tuple[Any, ...]:
+        """All compiled forms."""
+        return (self.residual, self.tangent)
+
+    @property
+    def tangents(self) -> tuple[Any, ...]:
+        """Forms of the tangent in the present mode."""
+        return (self.tangent,) if self._held is None else ()
+
+    def pressure_ufl(self, jump: Any) -> Any:
+        """∂ψ/∂d, the pressure of a jump in UFL (stress)."""
+        depth = ufl.variable(depth_of(jump, self.site.trace.normal, self._gap.ufl))
+        return ufl.diff(self.density(depth, jump, **self._in_ufl) / self._softness, depth)
+
+    def set_gap(self, gap: Array) -> None:
+        """Follow an obstacle that moves along the surface."""
+        self._gap.set(np.where(np.isfinite(gap), gap, self._far))
+
+    def force(self) -> Array:
+        """Forces on the body at all nodes of the surface, (nodes, components); collective."""
+        if self._held is not None:
+            return self._held
+        return -self.site.trace.surface.assemble(self.residual)
+
+    def hold(self, pressure: Array) -> None:
+        """Press with a given pressure from now on, whatever the jump; collective."""
+        function, work = self._pressures
+        function.set(pressure)
+        self._held = self.site.trace.surface.assemble(work)
+
+    def release(self) -> None:
+        """Follow the jump again."""
+        self._held = None
+
+    @cached_property
+    def _pressures(self) -> tuple[Any, Any]:
+        """Pressures at the points and −∫ p v_n, compiled when asked."""
+        trace = self.site.trace
+        function = trace.function(np.zeros(len(trace.weights)))
+        test = ufl.TestFunction(trace.surface.space)
+        work = prescribed_pressure_energy(
+            test, trace.normal, function.ufl, trace.weight, trace.measure
+        )
+        return function, form_cache.form(-work)
+
+    @cached_property
+    def _at_points(self) -> PointDensity:
+        surface = self.site.trace.surface
+        sizes = {"depth": 0, "jump": surface.components, **dict.fromkeys(self._fields, 0)}
+        return PointDensity(self.density, surface.mesh, sizes)
+
+    def _values(self, jump: Array) -> dict[str, Array]:
+        """Of the density's variables; where nothing stands, none are deep."""
+        return self._at_depth(self.depth(jump)) | {"jump": jump}
+
+    def _at_depth(self, depth: Array) -> dict[str, Array]:
+        jump = np.zeros_like(self.site.trace.normals)
+        return {"depth": np.where(np.isfinite(depth), depth, 0.0), "jump": jump, **self._fields}
+
+    def _slopes(self, jump: Array) -> Array:
+        """Minus the traction on the body, (points, components) (stress)."""
+        values, points, normals = self._values(jump), self._at_points, self.site.trace.normals
+        across = points.slope("depth", **values)[:, None] * normals
+        return (across + points.slope("jump", **values)) / float(self._softness.value)
+
+    def pressure(self, jump: Array) -> Array:
+        """Contact pressure at the points at a jump, > 0 in compression (stress)."""
+        return self.site.kinematics.normal(self._slopes(jump))
+
+    def stiffness(self, depth: Array) -> Array:
+        """Derivative of the pressure in the depth, at a depth of the points (stress/length)."""
+        found = self._at_points.curvature("depth", **self._at_depth(depth))
+        return found / float(self._softness.value)
+
+    def traction(self, jump: Array) -> Array:
+        """Traction along the surface on the body at a jump, (points, components) (stress)."""
+        return 0.0 - self.site.kinematics.tangential(self._slopes(jump))
+
+    def stored(self, jump: Array) -> Array:
+        """ψ at the points at a jump (energy/area)."""
+        return self._at_points.value(**self._values(jump)) / float(self._softness.value)
+
+    def can_press(self) -> NDArray[np.bool_]:
+        """Points before which something stands, and where it is stiff."""
+        trace = self.site.trace
+        depth = np.full(len(trace.weights), trace.extent())
+        deep = self._at_points.slope("depth", **self._at_depth(depth))
+        return self.site.kinematics.reached & (deep > 0)
+
+    def acts(self, pressure: Array) -> NDArray[np.bool_]:
+        """Those that press; all, where it pulls as well."""
+        return np.asarray((pressure > 0) | (not self.pushes_only))
+
+
+class PenaltyLaw(SpringLaw):
+    """A law whose springs stand for no give at all: their stiffness is 1/ε₁."""
+
+    has_penalty: ClassVar[bool] = True
+
+    def __init__(self, site: LawSite) -> None:
+        self._penalty = self.penalty_parameter(site)
+        super().__init__(site)
+
+    @classmethod
+    def penalty_parameter(cls, site: LawSite) -> float:
+        """The scene's ε₁, or the automatic one (length/stress)."""
+        return site.scales.penalty_parameter(site.contact.penalty_parameter)
+
+    def fields(self) -> Mapping[str, Array]:
+        """1/ε₁."""
+        return {"stiffness": np.full(len(self.site.trace.weights), 1 / self._penalty)}
+
+    def soften(self, factor: float) -> None:
+        """Divide the stiffness by a factor, from now on."""
+        self._softness.value = factor

@@ -1,0 +1,19 @@
+"""Unilateral contact: an obstacle that the body may leave but not enter, by a penalty."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from fenics_contact.contact.laws.normal.spring import PenaltyLaw, positive
+
+
+class Unilateral(PenaltyLaw):
+    """ψ = ⟨d⟩²/(2ε₁): the pressure is the penetration over ε₁ (paper, (4.1))."""
+
+    kind: ClassVar[str] = "unilateral"
+    model: ClassVar[str] = "unilateral contact (penalty)"
+
+    @staticmethod
+    def density(depth: Any, jump: Any, **fields: Any) -> Any:
+        """½ k ⟨d⟩², k = 1/ε₁."""
+        return 0.5 * fields["stiffness"] * positive(depth) ** 2

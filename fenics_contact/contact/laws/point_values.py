@@ -1,0 +1,120 @@
+"""Numbers at the contact points from the same UFL that the forms are compiled from.
+
+A law says its energy density once, in UFL. Its forms are integrals of it and of its derivatives;
+what results say of pressure, traction and energy at the points are numbers of the same
+expressions, evaluated here for all points of a rank at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+from ufl import classes
+from ufl.algorithms import expand_indices
+from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
+from ufl.algorithms.apply_derivatives import apply_derivatives
+
+Array = NDArray[np.float64]
+
+_OPERATORS: dict[type, Callable[..., Any]] = {
+    classes.Sum: np.add,
+    classes.Product: np.multiply,
+    classes.Division: np.divide,
+    classes.Power: np.power,
+    classes.Sqrt: np.sqrt,
+    classes.Exp: np.exp,
+    classes.Ln: np.log,
+    classes.Abs: np.abs,
+    classes.MaxValue: np.maximum,
+    classes.MinValue: np.minimum,
+    classes.Conditional: np.where,
+    classes.GT: np.greater,
+    classes.GE: np.greater_equal,
+    classes.LT: np.less,
+    classes.LE: np.less_equal,
+    classes.EQ: np.equal,
+}
+
+
+class PointDensity:
+    """An energy density as numbers at points, with its first and second derivatives.
+
+    Args:
+        density: Takes variables by name, and returns the density in UFL (energy/area).
+        mesh: Of the surface; it gives the variables a domain, nothing is compiled.
+        sizes: Variables by name: 0 for a scalar, else the number of components.
+    """
+
+    def __init__(self, density: Callable[..., Any], mesh: Any, sizes: Mapping[str, int]) -> None:
+        domain = mesh.ufl_domain()
+        self._scalars = {
+            name: [ufl.variable(ufl.Constant(domain)) for _ in range(max(size, 1))]
+            for name, size in sizes.items()
+        }
+        given = {
+            name: ufl.as_vector(self._scalars[name]) if size else self._scalars[name][0]
+            for name, size in sizes.items()
+        }
+        self._density = density(**given)
+        self._lowered: dict[tuple[str, ...], list[Any]] = {}
+
+    def value(self, **values: Array | float) -> Array:
+        """The density (energy/area).
+
+        Args:
+            values: Of all variables at the points, (points,) or (points, components).
+        """
+        return self._numbers((), values)[..., 0]
+
+    def slope(self, of: str, **values: Array | float) -> Array:
+        """Its derivative in a variable: (points,) of a scalar, (points, components) of a vector."""
+        found = self._numbers((of,), values)
+        return found if np.ndim(values[of]) == 2 else found[..., 0]
+
+    def curvature(self, of: str, **values: Array | float) -> Array:
+        """Its second derivative in a scalar variable, (points,)."""
+        return self._numbers((of, of), values)[..., 0]
+
+    def _numbers(self, along: tuple[str, ...], values: Mapping[str, Array | float]) -> Array:
+        if along not in self._lowered:
+            self._lowered[along] = [_lowered(part) for part in self._derivatives(along)]
+        known: dict[Any, Any] = {}
+        for name, scalars in self._scalars.items():
+            given = np.asarray(values[name])
+            columns = given.T if given.ndim == 2 else [given]
+            constants = [scalar.ufl_operands[0] for scalar in scalars]
+            known |= dict(zip(constants, columns, strict=True))
+        count = max((np.shape(value)[0] for value in values.values() if np.ndim(value)), default=1)
+        with np.errstate(all="ignore"):  # both sides of a condition are evaluated
+            columns = [
+                np.broadcast_to(_evaluate(part, known), count) for part in self._lowered[along]
+            ]
+        return np.stack(columns, axis=-1).astype(np.float64)
+
+    def _derivatives(self, along: tuple[str, ...]) -> list[Any]:
+        found = [self._density]
+        for name in along:
+            found = [ufl.diff(part, scalar) for part in found for scalar in self._scalars[name]]
+        return found
+
+
+def _lowered(expression: Any) -> Any:
+    """Without derivatives and indices."""
+    return expand_indices(apply_derivatives(apply_algebra_lowering(expression)))
+
+
+def _evaluate(expression: Any, known: dict[Any, Any]) -> Any:
+    """The numbers of a scalar expression, arrays over the points; ``known`` is added to."""
+    if expression not in known:
+        if isinstance(expression, classes.ScalarValue | classes.Zero):
+            known[expression] = float(expression)
+        elif isinstance(expression, classes.Variable):
+            known[expression] = _evaluate(expression.ufl_operands[0], known)
+        else:
+            operands = [_evaluate(operand, known) for operand in expression.ufl_operands]
+            known[expression] = _OPERATORS[type(expression)](*operands)
+    return known[expression]
