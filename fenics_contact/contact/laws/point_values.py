@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import basix.ufl
 import numpy as np
 import ufl
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ from ufl.algorithms.apply_derivatives import apply_derivatives
 
 Array = NDArray[np.float64]
 
+# A domain for variables that are numbers: UFL keeps what it has differentiated, and with a mesh's own
+# domain it would keep the mesh and its communicators.
+_NOWHERE = ufl.Mesh(basix.ufl.element("Lagrange", "interval", 1, shape=(1,)))
 _OPERATORS: dict[type, Callable[..., Any]] = {
     classes.Sum: np.add,
     classes.Product: np.multiply,
@@ -45,14 +49,12 @@ class PointDensity:
 
     Args:
         density: Takes variables by name, and returns the density in UFL (energy/area).
-        mesh: Of the surface; it gives the variables a domain, nothing is compiled.
         sizes: Variables by name: 0 for a scalar, else the number of components.
     """
 
-    def __init__(self, density: Callable[..., Any], mesh: Any, sizes: Mapping[str, int]) -> None:
-        domain = mesh.ufl_domain()
+    def __init__(self, density: Callable[..., Any], sizes: Mapping[str, int]) -> None:
         self._scalars = {
-            name: [ufl.variable(ufl.Constant(domain)) for _ in range(max(size, 1))]
+            name: [ufl.variable(ufl.Constant(_NOWHERE)) for _ in range(max(size, 1))]
             for name, size in sizes.items()
         }
         given = {

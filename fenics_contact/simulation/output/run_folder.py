@@ -286,7 +286,7 @@ def _write_result(result: Result, folder: Path, scene: str) -> None:
 def _csv_rows(points: ContactPoints, names: list[str]) -> list[list[str]]:
     columns = [_without_round_off(points.coordinates), _without_round_off(points.normals)]
     for array in WRITTEN:
-        values = getattr(points, array.name).reshape(len(points.contact), -1)
+        values = getattr(points, array.name).reshape(len(points.contact), len(array.columns))
         # The gap is a difference of lengths; closed, round-off is most of it.
         size = np.abs(points.coordinates).max(initial=0.0) if array.name == "gap" else 0.0
         columns.append(_without_round_off(values, size))

@@ -273,7 +273,7 @@ class RegularisedFriction(FrictionLaw):
     def _at_points(self) -> PointDensity:
         surface = self._trace.surface
         sizes = {"slip": surface.components, "bound": 0, "epsilon": 0}
-        return PointDensity(_density, surface.mesh, sizes)
+        return PointDensity(_density, sizes)
 
     def status(self, closed: NDArray[np.bool_], slip: Array, bound: Array) -> NDArray[np.str_]:
         """STICK where |u_T| ≤ ε and friction acts, SLIP beyond, OPEN without contact."""

@@ -129,7 +129,7 @@ class SpringLaw(NormalLaw):
     def _at_points(self) -> PointDensity:
         surface = self.site.trace.surface
         sizes = {"depth": 0, "jump": surface.components, **dict.fromkeys(self._fields, 0)}
-        return PointDensity(self.density, surface.mesh, sizes)
+        return PointDensity(self.density, sizes)
 
     def _values(self, jump: Array) -> dict[str, Array]:
         """Of the density's variables; where nothing stands, none are deep."""
