@@ -109,8 +109,7 @@ def run_demo(name, folder, *overrides, ranks=1):
     """The quantities of a demo's scene, with other values in it."""
     settings = [part for override in (NO_ERRORS, *overrides) for part in ("--set", override)]
     scene = ROOT / "demos" / f"{name}.toml"
-    arguments = ["-m", "fenics_contact", "run", scene, *settings, "--no-pictures"]
-    done = start([*arguments, "--out", folder], ranks)
+    done = start(["-m", "fenics_contact", "run", scene, *settings, "--out", folder], ranks)
     assert done.returncode == 0, done.stdout + done.stderr
     return quantities(folder)
 
@@ -151,7 +150,6 @@ def test_script_and_scene_on_one_and_two_ranks(name, tmp_path):
     script = ROOT / "demos" / f"demo_{name}.py"
     scene = ROOT / "demos" / f"{name}.toml"
     from_scene = ["-m", "fenics_contact", "run", scene, "--out"]
-    plain = ["--no-pictures", "--set", NO_ERRORS]
     runs = {"script": ([script, "--out", tmp_path / "script"], 1)}
     if name == "slab":  # the quickest one
         runs |= {
@@ -160,7 +158,7 @@ def test_script_and_scene_on_one_and_two_ranks(name, tmp_path):
             "scene on 2": ([*from_scene, tmp_path / "scene on 2"], 2),
         }
     else:
-        runs["scene on 2"] = ([*from_scene, tmp_path / "scene on 2", *plain], 2)
+        runs["scene on 2"] = ([*from_scene, tmp_path / "scene on 2", "--set", NO_ERRORS], 2)
     for label, (arguments, ranks) in runs.items():
         done = start(arguments, ranks)
         assert done.returncode == 0, f"{label}: {done.stdout}\n{done.stderr}"
