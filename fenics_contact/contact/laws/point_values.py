@@ -21,8 +21,8 @@ from ufl.algorithms.apply_derivatives import apply_derivatives
 
 Array = NDArray[np.float64]
 
-# A domain for variables that are numbers. UFL keeps what it has differentiated: with the domain of a
-# mesh it would keep that mesh and its communicators.
+# A domain for variables that are numbers. UFL keeps what it has differentiated: with the domain of
+# a mesh it would keep that mesh and its communicators.
 _NOWHERE = ufl.Mesh(basix.ufl.element("Lagrange", "interval", 1, shape=(1,)))
 _OPERATORS: dict[type, Callable[..., Any]] = {
     classes.Sum: np.add,
