@@ -164,8 +164,8 @@ def require_same(scene, body, tolerance=1e-8):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_the_same_answer(name):
-    # Newton's method stops at the round-off of the forces: of nearly incompressible material that is,
-    # with dolfinx 0.9, a hundred times what it is with 0.11.
+    # Newton's method stops at the round-off of the forces: of nearly incompressible material that
+    # is, with dolfinx 0.9, a hundred times what it is with 0.11.
     tolerance = 1e-7 if "nearly incompressible" in name else 1e-8
     require_same(SCENES[name], box_body((8, 8), (1, 1)), tolerance)
 
