@@ -15,7 +15,7 @@ LIBRARIES = {"numpy", "scipy", "pydantic", "rich", "tomlkit"}
 PICTURES = {"pyvista", "vtk", "vtkmodules", "matplotlib", "plotly"}
 # Of a slab on a mesh of Gmsh's, whose process is another.
 NOT_OF_A_RUN = PICTURES | {
-    *("gmsh", "scipy.spatial", "scipy.special", "scipy.optimize", "scipy.integrate"),
+    *("gmsh", "scipy.optimize", "scipy.integrate"),
     *("rich.progress", "sympy", "hypothesis", "pytest"),
     *("fenics_contact.simulation.adaptive", "fenics_contact.report"),
     *("fenics_contact.verification", "fenics_contact.cli.new_scene"),

@@ -34,8 +34,6 @@ LEFT_OUT = 1e-2
 # Share of it that may be turned inside out, for strains without bound reach 1: in this pressure
 # within (d/a)²/20 of the edge, over a. A layer under a contact has more.
 TURNED = 1e-3
-# Pairs of points up to which all are compared: to load a tree's library takes longer.
-_FEW = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,8 +121,10 @@ class Zones:
         positions = self._points.positions
         least, most = every.min(axis=0) - reach, every.max(axis=0) + reach
         candidates = np.flatnonzero(((positions >= least) & (positions <= most)).all(axis=1))
-        is_near = _within(reach, positions[candidates], every)
-        return self._zone(name, candidates[is_near], is_near=True)
+        from scipy.spatial import cKDTree  # a tenth of a second to load, and seldom needed
+
+        distances, _ = cKDTree(every).query(positions[candidates], distance_upper_bound=reach)
+        return self._zone(name, candidates[np.isfinite(distances)], is_near=True)
 
     def _zone(
         self, name: str, chosen: Mask | NDArray[np.int64], is_near: bool = False
@@ -188,14 +188,3 @@ def _largest_first(rows: Array, volume: float) -> Array:
 def share(comm: Any, zone: Zone, flags: Mask) -> float:
     """Of a zone's volume, what is at points with a flag; collective."""
     return float(total(comm, zone.volumes[flags[zone.points]].sum())) / zone.volume
-
-
-def _within(reach: float, points: Array, places: Array) -> Mask:
-    """Which points are nearer than a length to one of some places, of which there is one."""
-    if len(points) * len(places) < _FEW:
-        away = np.linalg.norm(points[:, None] - places, axis=2).min(axis=1)
-        return np.asarray(away < reach)
-    from scipy.spatial import cKDTree
-
-    away, _ = cKDTree(places).query(points, distance_upper_bound=reach)
-    return np.asarray(np.isfinite(away))
