@@ -16,7 +16,6 @@ from pydantic.dataclasses import dataclass
 
 from fenics_contact.common.errors import SceneError
 from fenics_contact.scene.messages import sentence
-from fenics_contact.scene.pickling import copied, deeply_copied, picklable
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Positive = Annotated[Number, Field(gt=0)]
@@ -52,7 +51,6 @@ def scene_class(plain: Class) -> Class:
             raise SceneError(f"{made.__name__}: {words}") from None
 
     made.__init__ = checked
-    made.__reduce_ex__, made.__copy__, made.__deepcopy__ = picklable, copied, deeply_copied
     made.__doc__ = f"{inspect.getdoc(plain)}\n\n{_attributes(made)}"
     return cast(Class, made)
 
