@@ -34,7 +34,7 @@ def named_motions(problem: Problem, rigid: RigidMotions) -> list[dict[str, Any]]
             presses = contact.is_one_sided
             for word, sizes in (
                 ("contact", np.abs(across) * presses),
-                ("friction", along * (contact.friction.rubs)),
+                ("friction", along * contact.friction.rubs),
             ):
                 if largest(problem.comm, sizes[acts]) > _RESISTS:
                     resisted.append(f"{word} at '{contact.label}'")

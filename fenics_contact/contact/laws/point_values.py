@@ -8,6 +8,7 @@ expressions, evaluated here for all points of a rank at once.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Any
 
 import basix.ufl
@@ -21,8 +22,8 @@ from ufl.algorithms.apply_derivatives import apply_derivatives
 
 Array = NDArray[np.float64]
 
-# A domain for variables that are numbers. UFL keeps what it has differentiated: with the domain of
-# a mesh it would keep that mesh and its communicators.
+# A domain for variables that are numbers. UFL keeps what it has differentiated, so each density is
+# derived only once; and with the domain of a mesh it would keep that mesh and its communicators.
 _NOWHERE = ufl.Mesh(basix.ufl.element("Lagrange", "interval", 1, shape=(1,)))
 _OPERATORS: dict[type, Callable[..., Any]] = {
     classes.Sum: np.add,
@@ -42,6 +43,17 @@ _OPERATORS: dict[type, Callable[..., Any]] = {
     classes.LE: np.less_equal,
     classes.EQ: np.equal,
 }
+
+
+@lru_cache
+def point_density(density: Callable[..., Any], **sizes: int) -> PointDensity:
+    """That of a law, derived once for all runs.
+
+    Args:
+        density: As of ``PointDensity``.
+        sizes: Likewise.
+    """
+    return PointDensity(density, sizes)
 
 
 class PointDensity:

@@ -140,7 +140,7 @@ def _present(contact: ContactSurface) -> _Iterate:
     epsilon = contact.friction.regularisation_parameter
     size = np.linalg.norm(slip, axis=1)
     closed, slips = pressure > 0, size > epsilon
-    moving = (closed & slips & (contact.friction.rubs))[:, None]
+    moving = (closed & slips & contact.friction.rubs)[:, None]
     direction = np.where(moving, slip / np.where(size > 0, size, 1.0)[:, None], 0.0)
     status = np.where(closed, np.where(slips, 2, 1), 0).astype(np.int8)
     return _Iterate(status, direction, pressure)

@@ -42,11 +42,12 @@ def friction_law(site: LawSite, normal: NormalLaw) -> FrictionLaw:
     coefficient = site.given(contact.friction_coefficient, "friction_coefficient")
     if normal.sticks:
         return Stick(site, normal, coefficient)
-    known = normal.pressure_is_known
-    pressure = normal.pressure(np.zeros_like(site.trace.normals)) if known else 1.0
-    is_smooth = largest(site.trace.spaces.comm, coefficient * pressure) == 0
     named = next(law for law in LAWS if law.kind == contact.law)
+    if not normal.pressure_is_known:
+        is_smooth = largest(site.trace.spaces.comm, coefficient) == 0
+        return (Frictionless if is_smooth else named)(site, normal, coefficient)
+    pressure = normal.pressure(np.zeros_like(site.trace.normals))
+    is_smooth = largest(site.trace.spaces.comm, coefficient * pressure) == 0
     law = (Frictionless if is_smooth else named)(site, normal, coefficient)
-    if known:
-        law.follow_given(normal.pressure(np.zeros_like(site.trace.normals)))
+    law.follow_given(pressure)
     return law

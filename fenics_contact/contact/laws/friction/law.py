@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import OPEN, SLIP
@@ -17,17 +18,14 @@ Array = NDArray[np.float64]
 Mode = Literal["law", "coupled", "status", "held", "off"]
 
 
-class FrictionLaw:
+class FrictionLaw(ContactLaw):
     """The law along a contact; this one exerts nothing, and others say what they do instead.
 
     Attributes:
-        kind: As scenes and results name it.
         rubs: Whether it has a bound, up to which points stick and beyond which they slip.
         carries_shear: Whether it can exert a force along the surface.
         follows_path: Whether slip counts from the last accepted load step, so that answers depend
             on the way there.
-        state: Arrays at the points that it keeps from load step to load step, its attributes.
-        name: What is modelled where, for results.
         mode: What it does in a solve: ``law`` follows the friction law; ``coupled`` does so
             and lets the tangent know that the bound follows the pressure; ``status`` has
             springs g/ε on points that stick and held tractions on those that slip (paper,
@@ -42,6 +40,7 @@ class FrictionLaw:
     """
 
     kind: ClassVar[str] = "none"
+    model: ClassVar[str] = "no friction"
     rubs: ClassVar[bool] = False
     carries_shear: ClassVar[bool] = False
     follows_path: ClassVar[bool] = False
@@ -51,22 +50,12 @@ class FrictionLaw:
     )
 
     def __init__(self, site: LawSite, normal: NormalLaw, coefficient: Array) -> None:
-        self.site, self.normal, self.coefficient = site, normal, coefficient
-        self.name = ""
+        super().__init__(site)
+        self.normal, self.coefficient = normal, coefficient
         self.mode: Mode = "law"
         self.bound = np.zeros(len(site.trace.weights))
         self.is_scaled = False
         self.regularisation_parameter = 0.0
-
-    @property
-    def forms(self) -> tuple[Any, ...]:
-        """The compiled forms that every solve needs."""
-        return ()
-
-    @property
-    def tangents(self) -> tuple[Any, ...]:
-        """Forms of the tangent in the present mode."""
-        return ()
 
     @property
     def depends_on_pressure(self) -> bool:
@@ -111,11 +100,6 @@ class FrictionLaw:
         """The bound at a pressure of its normal law (stress)."""
         return np.zeros(len(pressure))
 
-    def force(self) -> Array:
-        """Forces on the body at all nodes of the surface, (nodes, components); collective."""
-        trace = self.site.trace
-        return np.zeros((len(trace.all_nodes), trace.surface.components))
-
     def stick_all(self) -> None:
         """Set the tangent to the adhesive start: u_T = 0 and no friction yet."""
 
@@ -150,8 +134,7 @@ class FrictionLaw:
         Args:
             pressure: Of the normal law at the points (stress).
         """
-        found = {array.name: getattr(self, array.name).copy() for array in self.state}
-        return found | {"bound": self.present_bound(pressure).copy()}
+        return self.kept() | {"bound": self.present_bound(pressure).copy()}
 
     def recall(self, at_points: Mapping[str, Array]) -> None:
         """Follow the law as after a load step, whatever has been tried since.

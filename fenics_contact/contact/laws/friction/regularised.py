@@ -22,7 +22,7 @@ from fenics_contact.contact.laws.energies import (
 )
 from fenics_contact.contact.laws.friction.law import FrictionLaw
 from fenics_contact.contact.laws.normal.law import NormalLaw
-from fenics_contact.contact.laws.point_values import PointDensity
+from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import OPEN, SLIP, STICK
 
@@ -42,12 +42,12 @@ class RegularisedFriction(FrictionLaw):
         tangent: The primal-dual tangent, compiled.
     """
 
+    model: ClassVar[str] = "regularised friction"
     rubs: ClassVar[bool] = True
     carries_shear: ClassVar[bool] = True
 
     def __init__(self, site: LawSite, normal: NormalLaw, coefficient: Array) -> None:
         super().__init__(site, normal, coefficient)
-        self.name = f"regularised friction on {site.contact.label}"
         trace, jump = site.trace, site.kinematics.jump
         self._trace, self._jump = trace, jump
         surface = trace.surface
@@ -271,9 +271,7 @@ class RegularisedFriction(FrictionLaw):
 
     @cached_property
     def _at_points(self) -> PointDensity:
-        surface = self._trace.surface
-        sizes = {"slip": surface.components, "bound": 0, "epsilon": 0}
-        return PointDensity(_density, sizes)
+        return point_density(_density, slip=self._trace.surface.components, bound=0, epsilon=0)
 
     def status(self, closed: NDArray[np.bool_], slip: Array, bound: Array) -> NDArray[np.str_]:
         """STICK where |u_T| ≤ ε and friction acts, SLIP beyond, OPEN without contact."""
@@ -297,5 +295,5 @@ class RegularisedFriction(FrictionLaw):
 
 
 def _density(slip: Any, bound: Any, epsilon: Any) -> Any:
-    """G φ_ε in UFL (energy/area)."""
+    """The density g φ_ε in UFL (energy/area)."""
     return bound * smoothed_norm(slip, epsilon)

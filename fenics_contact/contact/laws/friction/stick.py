@@ -17,6 +17,7 @@ class Stick(FrictionLaw):
     """u_T = 0, whatever the traction."""
 
     kind: ClassVar[str] = "stick"
+    model: ClassVar[str] = "glue along the surface"
     carries_shear: ClassVar[bool] = True
 
     def status(self, closed: NDArray[np.bool_], slip: Array, bound: Array) -> NDArray[np.str_]:

@@ -38,7 +38,7 @@ class Bonded(PenaltyLaw):
         return np.where(kinematics.reached, kinematics.normal(jump), -np.inf)
 
     def stiffness(self, depth: Array) -> Array:
-        """K at the points (stress/length)."""
+        """The stiffness 1/ε₁ at the points (stress/length)."""
         return self._fields["stiffness"] / float(self._softness.value)
 
     def is_closed(self, pressure: Array) -> NDArray[np.bool_]:

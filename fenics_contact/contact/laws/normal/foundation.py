@@ -26,7 +26,7 @@ class Foundation(SpringLaw):
         return {"foundation_stiffness": contact.foundation_stiffness}
 
     def fields(self) -> Mapping[str, Array]:
-        """K (stress/length)."""
+        """The stiffness k (stress/length)."""
         given = self.site.contact.foundation_stiffness or 0.0
         return {"stiffness": self.site.given(given, "foundation_stiffness")}
 

@@ -6,46 +6,36 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import numpy as np
+import ufl
 from numpy.typing import NDArray
 
+from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.site import LawSite
-from fenics_contact.results.point_arrays import PointArray
 from fenics_contact.scene.contact import Contact
 
 Array = NDArray[np.float64]
 
 
-class NormalLaw:
+class NormalLaw(ContactLaw):
     """The law across a contact; this one exerts nothing, and others say what they do instead.
 
     Attributes:
-        kind: As scenes and results name it.
-        model: What it models, in words.
         sticks: Whether it holds what stands opposite along the surface as well: then the friction
             law is ``stick``.
         has_counterpart: Whether an obstacle or a body stands opposite.
         pressure_is_known: Whether its pressure is given, so that friction has a bound beforehand.
         pushes_only: Whether the body may leave it.
         has_penalty: Whether its stiffness stands for no give at all.
-        state: Arrays at the points that it keeps from load step to load step, its attributes.
-        name: What is modelled where, for results.
 
     Args:
         site: Where it acts.
     """
 
-    kind: ClassVar[str] = ""
-    model: ClassVar[str] = ""
     sticks: ClassVar[bool] = False
     has_counterpart: ClassVar[bool] = True
     pressure_is_known: ClassVar[bool] = False
     pushes_only: ClassVar[bool] = False
     has_penalty: ClassVar[bool] = False
-    state: ClassVar[tuple[PointArray, ...]] = ()
-
-    def __init__(self, site: LawSite) -> None:
-        self.site = site
-        self.name = f"{self.model} on {site.contact.label}"
 
     @classmethod
     def parameters(cls, contact: Contact) -> dict[str, Any]:
@@ -58,23 +48,13 @@ class NormalLaw:
         return 0.0
 
     @property
-    def forms(self) -> tuple[Any, ...]:
-        """Compiled forms of the forces that follow the jump; none where nothing does."""
-        return ()
-
-    @property
-    def tangents(self) -> tuple[Any, ...]:
-        """Forms of the tangent in the present mode."""
-        return ()
-
-    @property
     def loads(self) -> list[tuple[Any, Callable[[float], float]]]:
         """Linear forms of what is given, in full, with the share that acts at a pseudo-time."""
         return []
 
     def pressure_ufl(self, jump: Any) -> Any:
-        """The pressure of a jump in UFL, for friction whose bound follows it (stress)."""
-        raise NotImplementedError(f"{self.kind}: no friction depends on its pressure")
+        """What of the pressure follows the jump, in UFL, for friction that it bounds (stress)."""
+        return ufl.as_ufl(0.0)
 
     def set_time(self, time: float) -> None:
         """Bring what is given to a pseudo-time."""
@@ -86,11 +66,6 @@ class NormalLaw:
             gap: At the points; infinite where nothing stands (length).
         """
 
-    def force(self) -> Array:
-        """Forces on the body at all nodes of the surface, (nodes, components); collective."""
-        trace = self.site.trace
-        return np.zeros((len(trace.all_nodes), trace.surface.components))
-
     def hold(self, pressure: Array) -> None:
         """Press with a given pressure from now on, whatever the jump; collective.
 
@@ -100,7 +75,7 @@ class NormalLaw:
 
     def remember(self) -> dict[str, Array]:
         """The arrays of ``state`` as they are, by name."""
-        return {array.name: getattr(self, array.name).copy() for array in self.state}
+        return self.kept()
 
     def recall(self, at_points: Mapping[str, Array]) -> None:
         """Follow the jump as after a load step, whatever has been tried since.

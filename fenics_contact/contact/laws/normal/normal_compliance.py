@@ -27,13 +27,13 @@ class NormalCompliance(SpringLaw):
 
     @classmethod
     def parameters(cls, contact: Contact) -> dict[str, Any]:
-        """C (stress/length^m) and m."""
+        """The coefficient c (stress/length^m) and the exponent m."""
         law = contact.normal_law
         assert isinstance(law, normal_laws.NormalCompliance)
         return {"coefficient": law.coefficient, "exponent": law.exponent}
 
     def fields(self) -> Mapping[str, Array]:
-        """C and m at the points."""
+        """Both at the points."""
         given = self.parameters(self.site.contact)
         coefficient = self.site.given(given["coefficient"], "normal_law.coefficient")
         return {
@@ -43,6 +43,6 @@ class NormalCompliance(SpringLaw):
 
     @staticmethod
     def density(depth: Any, jump: Any, **fields: Any) -> Any:
-        """C ⟨d⟩^(m + 1)/(m + 1)."""
+        """The density c ⟨d⟩^(m + 1)/(m + 1)."""
         power = fields["exponent"] + 1
         return fields["coefficient"] * positive(depth) ** power / power

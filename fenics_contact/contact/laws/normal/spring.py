@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from fenics_contact.common import form_cache
 from fenics_contact.contact.laws.energies import prescribed_pressure_energy
 from fenics_contact.contact.laws.normal.law import NormalLaw
-from fenics_contact.contact.laws.point_values import PointDensity
+from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 
 Array = NDArray[np.float64]
@@ -127,9 +127,9 @@ class SpringLaw(NormalLaw):
 
     @cached_property
     def _at_points(self) -> PointDensity:
-        surface = self.site.trace.surface
-        sizes = {"depth": 0, "jump": surface.components, **dict.fromkeys(self._fields, 0)}
-        return PointDensity(self.density, sizes)
+        components = self.site.trace.surface.components
+        fields = dict.fromkeys(self._fields, 0)
+        return point_density(self.density, depth=0, jump=components, **fields)
 
     def _values(self, jump: Array) -> dict[str, Array]:
         """Of the density's variables; where nothing stands, none are deep."""

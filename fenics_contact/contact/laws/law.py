@@ -1,0 +1,54 @@
+"""What every law of a contact answers, be it across the contact or along it."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.results.point_arrays import PointArray
+
+Array = NDArray[np.float64]
+
+
+class ContactLaw:
+    """A law; this one exerts nothing, and others say what they do instead.
+
+    Attributes:
+        kind: As scenes and results name it.
+        model: What it models, in words.
+        state: Arrays at the points that it keeps from load step to load step, its attributes.
+        name: What is modelled where, for results.
+
+    Args:
+        site: Where it acts.
+    """
+
+    kind: ClassVar[str] = ""
+    model: ClassVar[str] = ""
+    state: ClassVar[tuple[PointArray, ...]] = ()
+
+    def __init__(self, site: LawSite) -> None:
+        self.site = site
+        self.name = f"{self.model} on {site.contact.label}"
+
+    @property
+    def forms(self) -> tuple[Any, ...]:
+        """Compiled forms of the forces that follow the jump; none where nothing does."""
+        return ()
+
+    @property
+    def tangents(self) -> tuple[Any, ...]:
+        """Forms of the tangent in the present mode."""
+        return ()
+
+    def force(self) -> Array:
+        """Forces on the body at all nodes of the surface, (nodes, components); collective."""
+        trace = self.site.trace
+        return np.zeros((len(trace.all_nodes), trace.surface.components))
+
+    def kept(self) -> dict[str, Array]:
+        """The arrays of ``state`` as they are, by name."""
+        return {array.name: getattr(self, array.name).copy() for array in self.state}
