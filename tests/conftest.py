@@ -94,10 +94,15 @@ def _error_budget(request, monkeypatch):
         monkeypatch.setattr(simulation, "error_budget", lambda *history: ErrorBudget())
 
 
-@pytest.fixture(autouse=True, scope="session")
-def _geometries_of_the_repository():
+@pytest.fixture(scope="session")
+def _meshes_made():
+    return {}
+
+
+@pytest.fixture(autouse=True)
+def _geometries_of_the_repository(_meshes_made, monkeypatch):
     """Gmsh makes each mesh of these once: it starts slowly, and few tests are of it."""
-    make, ours, made = loading._load, os.path.abspath(ROOT / "meshes"), {}
+    make, ours, made = loading._load, os.path.abspath(ROOT / "meshes"), _meshes_made
 
     def load(key, source, dimension, sizes, curved):
         if sizes is not None or not os.path.abspath(source.file).startswith(ours):
@@ -107,9 +112,7 @@ def _geometries_of_the_repository():
             made[wanted] = make(key, source, dimension, None, curved)
         return copy.deepcopy(made[wanted])
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(loading, "_load", load)
-        yield
+    monkeypatch.setattr(loading, "_load", load)
 
 
 @pytest.fixture

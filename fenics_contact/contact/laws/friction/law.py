@@ -55,7 +55,6 @@ class FrictionLaw(ContactLaw):
         self.mode: Mode = "law"
         self.bound = np.zeros(len(site.trace.weights))
         self.is_scaled = False
-        self.regularisation_parameter = 0.0
 
     @property
     def depends_on_pressure(self) -> bool:
@@ -66,6 +65,11 @@ class FrictionLaw(ContactLaw):
     def finds_scale(self) -> bool:
         """Whether ε follows the pressures that are found."""
         return self.depends_on_pressure and self.site.contact.regularisation_parameter == "auto"
+
+    @property
+    def regularisation_parameter(self) -> float:
+        """ε as used (length), 0 without friction."""
+        return 0.0
 
     @property
     def chosen_parameter(self) -> float:

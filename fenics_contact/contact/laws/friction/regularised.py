@@ -57,7 +57,7 @@ class RegularisedFriction(FrictionLaw):
         slipped = jump if self._accepted is None else jump - self._accepted.ufl
         self._bound = trace.function(self.bound)
         self._epsilon = fem.Constant(surface.mesh, 1.0)
-        self._chosen, self._left, self.regularisation_parameter = 1.0, 1.0, 1.0
+        self._chosen, self._left = 1.0, 1.0
         self._share = fem.Constant(surface.mesh, 1.0)
         self._slip = np.zeros_like(self._reference)
         self._dual = np.zeros_like(self._reference)
@@ -127,6 +127,11 @@ class RegularisedFriction(FrictionLaw):
         return function, form_cache.form(work)
 
     @property
+    def regularisation_parameter(self) -> float:
+        """ε as used (length)."""
+        return float(self._epsilon.value)
+
+    @property
     def chosen_parameter(self) -> float:
         """The ε that was set, of which a part may be used (length)."""
         return self._chosen
@@ -139,8 +144,7 @@ class RegularisedFriction(FrictionLaw):
 
     def _choose(self, epsilon: float) -> None:
         self._chosen = epsilon
-        self.regularisation_parameter = epsilon * self._left
-        self._epsilon.value = self.regularisation_parameter
+        self._epsilon.value = epsilon * self._left
 
     def regularise_less(self, left: float) -> None:
         """Use this part of every ε that is set, from now on."""
