@@ -6,7 +6,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Material, Obstacle, Run, Scene, SolverSettings, Steps, Support
 from fenics_contact.common.errors import NotConvergedError
-from fenics_contact.solve.coulomb.strategies import _CoulombLoop
+from fenics_contact.solve.coulomb import alternating_loop
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.trust.error_estimates import budget as error_budget
 from tests.scenes import box_body
@@ -103,8 +103,8 @@ def never(*arguments):
 @pytest.mark.parametrize("is_newton_lost", [False, True], ids=["Newton's method", "another pass"])
 def test_what_the_loop_on_the_pressure_leaves_is_seen(monkeypatch, is_newton_lost):
     """Without a last solve of all together, its tolerance is what it leaves."""
-    finish = _CoulombLoop._solve_coupled
-    monkeypatch.setattr(_CoulombLoop, "_solve_coupled", never)
+    finish = alternating_loop.solve_coupled
+    monkeypatch.setattr(alternating_loop, "solve_coupled", never)
     good, run_law = Newton.run, []
 
     def only_with_the_law(newton, *arguments, **others):
@@ -118,7 +118,7 @@ def test_what_the_loop_on_the_pressure_leaves_is_seen(monkeypatch, is_newton_los
     loose = solved(strategy="lagged", outer_tolerance=9e-3)
     assert bool(run_law) == is_newton_lost
     monkeypatch.setattr(Newton, "run", good)
-    monkeypatch.setattr(_CoulombLoop, "_solve_coupled", finish)
+    monkeypatch.setattr(alternating_loop, "solve_coupled", finish)
     true = true_errors(loose, solved(errors="none"))
     for name in ("normal_force", "friction_force", "friction_work"):
         estimate = loose.errors[name]["iteration"]

@@ -1,0 +1,207 @@
+"""The loop on the contact pressure: Section 4.1 of the paper, case (ii), its Steps 1 to 4.
+
+Friction is bounded by μ p, and the pressure p is not known. The paper alternates:
+
+1. contact without friction;
+2. the pressures p at the points, (4.4);
+3. friction under p: the bound g = μ p, springs g/ε where points stick and tractions g where they
+   slip, (4.5) to (4.7);
+4. contact under the tractions of Step 3; then from Step 2 on until successive answers agree.
+
+Ours are Anderson's acceleration of p, the hysteresis of what sticks, and a last solve for contact
+and friction at once, so that the answer does not depend on when the loop ends.
+"""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_contact.common.errors import NotConvergedError
+from fenics_contact.common.parallel import largest
+from fenics_contact.contact.noise import all_round_off
+from fenics_contact.solve.coulomb.anderson import Anderson
+from fenics_contact.solve.coulomb.convergence import OuterMonitor
+from fenics_contact.solve.coulomb.monolithic import solve_coupled
+from fenics_contact.solve.coulomb.without_friction import contact_without_friction
+from fenics_contact.solve.newton.newton import Newton
+from fenics_contact.solve.newton.status_cycling import Chatter
+
+logger = logging.getLogger(__name__)
+
+Array = NDArray[np.float64]
+
+
+class StalledError(Exception):
+    """The loop on the pressure does not come nearer."""
+
+
+class AlternatingLoop:
+    """Friction under the last pressures, then contact under the friction found, until they agree.
+
+    All calls are collective. Pressures are an array (stress) for each Coulomb contact, at the
+    points of this rank.
+
+    Attributes:
+        passes: How often new pressures were found from the last ones.
+        contraction: By how much a pass multiplies differences of pressures; None if not known.
+    """
+
+    def __init__(self, newton: Newton) -> None:
+        self.newton = newton
+        self.problem = newton.problem
+        self.contacts = newton.problem.coulomb
+        self.settings = newton.problem.scene.solver
+        self.passes = 0
+        self.contraction: float | None = None
+        self._is_glued = False
+
+    def run(self, near: float) -> None:
+        """Steps 1 to 4, until the pressures change no more.
+
+        Args:
+            near: Change of the pressures, over their peak, from which contact and friction are
+                solved at once; where that fails, the loop goes on to the scene's tolerance.
+
+        Raises:
+            StalledError: Where the pressures come no nearer.
+            NotConvergedError: Where Newton's method fails.
+        """
+        self.step_1()
+        pressures = self.step_2()
+        if self._nothing_rubs(pressures):
+            self._rub_nothing()
+            return
+        anderson = Anderson(self.problem.comm, [c.trace.owned for c in self.contacts])
+        monitor = OuterMonitor(Chatter(self.contacts, self.problem.comm), self.problem.comm)
+        near = max(near, self.settings.outer_tolerance)
+        for _ in range(self.settings.max_outer_iterations):
+            found = self.one_pass(pressures)
+            self.passes += 1
+            change = monitor.see(pressures, found)
+            self.contraction = monitor.contraction
+            logger.debug("  pass %d: pressures change by %.2e of the peak", self.passes, change)
+            if change <= near:
+                if self._finish(found, change):
+                    return
+                near = self.settings.outer_tolerance
+            if monitor.is_stalled:
+                raise StalledError(monitor.words())
+            pressures = anderson.next(pressures, found)
+        raise StalledError(
+            f"the {self.settings.max_outer_iterations} passes allowed were used up: "
+            f"{monitor.words()}"
+        )
+
+    def one_pass(self, pressures: list[Array]) -> list[Array]:
+        """From pressures to new ones: Steps 3, 4 and 2."""
+        self.step_3(pressures)
+        self.step_4()
+        return self.step_2()
+
+    def step_1(self) -> None:
+        """Contact without friction; all points are to stick at first."""
+        self._is_glued = contact_without_friction(self.newton)
+        self._sticks = [np.ones(len(c.trace.weights), dtype=bool) for c in self.contacts]
+        self._directions = [np.zeros_like(c.trace.normals) for c in self.contacts]
+
+    def step_2(self) -> list[Array]:
+        """The pressures at the points, (4.4)."""
+        return [contact.pressure() for contact in self.contacts]
+
+    def step_3(self, pressures: list[Array]) -> None:
+        """Friction under given pressures, (4.5) to (4.7), linear; gives the tractions of Step 4."""
+        bounds = [
+            contact.friction.bound_of(pressure)
+            for contact, pressure in zip(self.contacts, pressures, strict=True)
+        ]
+        for i, contact in enumerate(self.contacts):
+            contact.normal.hold(pressures[i])
+            contact.friction.set_status(self._sticks[i], self._directions[i], bounds[i])
+        self.newton.run(search_energy=False)
+        for i, contact in enumerate(self.contacts):
+            contact.friction.hold(self._next_status(i, bounds[i]))
+
+    def step_4(self) -> None:
+        """Contact under the friction that Step 3 found."""
+        for contact in self.contacts:
+            contact.friction.mode = "held"
+            contact.normal.release()
+        self.newton.run()
+
+    def contact_and_friction(self, pressures: list[Array]) -> None:
+        """Steps 3 and 4 at once: contact, and friction with the bound of given pressures."""
+        for contact, pressure in zip(self.contacts, pressures, strict=True):
+            contact.friction.mode = "law"
+            contact.friction.set_bound(contact.friction.bound_of(pressure))
+        before = self.newton.save()
+        try:
+            self.newton.run(search_energy=False)
+        except NotConvergedError:  # rarely: full steps are the better ones with friction
+            self.newton.restore(before)
+            self.newton.run()
+
+    def _next_status(self, number: int, bound: Array) -> Array:
+        """The tractions of Step 3, and the status for the next one, with hysteresis.
+
+        A point starts to slip beyond ε, and sticks again once it comes back below ε against
+        the direction of its slip; it never reverses at once.
+        """
+        contact = self.contacts[number]
+        kinematics, epsilon = contact.kinematics, contact.friction.regularisation_parameter
+        slip = contact.friction.counted(kinematics.tangential(kinematics.jump_at_points()))
+        size = np.linalg.norm(slip, axis=1)
+        unit = slip / np.where(size > 0, size, 1.0)[:, None]
+        sticks, directions = self._sticks[number], self._directions[number]
+        share = np.where(sticks, np.minimum(size / epsilon, 1.0), 1.0)
+        traction = -(bound * share)[:, None] * np.where(sticks[:, None], unit, directions)
+        back = np.einsum("ij,ij->i", slip, directions) < epsilon
+        self._sticks[number] = np.where(sticks, size <= epsilon, back)
+        self._directions[number] = np.where(self._sticks[number][:, None], 0.0, unit)
+        return traction
+
+    def _finish(self, pressures: list[Array], change: float) -> bool:
+        """A last solve in which friction and contact meet their laws exactly, the bound too.
+
+        Returns:
+            Whether this is the end; it may not be where the loop is still far.
+        """
+        before = self.newton.save()
+        try:
+            solve_coupled(self.newton)
+        except NotConvergedError:
+            self.newton.restore(before)
+            if change > self.settings.outer_tolerance:
+                return False
+            self.contact_and_friction(pressures)  # the loop's own answer, to its tolerance
+        return True
+
+    def _nothing_rubs(self, pressures: list[Array]) -> bool:
+        """Whether nothing touches, or carries but round-off of a motion along contacts."""
+        if self._peak(pressures) == 0:
+            return True
+        return all_round_off(self.problem.contacts, self.newton.system.forces)
+
+    def _rub_nothing(self) -> None:
+        """What to do where nothing touches; what glue holds then is not held."""
+        for contact in self.contacts:
+            contact.friction.mode = "law"
+            contact.friction.set_bound(np.zeros_like(contact.friction.bound))
+        if self._is_glued:
+            self.newton.run()
+            if self._peak(self.step_2()) > 0:
+                raise StalledError("bodies that glue held apart have come together")
+
+    def _peak(self, pressures: list[Array]) -> float:
+        return max(largest(self.problem.comm, pressure) for pressure in pressures)
+
+
+class LaggedLoop(AlternatingLoop):
+    """Contact and friction at once, with the bound of the last pressures, until they agree."""
+
+    def one_pass(self, pressures: list[Array]) -> list[Array]:
+        """From pressures to new ones."""
+        self.contact_and_friction(pressures)
+        return self.step_2()

@@ -1,0 +1,111 @@
+"""Contact and friction at once, the bound μ p too: Newton's method on the whole.
+
+Its tangent is not symmetric, as Coulomb friction has no energy. It starts from the adhesive start,
+all points stuck, with full steps.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.common.errors import NotConvergedError
+from fenics_contact.contact.noise import carries_more_than
+from fenics_contact.problem.rigid_motions import RigidMotions
+from fenics_contact.solve.coulomb.friction_scale import fits, follow_pressure
+from fenics_contact.solve.coulomb.without_friction import contact_without_friction
+from fenics_contact.solve.newton.newton import Newton
+
+logger = logging.getLogger(__name__)
+
+# Of the pressures from which ε follows. Its bias is below .1 %, so an error of it in ε counts
+# a thousandth.
+_SCALE_TOLERANCE = 1e-6
+# Of ε over that which the answer needs, beyond which a step is solved again: its bias stays below
+# .1 %, also where steps add up.
+_TOO_LARGE = 3.0
+# Of the ε that is needed over that which was guessed, beyond which Newton's method is not to go on
+# for long: below it takes hardly more steps.
+_TOO_SMALL = 100.0
+_RESCALINGS = 3
+# Shares of the coefficient on the way to all of it: from below or, where only friction holds a
+# body, from above, as less of it holds nothing.
+_RISING = (0.25, 0.5, 0.75, 1.0)
+_FALLING = (4.0, 2.0, 1.4, 1.2, 1.1, 1.05, 1.02, 1.01, 1.005, 1.002, 1.001, 1.0)
+
+
+def solve_coupled(newton: Newton, hopeless: Callable[[], bool] | None = None) -> None:
+    """From the present displacements and ε; collective.
+
+    Args:
+        newton: On a problem with Coulomb contacts.
+        hopeless: As ``Newton.run`` takes it.
+    """
+    for contact in newton.problem.coulomb:
+        contact.friction.stick_all()
+        contact.friction.mode = "coupled"
+    newton.run(search_energy=False, hopeless=hopeless)
+
+
+def monolithic(newton: Newton, start: Any) -> None:
+    """Find ε, from the step before or from contact without friction, and solve; collective.
+
+    Args:
+        newton: On a problem with Coulomb contacts.
+        start: The state to start from, as ``Newton.save`` gave it.
+    """
+    contacts = newton.problem.coulomb
+
+    def is_out_of_scale() -> bool:
+        """Whether some ε is much less than what the present pressures need; collective."""
+        return not all([fits(contact, np.inf, _TOO_SMALL) for contact in contacts])
+
+    if all(contact.friction.is_scaled for contact in contacts):
+        try:
+            solve_coupled(newton, is_out_of_scale)
+            return
+        except NotConvergedError as error:
+            if not is_out_of_scale():
+                raise
+            logger.info("%s; next: with the regularisation that this step needs", error)
+            newton.restore(start)
+    contact_without_friction(newton, _SCALE_TOLERANCE)
+    newton.restore(start)
+    solve_coupled(newton)
+
+
+def continuation(newton: Newton, start: Any) -> None:
+    """The same, with the coefficient brought up or down in steps; collective."""
+    shares = _FALLING if RigidMotions(newton.problem).slides_on_coulomb else _RISING
+    for share in shares:
+        for contact in newton.problem.coulomb:
+            contact.friction.set_share(share)
+        if share == shares[0]:
+            monolithic(newton, start)
+        else:
+            newton.run(search_energy=False)
+
+
+def fit_scale(newton: Newton) -> None:
+    """Set ε of contacts for which it is too large, and solve with it; collective.
+
+    They carry much less than in the last step, or only came to touch on the way.
+    """
+    for _ in range(_RESCALINGS):
+        limit = newton.limit
+        late = [
+            contact
+            for contact in newton.problem.coulomb
+            if not fits(contact, _TOO_LARGE, np.inf) and carries_more_than(contact, limit)
+        ]
+        if not late:
+            return
+        for contact in late:
+            follow_pressure(contact, limit)
+        if RigidMotions(newton.problem).slides_on_coulomb:
+            # Nothing but friction takes the creep back, by one ε a step of Newton's method.
+            contact_without_friction(newton, _SCALE_TOLERANCE)
+        solve_coupled(newton)
