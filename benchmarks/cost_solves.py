@@ -16,7 +16,7 @@ from fenics_contact.evaluate.quantities import (
     support_reactions,
 )
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import choose_solver, create_system
@@ -165,7 +165,7 @@ def frictional_solve(problem: Problem) -> Frictional:
         watch.exclude(lambda: read_results(problem, solution))
 
     try:
-        solution = History(Newton(problem, system, timings), accepted).solve()
+        solution = LoadSteps(Newton(problem, system, timings), accepted).solve()
         seconds, reading = watch.seconds(), largest(problem.comm, np.array([watch.excluded]))
     finally:
         system.destroy()

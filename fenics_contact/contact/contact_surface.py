@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import Supports
-from fenics_contact.contact.contact_history import ContactHistory
 from fenics_contact.contact.driving import ContactPaths
 from fenics_contact.contact.kinematics.against_body import BodyKinematics
 from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
 from fenics_contact.contact.kinematics.jump import ContactKinematics
+from fenics_contact.contact.last_step import LastStep
 from fenics_contact.contact.laws.friction import friction_law
 from fenics_contact.contact.laws.friction.law import FrictionLaw
 from fenics_contact.contact.laws.normal import acting_law, law_of
@@ -52,7 +52,7 @@ class ContactSurface:
         penalty_parameter: ε₁ as used (length/stress), 0 without a penalty.
         parameters: What the scene gives of the law across it, by its names.
         force: That drives the obstacle at present, None where none does (force).
-        history: What it keeps of its last load step.
+        last_step: What is kept of the last load step.
         normal: The law across it.
         friction: The law along it.
     """
@@ -92,7 +92,7 @@ class ContactSurface:
         before = self.kinematics.gap
         if self.is_one_sided:  # where they overlap at first, pressure pushes the overlap out
             before = np.maximum(before, 0.0)
-        self.history = ContactHistory(self._at_rest(), before)
+        self.last_step = LastStep(self._at_rest(), before)
 
     def _kinematics(
         self, key: str, constrained: NDArray[np.int64], law: type[NormalLaw]
@@ -170,19 +170,19 @@ class ContactSurface:
         self.kinematics.pair_anew(displacement)
         self.normal.set_gap(self.kinematics.gap)
         self.friction.accept(self.kinematics.tangential(self.kinematics.jump_at_points()))
-        left = self.history.measured_anew(self.state().gap)
-        self.history.left_open += float(self.trace.integral(left))
+        left = self.last_step.measured_anew(self.state().gap)
+        self.last_step.left_open += float(self.trace.integral(left))
 
     def accept(self) -> None:
         """A load step is done: slip counts from here where the law is incremental; collective."""
         state = self.state()
-        self.history.advance(state, self.kinematics.gap, self._work_in_step(state))
+        self.last_step.advance(state, self.kinematics.gap, self._work_in_step(state))
         self.friction.accept(state.slip)
 
     def _work_in_step(self, state: ContactState) -> float:
         """Dissipated in the present step; with the static law, since the start; collective."""
         slip = self.friction.counted(state.slip)
-        in_step = self.history.dissipation(state, slip)
+        in_step = self.last_step.dissipation(state, slip)
         work = self.friction.work(in_step, state.friction_traction, slip)
         return float(self.trace.integral(work))
 
@@ -192,7 +192,7 @@ class ContactSurface:
         Args:
             state: At the end of the present step, before it is accepted.
         """
-        before = self.history.dissipated if self.friction.follows_path else 0.0
+        before = self.last_step.dissipated if self.friction.follows_path else 0.0
         return before + self._work_in_step(state)
 
     def open_work(self, state: ContactState) -> float:
@@ -203,9 +203,9 @@ class ContactSurface:
         """
         left = np.zeros(len(state.gap))
         if self.is_one_sided:
-            left += self.history.open_pressing(state)
+            left += self.last_step.open_pressing(state)
         if self.friction.rubs:
-            left += self.history.open_friction(state, self.friction.counted(state.slip))
+            left += self.last_step.open_friction(state, self.friction.counted(state.slip))
         return float(self.trace.integral(left))
 
     @property

@@ -41,12 +41,12 @@ def remember(contact: ContactSurface) -> ContactMemory:
     kinematics, friction = contact.kinematics, contact.friction
     return ContactMemory(
         indentation=kinematics.indentation,
-        dissipated=contact.history.dissipated,
-        left_open=contact.history.left_open,
+        dissipated=contact.last_step.dissipated,
+        left_open=contact.last_step.left_open,
         regularisation_parameter=friction.chosen_parameter,
         is_scaled=friction.is_scaled,
         at_points=friction.remember(contact.pressure())
-        | contact.history.at_points()
+        | contact.last_step.at_points()
         | contact.normal.remember(),
         paired_at=kinematics.paired_at,
     )
@@ -63,7 +63,7 @@ def recall_pairing(contact: ContactSurface, memory: ContactMemory) -> bool:
 def recall(contact: ContactSurface, memory: ContactMemory) -> None:
     """Go back to a remembered state, bodies being paired as they were."""
     contact.kinematics.indentation = memory.indentation
-    contact.history.restore(memory.at_points, memory.dissipated, memory.left_open)
+    contact.last_step.restore(memory.at_points, memory.dissipated, memory.left_open)
     contact.normal.recall(memory.at_points)
     contact.friction.recall_scale(memory.regularisation_parameter, memory.is_scaled)
     contact.friction.recall(memory.at_points)

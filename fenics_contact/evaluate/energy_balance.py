@@ -81,16 +81,16 @@ class EnergyBook:
         for (contact, state), motion in zip(pairs, motions, strict=True):
             self.left_open += contact.open_work(state)
             self.left_open += _work_at_edges(contact, state, moved_here, motion)
-            changed = contact.history.changed(state) & contact.trace.owned
+            changed = contact.last_step.changed(state) & contact.trace.owned
             self.changed |= total(problem.comm, changed.sum()) > 0
-            self.changed |= contact.history.left_open > 0
+            self.changed |= contact.last_step.left_open > 0
         last["displacement"] = solution.displacement.copy()
         last["load"], last["reactions"] = problem.load, reactions
 
     def _work_of_obstacle(self, number: int, solution: Solution) -> float:
         """In a step, of what stands opposite; it becomes the last step's; collective."""
         contact = self._problem.contacts[number]
-        kinematics, state, history = contact.kinematics, solution.states[number], contact.history
+        kinematics, state, before = contact.kinematics, solution.states[number], contact.last_step
         pushed = solution.contact_force[number][contact.owned_nodes].sum(axis=0)
         force = np.asarray(total(contact.spaces.comm, pushed))
         motion = kinematics.motion
@@ -100,10 +100,10 @@ class EnergyBook:
         if kinematics.paired_at is None:
             # A curved obstacle that moves along the surface pushes the gap before it; and what
             # overlaps as drawn pushes the overlap out in the first step.
-            stays = np.isfinite(history.gap) & np.isfinite(kinematics.gap)
+            stays = np.isfinite(before.gap) & np.isfinite(kinematics.gap)
             pushed_in = np.zeros(len(stays))
-            pushed_in[stays] = history.gap[stays] - kinematics.gap[stays]
-            pressure = 0.5 * (history.last.contact_pressure + state.contact_pressure)
+            pushed_in[stays] = before.gap[stays] - kinematics.gap[stays]
+            pressure = 0.5 * (before.state.contact_pressure + state.contact_pressure)
             work += float(contact.trace.integral(pressure * pushed_in))
         return work
 
@@ -133,7 +133,7 @@ class EnergyBook:
     @property
     def open_share(self) -> float:
         """``left_open``, in steps and between them, over the work done; 0 without a path."""
-        between = sum(contact.history.left_open for contact in self._problem.contacts)
+        between = sum(contact.last_step.left_open for contact in self._problem.contacts)
         return (self.left_open + between) / self.done if self.applies and self.done > 0 else 0.0
 
     def quantities(self, quantities: Mapping[str, Any]) -> dict[str, float]:
@@ -173,13 +173,13 @@ def _work_at_edges(
     other springs back as well.
 
     Args:
-        contact: Its history is that of the last step.
+        contact: As the last step left it.
         state: At the end of this one.
         moved: At the body's nodes of this rank in the step, (nodes, components) (length).
         motion: Of the obstacle, (components,) (length).
     """
-    kinematics, last = contact.kinematics, contact.history.last
-    passed = np.isfinite(contact.history.gap) != np.isfinite(kinematics.gap)
+    kinematics, last = contact.kinematics, contact.last_step.state
+    passed = np.isfinite(contact.last_step.gap) != np.isfinite(kinematics.gap)
     jump = contact.trace.at_points(kinematics.relative(moved)) - motion
     pressure = 0.5 * (last.contact_pressure + state.contact_pressure)
     both = contact.moduli.reference / contact.moduli.combined

@@ -40,7 +40,7 @@ from fenics_contact.simulation.description import (
 )
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
-from fenics_contact.solve.load_steps.load_steps import History, solve
+from fenics_contact.solve.load_steps.load_steps import LoadSteps, solve
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice, choose_solver
 from fenics_contact.trust.checks.run_checks import run_checks
@@ -199,13 +199,13 @@ class Run:
         self._checks: dict[str, Check] = {}
         self._announce = announce or (_log_step if self.scene.steps.several else _say_nothing)
 
-        begun: list[History] = []  # not the run's own: it refers to it, and would not be freed
+        begun: list[LoadSteps] = []  # not the run's own: it refers to it, and would not be freed
 
-        def begin(history: History) -> None:
-            begun.append(history)
-            history.guess = guess
+        def begin(load_steps: LoadSteps) -> None:
+            begun.append(load_steps)
+            load_steps.guess = guess
             if saved is not None:
-                self._measure(history.resume(saved.last, saved.pace, saved.forces))
+                self._measure(load_steps.resume(saved.last, saved.pace, saved.forces))
                 self.book.resume(saved.energy, self.forces, self._reactions)
 
         def record(time: float, solution: Solution) -> None:
@@ -213,18 +213,18 @@ class Run:
             if accepted is not None:
                 accepted()
 
-        def keep(history: History) -> None:
+        def keep(load_steps: LoadSteps) -> None:
             if state is not None:
                 with self.timings.phase("output"):
-                    state.save(history, self.steps, self.book.sums)
+                    state.save(load_steps, self.steps, self.book.sums)
 
-        def end(history: History) -> None:
-            self.last = None if history.last is None else history.last.unknowns
+        def end(load_steps: LoadSteps) -> None:
+            self.last = None if load_steps.last is None else load_steps.last.unknowns
             self._checks = self._run_checks()  # before other answers move the contacts about
             with self.timings.phase("output"):
-                self.others = look_around(history)
+                self.others = look_around(load_steps)
             with self.timings.phase("errors"):
-                self.budget = error_budget(history, self.steps)
+                self.budget = error_budget(load_steps, self.steps)
 
         try:
             solve(self.problem, self.timings, record, self.choice, begin, keep, stopped, end)

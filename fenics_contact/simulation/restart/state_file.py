@@ -27,7 +27,7 @@ from fenics_contact.simulation.restart import fingerprint
 from fenics_contact.simulation.restart.node_keys import NodalKeys, found_among, gather_keyed
 from fenics_contact.simulation.restart.sealed_arrays import Arrays, read, write
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
-from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 
 Array = NDArray[np.float64]
@@ -94,26 +94,26 @@ class StateFile:
         """Take away that of an earlier run; collective."""
         on_root(self._comm, lambda: self.path.unlink(missing_ok=True))
 
-    def save(self, history: History, steps: list[dict[str, Any]], energy: list[float]) -> None:
+    def save(self, load_steps: LoadSteps, steps: list[dict[str, Any]], energy: list[float]) -> None:
         """Write the last accepted step of a history; collective.
 
         Args:
-            history: Of the run.
+            load_steps: Of the run.
             steps: Records of all steps.
             energy: Sums of the energy book.
 
         Raises:
             MachineError: It could not be written; that of the step before is still there.
         """
-        last = history.last
+        last = load_steps.last
         assert last is not None
         header = {
             "made_for": self._made_for,
             "time": last.unknowns.time,
             "time_before": None if last.before is None else last.before.time,
             "steps": steps,
-            "pace": history.pace.state,
-            "forces": history.newton.system.earlier_forces,
+            "pace": load_steps.pace.state,
+            "forces": load_steps.newton.system.earlier_forces,
             "energy": energy,
             "exit_code": None,
             "contacts": [_plain_part(memory) for memory in last.contacts],

@@ -113,8 +113,8 @@ class _Strategies:
             except (StalledError, NotConvergedError) as error:
                 attempts.append(f"{_WORDS[way]}: {error}")
                 if number + 1 == len(chosen):
-                    history = tuple(self.newton.history)
-                    raise NotConvergedError(attempts[-1], history, tuple(attempts)) from None
+                    imbalances = tuple(self.newton.imbalances)
+                    raise NotConvergedError(attempts[-1], imbalances, tuple(attempts)) from None
                 logger.info("%s: %s; next: %s", _WORDS[way], error, _WORDS[chosen[number + 1]])
         raise AssertionError("a strategy returns or raises")
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fenics_contact.common.parallel import total
+from fenics_contact.solve.line_search import search_by_secants
 
 if TYPE_CHECKING:
     from fenics_contact.solve.iterative.iterative_system import IterativeSystem
@@ -31,9 +32,6 @@ _BELOW_TOLERANCE = 0.5
 # The zone is settled to this share of the imbalance outside it.
 _ZONE_SHARE = 1e-2
 _MOST_ZONE_STEPS = 15
-# A search ends where the derivative of the energy along the step is this share of its first.
-_FLAT = 0.5
-_MOST_SEARCHES = 5
 # Krylov vectors are restarted; a solve that needs more than this is given up.
 _MOST_ITERATIONS = 300
 # Steps whose linear solves ran out of iterations, one after the other, that come to nothing: each
@@ -139,7 +137,7 @@ class EliminatingNewton:
             snes.computeFunction(state, residual)
             return float(step.dot(residual))
 
-        slope_at(1.0) if start is None else _search(slope_at, slope)
+        slope_at(1.0) if start is None else search_by_secants(slope_at, slope)
         if start is not None:
             start.destroy()
 
@@ -199,7 +197,7 @@ class _Inside:
             return float(total(self._system.comm, step @ self._at(share, step)))
 
         if searched:
-            _search(slope_at, float(total(self._system.comm, step @ self._left)))
+            search_by_secants(slope_at, float(total(self._system.comm, step @ self._left)))
         else:
             self._at(1.0, step)
         return self._accept()
@@ -227,19 +225,6 @@ class _Inside:
         with self._state as array:
             array[self._zone.places] = self._start + moved
         self._system.take(self._state)
-
-
-def _search(slope_at: Any, slope: float) -> None:
-    """Secants for a zero of the energy's derivative along a step, from 1; ends at the last."""
-    near, near_slope = 0.0, slope
-    share, found = 1.0, slope_at(1.0)
-    for _ in range(_MOST_SEARCHES):
-        if abs(found) <= _FLAT * abs(slope) or found == near_slope:
-            return
-        following = share - found * (share - near) / (found - near_slope)
-        near, near_slope = share, found
-        share = float(np.clip(following, 0.05, 2.0))
-        found = slope_at(share)
 
 
 def _is_searched(snes: Any) -> bool:

@@ -33,7 +33,7 @@ logger = logging.getLogger(__name__)
 _SAME_END = 1e-4
 
 
-class History:
+class LoadSteps:
     """All load steps of a problem.
 
     Attributes:
@@ -46,14 +46,14 @@ class History:
     Args:
         newton: Made for the problem, not started.
         accepted: Called with pseudo-time and solution of every step, before slip is counted anew.
-        kept: Called after that, when the history can be gone back to.
+        kept: Called after that, when the step can be gone back to.
     """
 
     def __init__(
         self,
         newton: Newton,
         accepted: Callable[[float, Solution], None] | None = None,
-        kept: Callable[[History], None] | None = None,
+        kept: Callable[[LoadSteps], None] | None = None,
     ) -> None:
         self.newton = newton
         self.problem = newton.problem
@@ -97,7 +97,7 @@ class History:
         return self.last.solution
 
     def resume(self, last: AcceptedStep, pace: Sequence[float], forces: float) -> Solution:
-        """Take up a history that another run began; collective.
+        """Take up the load steps that another run began; collective.
 
         Args:
             last: Its last step. Of the solution, only what it says of the way there counts.
@@ -122,21 +122,21 @@ class History:
         self.go_back()
         return solution
 
-    def afresh(self, times: Sequence[float]) -> History:
-        """Another history over the same system, from the start; collective.
+    def afresh(self, times: Sequence[float]) -> LoadSteps:
+        """Other load steps over the same system, from the start; collective.
 
         Args:
             times: Pseudo-times of its steps, increasing.
 
         Returns:
-            That history, with the first step's ε to begin with, where this one took that step.
+            Those load steps, with the first step's ε to begin with, where this one took that step.
             This one is to be gone back to before it is used again.
         """
         assert self.last is not None
         self._recall(self._untouched)
         for contact, memory in zip(self.problem.contacts, self._first, strict=False):
             contact.friction.recall_scale(memory.regularisation_parameter, memory.is_scaled)
-        other = History(self.newton)
+        other = LoadSteps(self.newton)
         other.pace = FixedPace(Steps(times=tuple(times)))
         return other
 
@@ -287,20 +287,20 @@ def solve(
     timings: Timings | None = None,
     accepted: Callable[[float, Solution], None] | None = None,
     choice: SolverChoice | None = None,
-    begun: Callable[[History], None] | None = None,
-    kept: Callable[[History], None] | None = None,
+    begun: Callable[[LoadSteps], None] | None = None,
+    kept: Callable[[LoadSteps], None] | None = None,
     stopped: Callable[[], bool] | None = None,
-    ended: Callable[[History], None] | None = None,
+    ended: Callable[[LoadSteps], None] | None = None,
 ) -> Solution:
     """Solve a problem step by step; collective.
 
     Args:
-        problem: The problem; its slip history moves on with the steps.
+        problem: The problem; what its contacts remember moves on with the steps.
         timings: Seconds so far.
-        accepted: As of ``History``.
+        accepted: As of ``LoadSteps``.
         choice: The solver; by default that of the scene and its sizes.
         begun: Called before the first step, which may be one to resume from.
-        kept: As of ``History``.
+        kept: As of ``LoadSteps``.
         stopped: As of ``Newton``.
         ended: Called after the last step, while the system can still be solved.
 
@@ -315,14 +315,14 @@ def solve(
     choice = choice or choose_solver(problem)
     system = create_system(problem, choice, timings)
     try:
-        history = History(Newton(problem, system, timings), accepted, kept)
+        load_steps = LoadSteps(Newton(problem, system, timings), accepted, kept)
         if stopped is not None:
-            history.newton.stopped = stopped
+            load_steps.newton.stopped = stopped
         if begun is not None:
-            begun(history)
-        solution = history.solve()
+            begun(load_steps)
+        solution = load_steps.solve()
         if ended is not None:
-            ended(history)
+            ended(load_steps)
         return solution
     finally:
         system.destroy()

@@ -34,19 +34,19 @@ _RUNAWAY = 1e3  # of the body's size
 
 
 def not_converged(
-    problem: Problem, history: Sequence[float], forces: float, reason: int, chatter: Chatter
+    problem: Problem, imbalances: Sequence[float], forces: float, reason: int, chatter: Chatter
 ) -> str:
     """A solve that ended without an answer; collective.
 
     Args:
         problem: The model.
-        history: Force imbalance before every Newton step of the solve, and at its end (force).
+        imbalances: Force imbalance before every Newton step of the solve, and at its end (force).
         forces: What these are small against (force).
         reason: PETSc's.
         chatter: What contact points did in the last steps.
     """
     words = _REASONS.get(reason, f"PETSc's reason {reason}")
-    left = f"{history[-1]:.2e}" if history else "unknown"
+    left = f"{imbalances[-1]:.2e}" if imbalances else "unknown"
     advice = "Try a larger solver.max_iterations, or a finer mesh at the contact"
     if problem.frictional:
         advice = "Try a larger solver.max_iterations, or a larger regularisation_parameter"
@@ -55,22 +55,22 @@ def not_converged(
             "Only friction holds a body back here: the loads may be more than it can hold, "
             "and then there is no answer"
         )
-    if _is_falling(history):
+    if _is_falling(imbalances):
         advice = "It was still falling: try a larger solver.max_iterations"
-    elif history and history[-1] <= _SMALL_REST * forces:
+    elif imbalances and imbalances[-1] <= _SMALL_REST * forces:
         advice = (
             "So small a rest may be round-off: is a penalty_parameter too small, or the "
             "contrast of stiffnesses extreme?"
         )
     return (
-        f"not converged after {max(len(history) - 1, 0)} Newton steps: {words}; the force "
+        f"not converged after {max(len(imbalances) - 1, 0)} Newton steps: {words}; the force "
         f"imbalance is {left} of {forces:.3g}{chatter.words('Newton steps')}. {advice}"
     )
 
 
-def _is_falling(history: Sequence[float]) -> bool:
+def _is_falling(imbalances: Sequence[float]) -> bool:
     """Whether the last steps have brought the imbalance down."""
-    recent = history[-_LATEST:]
+    recent = imbalances[-_LATEST:]
     return len(recent) == _LATEST and recent[-1] < 0.8 * min(recent[: _LATEST // 2])
 
 

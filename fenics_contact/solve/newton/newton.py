@@ -18,6 +18,7 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.contact.noise import round_off
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
+from fenics_contact.solve.line_search import share_of_step
 from fenics_contact.solve.newton.failure import (
     GIVEN_UP,
     NO_SOLVE,
@@ -28,7 +29,6 @@ from fenics_contact.solve.newton.failure import (
     runaway,
 )
 from fenics_contact.solve.newton.initial_guess import starting_point
-from fenics_contact.solve.newton.line_search import share_of_step
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.newton.status_cycling import Chatter
 from fenics_contact.solve.systems import mumps
@@ -71,7 +71,7 @@ class Newton:
     """SNES on a system of a problem; solves follow each other from where the last ended.
 
     Attributes:
-        history: Force imbalance before every Newton step and at the end, of all solves (force).
+        imbalances: Force imbalance before every Newton step and at the end, of all solves (force).
         steps: Newton steps of all solves.
         continues: Whether the present solve starts from an answer of the load step before.
         paired_anew: Whether it was found anew what faces what since the last load step.
@@ -84,7 +84,7 @@ class Newton:
         self.system = system
         self.timings = timings
         self.comm = problem.comm
-        self.history: list[float] = []
+        self.imbalances: list[float] = []
         self.steps = 0
         self.continues = False
         self.limit = 0.0
@@ -129,10 +129,10 @@ class Newton:
         finally:
             self._hopeless = None  # it may know who asks, and that knows this: a circle
         if self._one_sided:
-            left, forces = self.history[-1], self.system.forces
+            left, forces = self.imbalances[-1], self.system.forces
             words = runaway(self.problem, self.system) or drowned(self.problem, left, forces)
             if words is not None:
-                raise NotConvergedError(words, tuple(self.history))
+                raise NotConvergedError(words, tuple(self.imbalances))
 
     def _solve_patiently(self) -> None:
         """Once; where a search along the steps ends nowhere, once more in another way."""
@@ -153,12 +153,12 @@ class Newton:
     @property
     def _is_nearly_balanced(self) -> bool:
         """Whether no more is left of the forces than what round-off may make."""
-        return len(self.history) > self._before and (
-            self.history[-1] <= _LARGEST_FLOOR * self.system.forces
+        return len(self.imbalances) > self._before and (
+            self.imbalances[-1] <= _LARGEST_FLOOR * self.system.forces
         )
 
     def _solve(self) -> None:
-        self._before = len(self.history)
+        self._before = len(self.imbalances)
         self.limit = 0.0
         self._chatter.clear()
         # A body that runs away overflows here and there: the force imbalance tells.
@@ -184,15 +184,15 @@ class Newton:
         if isinstance(failure, MachineError):  # no smaller load step would help
             raise failure
         self.steps += self._steps_of_this_run
-        accepted = len(self.history) > self._before and self.history[-1] <= self.limit
+        accepted = len(self.imbalances) > self._before and self.imbalances[-1] <= self.limit
         if reason < 0 or not accepted:
-            own, forces = self.history[self._before :], self.system.forces
+            own, forces = self.imbalances[self._before :], self.system.forces
             words = not_converged(self.problem, own, forces, reason, self._chatter)
-            raise NotConvergedError(words, tuple(self.history))
+            raise NotConvergedError(words, tuple(self.imbalances))
 
     @property
     def _steps_of_this_run(self) -> int:
-        return max(len(self.history) - self._before - 1, 0)
+        return max(len(self.imbalances) - self._before - 1, 0)
 
     def require_going_on(self) -> None:
         """Stop where any rank was asked to; collective.
@@ -264,8 +264,8 @@ class Newton:
             self.system.linearise(state)
 
     def forget(self) -> None:
-        """Count steps and keep the history anew, for another load step."""
-        self.history.clear()
+        """Count steps and note imbalances anew, for another load step."""
+        self.imbalances.clear()
         self.steps = 0
 
     def start(self) -> None:
@@ -341,7 +341,7 @@ class Newton:
         not used: its reference, the first residual, is no physical force.
         """
         imbalance = self.system.imbalance()
-        self.history.append(imbalance)
+        self.imbalances.append(imbalance)
         if iteration >= _LONG:
             self._chatter.note()
         forces = self.system.forces
@@ -356,7 +356,7 @@ class Newton:
         # it does not run away is then tested at the end.
         cap = np.inf if self._one_sided else _LARGEST_FLOOR * forces
         # The floor may cost a matrix copy, so it is asked for only where it may decide.
-        wanders = iteration >= _PATIENCE and imbalance >= self.history[-1 - _PATIENCE]
+        wanders = iteration >= _PATIENCE and imbalance >= self.imbalances[-1 - _PATIENCE]
         # A solve that begins at an answer without forces has nothing else to compare with.
         tiny = self._largest if wanders else self._tiny
         if iteration > 0 and self.limit < imbalance <= max(_LARGEST_FLOOR * forces, tiny):
@@ -394,7 +394,7 @@ class Newton:
             friction_force=[force[n] for force, n in zip(friction, nodes, strict=True)],
             friction_bound=[contact.friction.bound.copy() for contact in self.problem.contacts],
             states=[contact.state() for contact in self.problem.contacts],
-            residual_history=tuple(self.history),
+            residual_history=tuple(self.imbalances),
             newton_iterations=self.steps,
             outer_iterations=outer_iterations,
             strategy=strategy,

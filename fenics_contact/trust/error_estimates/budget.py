@@ -21,7 +21,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import QUANTITIES, reactions_by_name
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.convergence.unbounded import Unbounded
 from fenics_contact.trust.error_estimates.half_space import domain_errors
@@ -94,24 +94,24 @@ class ErrorBudget:
         }
 
 
-def error_budget(history: History, steps: Sequence[Mapping[str, Any]]) -> ErrorBudget:
+def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> ErrorBudget:
     """Estimate the errors of the last load step's quantities; collective.
 
     Args:
-        history: At its end; it is there again afterwards.
+        load_steps: At their end; all is there again afterwards.
         steps: What came out of all load steps, as in ``result.json``.
 
     Returns:
         Nothing where the scene has ``solver.errors = "none"``.
     """
-    problem = history.problem
-    if problem.scene.solver.errors == "none" or history.last is None:
+    problem = load_steps.problem
+    if problem.scene.solver.errors == "none" or load_steps.last is None:
         return ErrorBudget()
-    measure = _Measure(history)
-    answer = measure(history.last.solution)
-    estimates = _Estimates(history, measure, steps)
+    measure = _Measure(load_steps)
+    answer = measure(load_steps.last.solution)
+    estimates = _Estimates(load_steps, measure, steps)
     found, notes = estimates.all()
-    last = history.last.unknowns
+    last = load_steps.last.unknowns
     unbounded = Unbounded(problem, last.displacement, last.time)
     rows, why = unbounded.strip({key: _row(key, found) for key in answer}, answer)
     notes += dict.fromkeys(why.values())
@@ -140,10 +140,10 @@ class _Measure:
     Of a contact by its number and the name, of supports by a ``Reaction``.
     """
 
-    def __init__(self, history: History) -> None:
-        assert history.last is not None
-        self._problem = history.problem
-        self._answer = history.last.solution
+    def __init__(self, load_steps: LoadSteps) -> None:
+        assert load_steps.last is not None
+        self._problem = load_steps.problem
+        self._answer = load_steps.last.solution
         self._of_answer: dict[Hashable, Any] = {}
 
     def __call__(self, solution: Solution) -> dict[Hashable, Any]:
@@ -188,12 +188,12 @@ class _Estimates:
     """
 
     def __init__(
-        self, history: History, measure: _Measure, steps: Sequence[Mapping[str, Any]]
+        self, load_steps: LoadSteps, measure: _Measure, steps: Sequence[Mapping[str, Any]]
     ) -> None:
-        self._history, self._measure, self._steps = history, measure, steps
+        self._load_steps, self._measure, self._steps = load_steps, measure, steps
         self._times = [step["load_factor"] for step in steps]
-        self._problem = history.problem
-        system = history.newton.system
+        self._problem = load_steps.problem
+        system = load_steps.newton.system
         scene = self._problem.scene
         self._wants_all = scene.solver.errors == "all" or scene.accuracy is not None
         self._is_cheap = isinstance(system, CondensedSystem)
@@ -234,14 +234,14 @@ class _Estimates:
             if note not in self._notes:
                 self._notes.append(note)
             return None
-        history, measure = self._history, self._measure
+        load_steps, measure = self._load_steps, self._measure
         estimate: dict[str, Callable[[], Errors]] = {
             "mesh": self._of_mesh,
-            "penalty": lambda: penalty_errors(history, measure, again),
-            "regularisation": lambda: regularisation_errors(history, measure, again),
-            "iteration": lambda: iteration_errors(history, measure),
-            "step": lambda: step_errors(history, measure, again),
-            "domain": lambda: domain_errors(history, measure),
+            "penalty": lambda: penalty_errors(load_steps, measure, again),
+            "regularisation": lambda: regularisation_errors(load_steps, measure, again),
+            "iteration": lambda: iteration_errors(load_steps, measure),
+            "step": lambda: step_errors(load_steps, measure, again),
+            "domain": lambda: domain_errors(load_steps, measure),
         }
         found = estimate[source]()
         if found is None and not self._is_mixed(source):
@@ -256,12 +256,12 @@ class _Estimates:
         return source == "mesh" and self._problem.elastic.mixed is not None
 
     def _of_mesh(self) -> Errors:
-        assert self._history.last is not None
-        answer = self._measure(self._history.last.solution)
+        assert self._load_steps.last is not None
+        answer = self._measure(self._load_steps.last.solution)
         recorded = [(step["load_factor"], _recorded(step, answer)) for step in self._steps]
         again = self._times if self._takes_history("penalty") else []
         again = again if len(again) <= _SHORT or self._wants_all else []
-        found, self.local = mesh_errors(self._history, self._measure, recorded, again)
+        found, self.local = mesh_errors(self._load_steps, self._measure, recorded, again)
         if found is not None:
             for key, error in self._shared().items():
                 if key in found:
@@ -279,7 +279,7 @@ class _Estimates:
 
     def _shared(self) -> dict[Hashable, float]:
         """What is not known of reactions where supports meet; collective."""
-        problem, last = self._problem, self._history.last
+        problem, last = self._problem, self._load_steps.last
         assert last is not None
         needed = BulkForces(problem, last.solution).unbalanced.reshape(-1)
         labels = [support.label for support in problem.applied_supports]

@@ -15,35 +15,35 @@ from numpy.typing import NDArray
 
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.solving_again import Measure, differences, last_step_again
 
 Array = NDArray[np.float64]
 
 
-def domain_errors(history: History, measure: Measure) -> dict[Hashable, float] | None:
+def domain_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float] | None:
     """Estimated errors of the last load step's quantities by the truncation; collective.
 
     Args:
-        history: Of a scene with a half-space, at its end; it is there again afterwards.
+        load_steps: Of a scene with a half-space, at its end; it is there again afterwards.
         measure: Quantities of a solution, called in its state; collective.
 
     Returns:
         By quantity: absolute, of vectors the length of the difference; None where the answer with
         the other boundary was not found.
     """
-    assert history.last is not None
-    answer = measure(history.last.solution)
-    beyond = _left_out(history.problem, history.last.solution)
-    time = history.time
+    assert load_steps.last is not None
+    answer = measure(load_steps.last.solution)
+    beyond = _left_out(load_steps.problem, load_steps.last.solution)
+    time = load_steps.time
 
     def move_boundary(problem: Problem) -> None:
         assert problem.far_field is not None
         problem.far_field.beyond[:] = beyond
         problem.set_time(time)
 
-    return differences(answer, last_step_again(history, measure, move_boundary))
+    return differences(answer, last_step_again(load_steps, measure, move_boundary))
 
 
 def _left_out(problem: Problem, solution: Solution) -> Array:

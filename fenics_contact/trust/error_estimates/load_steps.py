@@ -1,6 +1,6 @@
 """Errors by the load steps, where the answer depends on them: friction that remembers its path.
 
-The history is solved again with other steps; of n steps the error is c/n at the leading order. Of
+The load is applied again in other steps; of n steps the error is c/n at the leading order. Of
 many steps every other one is left out, then the others: as points of the surface come to touch one
 by one, histories with some times in common may be nearer to each other than to the truth. Of one
 or two steps between turns of the loads each is cut, in two and in three.
@@ -14,8 +14,8 @@ from itertools import pairwise
 import numpy as np
 
 from fenics_contact.scene.load_paths import knots
-from fenics_contact.solve.load_steps.load_steps import History
-from fenics_contact.trust.error_estimates.solving_again import Measure, differences, history_again
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.trust.error_estimates.solving_again import Measure, differences, steps_again
 
 # Steps between turns from which half of them say something.
 _ENOUGH = 3
@@ -26,25 +26,25 @@ _SAME = 1e-9
 
 
 def step_errors(
-    history: History, measure: Measure, times: Sequence[float]
+    load_steps: LoadSteps, measure: Measure, times: Sequence[float]
 ) -> dict[Hashable, float] | None:
     """Estimated errors of the last load step's quantities by the steps; collective.
 
     Args:
-        history: At its end; it is there again afterwards.
+        load_steps: At their end; all is there again afterwards.
         measure: Quantities of a solution, called in its state; collective.
         times: Pseudo-times of the steps as they were accepted.
 
     Returns:
-        By quantity: absolute, of vectors the length of the difference; None where the history with
+        By quantity: absolute, of vectors the length of the difference; None where the path with
         other steps did not come to its end.
     """
-    assert history.last is not None
-    answer = measure(history.last.solution)
+    assert load_steps.last is not None
+    answer = measure(load_steps.last.solution)
     found: list[dict[Hashable, float]] = []
-    for other in _other_steps(_between_turns(times, knots(history.problem.scene))):
+    for other in _other_steps(_between_turns(times, knots(load_steps.problem.scene))):
         factor = _SAFETY / abs(len(times) / len(other) - 1)
-        errors = differences(answer, history_again(history, measure, other), factor)
+        errors = differences(answer, steps_again(load_steps, measure, other), factor)
         if errors is None:
             return None
         found.append(errors)
@@ -53,10 +53,10 @@ def step_errors(
 
 
 def _other_steps(parts: list[list[float]]) -> list[list[float]]:
-    """Pseudo-times of the histories to compare with.
+    """Pseudo-times of the steps to compare with.
 
     Args:
-        parts: Those of the history, between turns of the loads.
+        parts: Those of the path, between turns of the loads.
     """
     if any(len(part) < _ENOUGH for part in parts):
         return [_cut([time for part in parts for time in part], pieces) for pieces in (2, 3)]

@@ -15,15 +15,15 @@ from functools import partial
 
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.solving_again import (
     Measure,
     Quantities,
     begin_at_answer,
     differences,
-    history_again,
     last_step_again,
     newton_again,
+    steps_again,
 )
 
 logger = logging.getLogger(__name__)
@@ -52,12 +52,12 @@ Reduce = Callable[[float, Problem], None]
 
 
 def penalty_errors(
-    history: History, measure: Measure, times: Sequence[float] = ()
+    load_steps: LoadSteps, measure: Measure, times: Sequence[float] = ()
 ) -> Errors | None:
     """Estimated errors by the penalties ε₁; foundations are as they are; collective.
 
     Args:
-        history: At its end; it is there again afterwards.
+        load_steps: At their end; all is there again afterwards.
         measure: Quantities of a solution, called in its state; collective.
         times: Pseudo-times of the load steps where all are to be solved again; else the last is.
 
@@ -65,17 +65,17 @@ def penalty_errors(
         By quantity: absolute, of vectors the length of the difference; None where the answer with
         another ε₁ was not found.
     """
-    return _parameter_errors(history, measure, times, _stiffen)
+    return _parameter_errors(load_steps, measure, times, _stiffen)
 
 
 def regularisation_errors(
-    history: History, measure: Measure, times: Sequence[float] = ()
+    load_steps: LoadSteps, measure: Measure, times: Sequence[float] = ()
 ) -> Errors | None:
     """Estimated errors by the ε of friction; all else as of ``penalty_errors``."""
-    return _parameter_errors(history, measure, times, _regularise_less)
+    return _parameter_errors(load_steps, measure, times, _regularise_less)
 
 
-def iteration_errors(history: History, measure: Measure) -> Errors | None:
+def iteration_errors(load_steps: LoadSteps, measure: Measure) -> Errors | None:
     """Estimated errors by the accepted imbalance and by the loop on the pressure; collective.
 
     Newton's method goes on from the answer, with a sharper tolerance, on contact and friction
@@ -83,40 +83,40 @@ def iteration_errors(history: History, measure: Measure) -> Errors | None:
     made, and what further ones would add follows from the loop's contraction.
 
     Args:
-        history: At its end; it is there again afterwards.
+        load_steps: At their end; all is there again afterwards.
         measure: As of ``penalty_errors``.
 
     Returns:
         As ``penalty_errors``.
     """
-    assert history.last is not None
-    answer = measure(history.last.solution)
-    found = _sharper(history, measure)
+    assert load_steps.last is not None
+    answer = measure(load_steps.last.solution)
+    found = _sharper(load_steps, measure)
     if found is not None:
         return differences(answer, found)
-    contraction = history.last.solution.contraction
+    contraction = load_steps.last.solution.contraction
     if contraction is None or contraction >= 1:
         return None
-    return differences(answer, _one_more_pass(history, measure), 1 / (1 - contraction))
+    return differences(answer, _one_more_pass(load_steps, measure), 1 / (1 - contraction))
 
 
 def _parameter_errors(
-    history: History, measure: Measure, times: Sequence[float], reduce: Reduce
+    load_steps: LoadSteps, measure: Measure, times: Sequence[float], reduce: Reduce
 ) -> Errors | None:
-    assert history.last is not None
-    answer = measure(history.last.solution)
+    assert load_steps.last is not None
+    answer = measure(load_steps.last.solution)
     found = None
     for left in (_LEFT, _LEFT**2):
         change = partial(reduce, left)
         if times:
-            other = history_again(history, measure, times, change)
+            other = steps_again(load_steps, measure, times, change)
         else:
-            other = last_step_again(history, measure, change)
+            other = last_step_again(load_steps, measure, change)
         if other is None:
             return found
         # At leading order all is 1 / (1 − left) of what is gone; beyond it, as little more.
         found = differences(answer, other, 1 / (1 - left) ** 2)
-        if found is None or _all_small(found, answer, len(history.problem.contacts)):
+        if found is None or _all_small(found, answer, len(load_steps.problem.contacts)):
             break
     return found
 
@@ -138,33 +138,38 @@ def _regularise_less(left: float, problem: Problem) -> None:
         contact.friction.regularise_less(left)
 
 
-def _sharper(history: History, measure: Measure) -> Quantities | None:
+def _sharper(load_steps: LoadSteps, measure: Measure) -> Quantities | None:
     """Of the answer after more of Newton's method; None where that leads away; collective."""
-    assert history.last is not None
-    newton = history.newton
-    begin_at_answer(history)
+    assert load_steps.last is not None
+    newton = load_steps.newton
+    begin_at_answer(load_steps)
     newton.continue_start()
     try:
         try:
-            solution = newton_again(history, _SHARPER * history.problem.scene.solver.tolerance)
+            solution = newton_again(
+                load_steps, _SHARPER * load_steps.problem.scene.solver.tolerance
+            )
         except NotConvergedError as error:
             logger.debug("  a sharper tolerance: %s", error)
             # Round-off may let it come no nearer: so it is as near as can be.
-            if not newton.history or newton.history[-1] > history.last.solution.imbalance_limit:
+            if (
+                not newton.imbalances
+                or newton.imbalances[-1] > load_steps.last.solution.imbalance_limit
+            ):
                 return None
             solution = newton.solution()
         return measure(solution)
     finally:
-        history.go_back()
+        load_steps.go_back()
 
 
-def _one_more_pass(history: History, measure: Measure) -> Quantities | None:
+def _one_more_pass(load_steps: LoadSteps, measure: Measure) -> Quantities | None:
     """Of contact and friction with the bound of the answer's pressure; collective."""
-    newton = history.newton
-    begin_at_answer(history)
+    newton = load_steps.newton
+    begin_at_answer(load_steps)
     newton.continue_start()
     try:
-        for contact in history.problem.coulomb:
+        for contact in load_steps.problem.coulomb:
             contact.friction.set_bound(contact.friction.bound_of(contact.pressure()))
         newton.run(False)
         return measure(newton.solution())
@@ -172,4 +177,4 @@ def _one_more_pass(history: History, measure: Measure) -> Quantities | None:
         logger.debug("  one more pass: %s", error)
         return None
     finally:
-        history.go_back()
+        load_steps.go_back()

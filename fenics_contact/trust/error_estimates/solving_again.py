@@ -1,6 +1,6 @@
-"""The answer of a history once more with something changed: to see what the change makes of it.
+"""The answer of load steps once more with something changed: to see what the change makes of it.
 
-The history is there again afterwards, as it was. No matrix of the bulk is factorised anew by the
+All is there again afterwards, as it was. No matrix of the bulk is factorised anew by the
 condensed solver.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.coulomb.strategies import solve_step
-from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 
 logger = logging.getLogger(__name__)
@@ -26,11 +26,11 @@ Measure = Callable[[Solution], Quantities]
 Change = Callable[[Problem], None]
 
 
-def last_step_again(history: History, measure: Measure, change: Change) -> Quantities | None:
+def last_step_again(load_steps: LoadSteps, measure: Measure, change: Change) -> Quantities | None:
     """Solve the last load step again, from its answer; collective.
 
     Args:
-        history: At its end.
+        load_steps: At their end.
         measure: Quantities of a solution, called in its state; collective.
         change: What is to be different, called in the state of the answer.
 
@@ -38,32 +38,32 @@ def last_step_again(history: History, measure: Measure, change: Change) -> Quant
         Quantities; None where neither Newton's method from the answer nor the strategies of a
         load step converge.
     """
-    newton = history.newton
+    newton = load_steps.newton
     ways: tuple[Callable[[], Solution], ...] = (
-        lambda: newton_again(history),
+        lambda: newton_again(load_steps),
         lambda: solve_step(newton),
     )
     try:
         for way in ways:
-            begin_at_answer(history)
-            change(history.problem)
+            begin_at_answer(load_steps)
+            change(load_steps.problem)
             newton.continue_start()
             try:
                 return measure(way())
             except NotConvergedError as error:
                 logger.debug("  solving again: %s", error)
     finally:
-        _restore(history)
+        _restore(load_steps)
     return None
 
 
-def history_again(
-    history: History, measure: Measure, times: Sequence[float], change: Change | None = None
+def steps_again(
+    load_steps: LoadSteps, measure: Measure, times: Sequence[float], change: Change | None = None
 ) -> Quantities | None:
     """Solve all load steps again from the start, each with the ε that it needs; collective.
 
     Args:
-        history: At its end.
+        load_steps: At their end.
         measure: As of ``last_step_again``.
         times: Pseudo-times of the steps, increasing.
         change: As of ``last_step_again``, called in the state of the start.
@@ -71,39 +71,39 @@ def history_again(
     Returns:
         Quantities of the last step; None where a step does not converge, or has no loads.
     """
-    system = history.newton.system
+    system = load_steps.newton.system
     earlier, system.earlier_forces = system.earlier_forces, 0.0
     try:
-        again = history.afresh(times)
+        again = load_steps.afresh(times)
         if change is not None:
-            change(history.problem)
+            change(load_steps.problem)
         return measure(again.solve())
     except (NotConvergedError, InputError) as error:  # a load's function may know no other times
-        logger.debug("  the history again: %s", error)
+        logger.debug("  the load steps again: %s", error)
         return None
     finally:
         system.earlier_forces = earlier
-        _restore(history)
+        _restore(load_steps)
 
 
-def begin_at_answer(history: History) -> None:
+def begin_at_answer(load_steps: LoadSteps) -> None:
     """Go to the answer, to be solved again from there; collective."""
-    history.go_back()
-    history.newton.forget()
-    history.newton.paired_anew = False
+    load_steps.go_back()
+    load_steps.newton.forget()
+    load_steps.newton.paired_anew = False
 
 
-def newton_again(history: History, tolerance: float | None = None) -> Solution:
+def newton_again(load_steps: LoadSteps, tolerance: float | None = None) -> Solution:
     """Newton's method on contact and friction together, from the present state; collective.
 
     Args:
-        history: Its contacts follow the law.
+        load_steps: Their contacts follow the law.
         tolerance: As of ``Newton.run``.
 
     Raises:
         NotConvergedError: As ``Newton.run``.
     """
-    newton, problem = history.newton, history.problem
+    newton, problem = load_steps.newton, load_steps.problem
     for contact in problem.coulomb:
         contact.friction.mode = "coupled"
     newton.run(False if problem.coulomb else None, tolerance)
@@ -130,11 +130,11 @@ def differences(
     }
 
 
-def _restore(history: History) -> None:
-    for contact in history.problem.contacts:
+def _restore(load_steps: LoadSteps) -> None:
+    for contact in load_steps.problem.contacts:
         contact.normal.soften(1.0)
         contact.friction.regularise_less(1.0)
-    if history.problem.far_field is not None:
-        history.problem.far_field.beyond[:] = 0.0
-    history.problem.disturbance = None
-    history.go_back()
+    if load_steps.problem.far_field is not None:
+        load_steps.problem.far_field.beyond[:] = 0.0
+    load_steps.problem.disturbance = None
+    load_steps.go_back()

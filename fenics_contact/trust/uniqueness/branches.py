@@ -14,7 +14,7 @@ from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import AXES
-from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 
 logger = logging.getLogger(__name__)
@@ -56,27 +56,27 @@ def starts(components: int) -> list[Start]:
     return found
 
 
-def other_solutions(history: History) -> Iterator[tuple[str, Solution | None]]:
+def other_solutions(load_steps: LoadSteps) -> Iterator[tuple[str, Solution | None]]:
     """Solve the last load step from other starts; collective.
 
     Args:
-        history: At its end; it is there again when all starts have been tried.
+        load_steps: At their end; all is there again when all starts have been tried.
 
     Yields:
         The start's name and the solution, of each answer that is none of those before, None of
         a start from which there was none; the problem's state is that answer's until the next
         is asked for.
     """
-    assert history.last is not None
-    newton, problem = history.newton, history.problem
-    known = [history.last.solution]
+    assert load_steps.last is not None
+    newton, problem = load_steps.newton, load_steps.problem
+    known = [load_steps.last.solution]
     try:
         for start in starts(problem.spaces.components):
             if not _is_along(problem, start):
                 continue
-            history.go_back()
+            load_steps.go_back()
             newton.forget()
-            _begin(history, start)
+            _begin(load_steps, start)
             try:
                 newton.run(search_energy=False)
             except NotConvergedError as error:
@@ -88,7 +88,7 @@ def other_solutions(history: History) -> Iterator[tuple[str, Solution | None]]:
                 known.append(found)
                 yield start.name, found
     finally:
-        history.go_back()
+        load_steps.go_back()
 
 
 def _is_along(problem: Problem, start: Start) -> bool:
@@ -112,14 +112,14 @@ def _is_same(problem: Problem, one: Solution, other: Solution) -> bool:
     return apart <= _SAME * size
 
 
-def _begin(history: History, start: Start) -> None:
+def _begin(load_steps: LoadSteps, start: Start) -> None:
     """Bring all Coulomb contacts to a start, from the state of the answer; collective."""
-    problem, newton = history.problem, history.newton
-    assert history.last is not None
-    displacement = history.last.unknowns.displacement.copy()
+    problem, newton = load_steps.problem, load_steps.newton
+    assert load_steps.last is not None
+    displacement = load_steps.last.unknowns.displacement.copy()
     for contact in problem.coulomb:
         displacement += _shift(contact, start)
-    newton.place(displacement, history.last.unknowns.scalars)
+    newton.place(displacement, load_steps.last.unknowns.scalars)
     for contact in problem.coulomb:
         contact.friction.mode = "coupled"
         if start.way is None:

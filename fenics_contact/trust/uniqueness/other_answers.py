@@ -16,7 +16,7 @@ from fenics_contact.evaluate.quantities import (
 )
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.checks.run_checks import run_checks
 from fenics_contact.trust.uniqueness.branches import other_solutions
@@ -69,13 +69,13 @@ class OtherAnswers:
         )
 
 
-def look_around(history: History) -> OtherAnswers:
+def look_around(load_steps: LoadSteps) -> OtherAnswers:
     """Estimate limits of uniqueness, and look for other answers if the scene asks; collective.
 
     Args:
-        history: At its end.
+        load_steps: At their end.
     """
-    problem, system = history.problem, history.newton.system
+    problem, system = load_steps.problem, load_steps.newton.system
     limits: dict[str, tuple[float, float]] = {}
     for number, contact in enumerate(problem.contacts):
         if contact.is_coulomb and isinstance(system, CondensedSystem):
@@ -84,9 +84,9 @@ def look_around(history: History) -> OtherAnswers:
             if limit is not None:
                 limits[contact.label] = limit, largest(problem.comm, coefficient)
     branches, without_answer = [], 0
-    if problem.scene.solver.branches and problem.coulomb and history.last is not None:
-        branches.append(_branch(problem, "as solved", history.last.solution))
-        for start, found in other_solutions(history):
+    if problem.scene.solver.branches and problem.coulomb and load_steps.last is not None:
+        branches.append(_branch(problem, "as solved", load_steps.last.solution))
+        for start, found in other_solutions(load_steps):
             if found is None:
                 without_answer += 1
             else:

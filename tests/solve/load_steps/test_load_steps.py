@@ -31,7 +31,7 @@ from fenics_contact.cli.summary import print_result
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.scene.load_paths import knots
 from fenics_contact.scene.reading import load_scene
-from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.step_control import AutomaticPace
 from tests.solve.load_steps.histories import (
     DRAGGED,
@@ -52,7 +52,7 @@ ANY_CHANGE = 1e3
 
 def let_fail(patch, condition, imbalance=lambda size: size):
     """Steps that a condition on time and size names fail, when all has moved already."""
-    attempt = History._try
+    attempt = LoadSteps._try
 
     def failing(self, time):
         found = attempt(self, time)
@@ -60,7 +60,7 @@ def let_fail(patch, condition, imbalance=lambda size: size):
             raise NotConvergedError("too far", (1.0, imbalance(time - self.time)))
         return found
 
-    patch.setattr(History, "_try", failing)
+    patch.setattr(LoadSteps, "_try", failing)
 
 
 def test_cycles_repeat_a_table():
@@ -285,7 +285,7 @@ def test_a_prediction_saves_newton_steps(monkeypatch):
         return result, sum(step["newton_iterations"] for step in result.steps[9:])
 
     predicted, few = count()
-    monkeypatch.setattr(History, "_prediction", lambda self, time: None)
+    monkeypatch.setattr(LoadSteps, "_prediction", lambda self, time: None)
     plain, many = count()
     assert few <= 0.6 * many
     require_same(predicted, plain, 1e-6)
@@ -293,7 +293,7 @@ def test_a_prediction_saves_newton_steps(monkeypatch):
 
 def test_a_prediction_that_leads_nowhere_is_forgotten(monkeypatch):
     plain = run(dragged(Steps(number=8)), COMM, block())
-    predict = History._prediction
+    predict = LoadSteps._prediction
 
     def wild(self, time):
         found = predict(self, time)
@@ -301,7 +301,7 @@ def test_a_prediction_that_leads_nowhere_is_forgotten(monkeypatch):
             return None
         return dataclasses.replace(found, displacement=found.displacement * np.nan)
 
-    monkeypatch.setattr(History, "_prediction", wild)
+    monkeypatch.setattr(LoadSteps, "_prediction", wild)
     require_same(run(dragged(Steps(number=8)), COMM, block()), plain)
 
 

@@ -19,5 +19,5 @@ class Incremental(RegularisedFriction):
     follows_path: ClassVar[bool] = True
 
     def work(self, given: Array, traction: Array, slip: Array) -> Array:
-        """As the history of the contact tells it."""
+        """As its path through the load steps tells it."""
         return given

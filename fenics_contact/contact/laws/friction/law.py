@@ -168,7 +168,7 @@ class FrictionLaw(ContactLaw):
         """Dissipated since the start, or in the present step where slip counts from the last one.
 
         Args:
-            given: What friction did in the step as its history tells it, (points,) (energy/area).
+            given: What friction did in the step by its path, (points,) (energy/area).
             traction: At the end, (points, components) (stress).
             slip: That counts, likewise (length).
 

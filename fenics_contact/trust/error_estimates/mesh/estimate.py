@@ -23,7 +23,7 @@ from fenics_contact.evaluate.contact_radii import radii
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.quantity_names import Reaction
-from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
 from fenics_contact.trust.error_estimates.mesh.load_scatter import load_scatter
@@ -34,8 +34,8 @@ from fenics_contact.trust.error_estimates.solving_again import (
     Measure,
     Quantities,
     differences,
-    history_again,
     last_step_again,
+    steps_again,
 )
 
 Array = NDArray[np.float64]
@@ -59,7 +59,7 @@ _ENERGIES = {"strain_energy": 1.0, "external_work": 2.0}
 
 
 def mesh_errors(
-    history: History,
+    load_steps: LoadSteps,
     measure: Measure,
     recorded: Sequence[tuple[float, Quantities]],
     times: Sequence[float] = (),
@@ -67,7 +67,7 @@ def mesh_errors(
     """Estimated errors of the last load step's quantities by the mesh; collective.
 
     Args:
-        history: At its end; it is there again afterwards.
+        load_steps: At their end; all is there again afterwards.
         measure: Quantities of a solution, called in its state; of a contact by its number and
             the name; collective.
         recorded: Pseudo-time and quantities of every load step.
@@ -79,17 +79,17 @@ def mesh_errors(
         stress as an unknown, for which there are no local problems here; None for the first where
         a solve for it failed.
     """
-    problem = history.problem
-    if problem.elastic.mixed is not None or history.last is None:
+    problem = load_steps.problem
+    if problem.elastic.mixed is not None or load_steps.last is None:
         return None, None
-    solution = history.last.solution
-    history.go_back()
+    solution = load_steps.last.solution
+    load_steps.go_back()
     local = LocalErrors(problem)
-    local.solve(BulkForces(problem, solution), history.time)
-    changes = _changes(history, local, measure, times)
-    scatter = load_scatter(history, measure, recorded)
-    curved = geometry_errors(history, measure)
-    torn = torn_errors(history, measure)
+    local.solve(BulkForces(problem, solution), load_steps.time)
+    changes = _changes(load_steps, local, measure, times)
+    scatter = load_scatter(load_steps, measure, recorded)
+    curved = geometry_errors(load_steps, measure)
+    torn = torn_errors(load_steps, measure)
     if changes is None or scatter is None or curved is None or torn is None:
         return None, local
     for name, error in local.at_points().items():
@@ -126,14 +126,14 @@ def _frictional_works(problem: Problem) -> set[Hashable]:
 
 
 def _changes(
-    history: History, local: LocalErrors, measure: Measure, times: Sequence[float]
+    load_steps: LoadSteps, local: LocalErrors, measure: Measure, times: Sequence[float]
 ) -> dict[Hashable, float] | None:
     """What the local errors change, not less than what such errors would at random; collective."""
-    assert history.last is not None
-    answer = measure(history.last.solution)
+    assert load_steps.last is not None
+    answer = measure(load_steps.last.solution)
     found = []
     for draw in (None, *range(_DRAWS)):
-        change = differences(answer, _moved_by(history, local.forces(draw), measure, times))
+        change = differences(answer, _moved_by(load_steps, local.forces(draw), measure, times))
         if change is None:
             return None
         found.append(change)
@@ -146,10 +146,10 @@ def _changes(
 
 
 def _moved_by(
-    history: History, forces: Array, measure: Measure, times: Sequence[float]
+    load_steps: LoadSteps, forces: Array, measure: Measure, times: Sequence[float]
 ) -> Quantities | None:
     """Quantities under additional nodal forces; over load steps these grow evenly; collective."""
-    last = history.time
+    last = load_steps.time
 
     def disturb(problem: Problem) -> None:
         problem.disturbance = forces / last
@@ -157,8 +157,8 @@ def _moved_by(
             problem.set_time(last)
 
     if times:
-        return history_again(history, measure, times, disturb)
-    return last_step_again(history, measure, disturb)
+        return steps_again(load_steps, measure, times, disturb)
+    return last_step_again(load_steps, measure, disturb)
 
 
 def _beside_pinned(problem: Problem, solution: Solution) -> dict[Hashable, float]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.mesh.missed_body import MissedBody, MissedForces
 from fenics_contact.trust.error_estimates.solving_again import (
     Measure,
@@ -36,28 +36,28 @@ _OF_PRESSURE = ("pressure_integral", "friction_force", "friction_work")
 _ALL = (*_AREAS, *_OF_PRESSURE)
 
 
-def geometry_errors(history: History, measure: Measure) -> dict[Hashable, float] | None:
+def geometry_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float] | None:
     """Estimated errors of the last load step's quantities by the geometry; collective.
 
     Args:
-        history: At its end; it is there again afterwards.
+        load_steps: At their end; all is there again afterwards.
         measure: Quantities of a solution, called in its state; collective.
 
     Returns:
         By quantity: absolute, of vectors the length of the difference; None where the answer with
         other gaps and forces was not found.
     """
-    assert history.last is not None
-    problem, solution = history.problem, history.last.solution
+    assert load_steps.last is not None
+    problem, solution = load_steps.problem, load_steps.last.solution
     answer = measure(solution)
     gaps, body = _missed_gaps(problem), MissedBody(problem)
     if body.is_none and not gaps:
         return dict.fromkeys(answer, 0.0)
-    forces = None if body.is_none else body.forces(solution, history.time)
-    found = differences(answer, _again(history, measure, gaps, forces))
+    forces = None if body.is_none else body.forces(solution, load_steps.time)
+    found = differences(answer, _again(load_steps, measure, gaps, forces))
     if found is None or forces is None:
         return found
-    for key, error in _beside_forces(answer, body, forces, history).items():
+    for key, error in _beside_forces(answer, body, forces, load_steps).items():
         if key in found:
             found[key] += error
     return found
@@ -72,14 +72,14 @@ def _missed_gaps(problem: Problem) -> list[tuple[ContactSurface, Array]]:
 
 
 def _again(
-    history: History,
+    load_steps: LoadSteps,
     measure: Measure,
     gaps: list[tuple[ContactSurface, Array]],
     forces: MissedForces | None,
 ) -> Quantities | None:
     """Quantities with other gaps, and under further forces; collective."""
     before = [contact.kinematics.gap for contact, _ in gaps]
-    time = history.time
+    time = load_steps.time
 
     def narrow(problem: Problem) -> None:
         if forces is not None:
@@ -89,7 +89,7 @@ def _again(
             _set_gap(contact, gap - one)
 
     try:
-        return last_step_again(history, measure, narrow)
+        return last_step_again(load_steps, measure, narrow)
     finally:
         for (contact, _), gap in zip(gaps, before, strict=True):
             _set_gap(contact, gap)
@@ -101,7 +101,7 @@ def _set_gap(contact: ContactSurface, gap: Array) -> None:
 
 
 def _beside_forces(
-    answer: Quantities, body: MissedBody, forces: MissedForces, history: History
+    answer: Quantities, body: MissedBody, forces: MissedForces, load_steps: LoadSteps
 ) -> dict[Hashable, float]:
     """What is missed of quantities themselves, besides what moves the solution; collective."""
     energy = abs(forces.elastic) / 2
@@ -109,11 +109,11 @@ def _beside_forces(
         "strain_energy": energy,
         "external_work": 2 * energy + abs(forces.loads),
     }
-    for number in range(len(history.problem.contacts)):
+    for number in range(len(load_steps.problem.contacts)):
         sizes = {name: float(np.linalg.norm(answer.get((number, name), 0.0))) for name in _ALL}
         longer = body.longer(number)
         errors = {name: longer * sizes[name] for name in _AREAS}
-        pressure = body.of_pressure(number, history.time)
+        pressure = body.of_pressure(number, load_steps.time)
         if pressure is not None:
             errors |= {name: pressure.share * sizes[name] for name in _OF_PRESSURE}
             errors["normal_force"] = pressure.force

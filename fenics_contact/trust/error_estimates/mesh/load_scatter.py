@@ -9,7 +9,7 @@ import numpy as np
 from fenics_contact.evaluate.contact_areas import contact_area, cut_areas, stick_area
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.load_paths import knots
-from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.solving_again import (
     Change,
@@ -34,14 +34,14 @@ _OF_A_STEP = 0.95
 
 
 def load_scatter(
-    history: History, measure: Measure, recorded: Sequence[tuple[float, Quantities]]
+    load_steps: LoadSteps, measure: Measure, recorded: Sequence[tuple[float, Quantities]]
 ) -> dict[Hashable, float] | None:
     """Standard deviation of quantities about polynomials in pseudo-time; collective.
 
     Of load steps where these are close enough, else of loads within the last one.
 
     Args:
-        history: At its end; it is there again afterwards.
+        load_steps: At their end; all is there again afterwards.
         measure: Quantities of a solution, called in its state; collective.
         recorded: Pseudo-time and quantities of every load step.
 
@@ -49,31 +49,33 @@ def load_scatter(
         By key, of vectors the length over their components, without what some loads do not have;
         0 where no edge can move. None where too few of the solves converge.
     """
-    problem = history.problem
+    problem = load_steps.problem
     last, answer = recorded[-1]
     if not any(contact.is_one_sided or contact.friction.rubs for contact in problem.contacts):
         return dict.fromkeys(answer, 0.0)
-    assert history.last is not None
+    assert load_steps.last is not None
     turn = max((knot for knot in knots(problem.scene) if knot < last), default=0.0)
-    share = min(_SPAN, _PIECES * _piece_share(problem, history.last.solution))
+    share = min(_SPAN, _PIECES * _piece_share(problem, load_steps.last.solution))
     span = share * (last - max(turn, 0.0))
     rows = [(time, found) for time, found in recorded if time >= last - span]
     if len(rows) < _DEGREE + 1 + _SPARE:
-        before = history.last.before.time if history.last.before else 0.0
+        before = load_steps.last.before.time if load_steps.last.before else 0.0
         span = min(span, _OF_A_STEP * (last - before))
-        answer = measure(history.last.solution)  # of works, not summed over steps
-        rows = [(last, answer), *_solved(history, measure, last - span)]
+        answer = measure(load_steps.last.solution)  # of works, not summed over steps
+        rows = [(last, answer), *_solved(load_steps, measure, last - span)]
     if len(rows) < _DEGREE + 1 + _SPARE:
         return None
     return _about_polynomials(rows, (last, span))
 
 
-def _solved(history: History, measure: Measure, first: float) -> list[tuple[float, Quantities]]:
+def _solved(
+    load_steps: LoadSteps, measure: Measure, first: float
+) -> list[tuple[float, Quantities]]:
     """Quantities at pseudo-times from the first to the last, as many as converge; collective."""
     found = []
     for share in np.arange(1, _LOADS + 1) / _LOADS:
-        time = history.time + share * (first - history.time)
-        quantities = last_step_again(history, measure, _at(time))
+        time = load_steps.time + share * (first - load_steps.time)
+        quantities = last_step_again(load_steps, measure, _at(time))
         if quantities is not None:
             found.append((time, quantities))
     return found

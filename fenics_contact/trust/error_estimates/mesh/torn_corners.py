@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.load_steps.load_steps import History
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.convergence.support_steps import past_steps
 from fenics_contact.trust.error_estimates.solving_again import Measure, differences, last_step_again
 
@@ -29,21 +29,21 @@ _NONE = 1e-6
 _SAFETY = 1.25
 
 
-def torn_errors(history: History, measure: Measure) -> dict[Hashable, float] | None:
+def torn_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float] | None:
     """Estimated errors of the last load step's quantities by jumps; collective.
 
     Args:
-        history: At its end; it is there again afterwards.
+        load_steps: At their end; all is there again afterwards.
         measure: Quantities of a solution, called in its state; collective.
 
     Returns:
         By quantity: absolute, of vectors the length of the difference; None where the answer with
         those nodes moved was not found.
     """
-    assert history.last is not None
-    problem, solution = history.problem, history.last.solution
+    assert load_steps.last is not None
+    problem, solution = load_steps.problem, load_steps.last.solution
     answer = measure(solution)
-    missed = _missed(problem, solution.displacement, history.time)
+    missed = _missed(problem, solution.displacement, load_steps.time)
     scale = largest(problem.comm, np.abs(solution.displacement).ravel())
     if largest(problem.comm, np.abs(missed).ravel()) <= _NONE * scale:
         return dict.fromkeys(answer, 0.0)
@@ -51,7 +51,7 @@ def torn_errors(history: History, measure: Measure) -> dict[Hashable, float] | N
     def follow_others(problem: Problem) -> None:
         problem.prescribed = problem.prescribed + missed.reshape(-1)[problem.constrained]
 
-    return differences(answer, last_step_again(history, measure, follow_others), _SAFETY)
+    return differences(answer, last_step_again(load_steps, measure, follow_others), _SAFETY)
 
 
 def _missed(problem: Problem, displacement: Array, time: float) -> Array:

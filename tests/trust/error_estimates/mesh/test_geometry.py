@@ -29,7 +29,7 @@ from fenics_contact.evaluate.quantities import contact_quantities
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.problem.curved_sides import CurvedSides
 from fenics_contact.scene.contact import Obstacle
-from fenics_contact.solve.load_steps.load_steps import History, solve
+from fenics_contact.solve.load_steps.load_steps import LoadSteps, solve
 from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
 from tests.scenes import ROOT, box_body, with_solver
 
@@ -122,8 +122,8 @@ def test_straight_facets_of_a_disc_differ_from_curved_ones_by_the_estimate():
         values = contact_quantities(prepared.problem, solution, 0)
         return {name: values[name] for name in ("normal_force", "contact_area")}
 
-    def estimate(history: History) -> None:
-        found.update(geometry_errors(history, measure))
+    def estimate(load_steps: LoadSteps) -> None:
+        found.update(geometry_errors(load_steps, measure))
 
     solve(prepared.problem, prepared.timings, lambda *_: None, prepared.choice, ended=estimate)
     straight = run(half_disc(1), COMM)

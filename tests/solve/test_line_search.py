@@ -13,7 +13,7 @@ from fenics_contact import (
     Support,
     run,
 )
-from fenics_contact.solve.newton.line_search import share_of_step
+from fenics_contact.solve.line_search import search_by_secants, share_of_step
 from tests.scenes import box_body
 
 
@@ -37,6 +37,24 @@ def test_whole_step_where_energy_falls_or_has_no_slope():
     assert share_of_step(lambda share: share - 2.0) == 1.0
     assert share_of_step(lambda share: share - 1.0) == 1.0
     assert share_of_step(lambda share: 1.0 + share) == 1.0
+
+
+@pytest.mark.parametrize(("zero", "ends"), [(0.4, 0.4), (1.0, 1.0), (9.0, 2.0)])
+def test_secants_find_the_zero_of_a_straight_slope_in_two_tries(zero, ends):
+    """Also beyond the step, but not farther than twice as far."""
+    tried = []
+
+    def slope_at(share):
+        tried.append(share)
+        return share - zero
+
+    assert search_by_secants(slope_at, -zero) == pytest.approx(ends)
+    assert tried[0] == 1.0
+    assert len(tried) <= 2 or ends != zero
+
+
+def test_secants_are_content_with_a_slope_of_half():
+    assert search_by_secants(lambda share: share - 1.6, -1.6) == 1.0
 
 
 @pytest.mark.parametrize("solver", ["condensed", "full"])

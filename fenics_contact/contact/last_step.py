@@ -15,11 +15,11 @@ Array = NDArray[np.float64]
 _KINDS = (OPEN, STICK, SLIP)
 
 
-class ContactHistory:
+class LastStep:
     """The last load step that was accepted, at the contact points.
 
     Attributes:
-        last: What happened there at its end; the body at rest before the first step.
+        state: What happened there at its end; the body at rest before the first step.
         gap: Then, of what stands opposite, before the body deforms; before the first step an
             overlap is none yet (length).
         dissipated: Work of friction in the load steps that are done (force × length).
@@ -27,15 +27,15 @@ class ContactHistory:
     """
 
     def __init__(self, at_rest: ContactState, gap: Array) -> None:
-        self.last = at_rest
+        self.state = at_rest
         self.gap = gap
         self.dissipated, self.left_open = 0.0, 0.0
         self._names = [field.name for field in fields(at_rest)]
 
     def changed(self, state: ContactState) -> NDArray[np.bool_]:
         """At which points the status changed in the step, if only in between, as in slip back."""
-        turned = np.einsum("ij,ij->i", self.last.friction_traction, state.friction_traction) < 0
-        return np.asarray((state.status != self.last.status) | (turned & (state.status == SLIP)))
+        turned = np.einsum("ij,ij->i", self.state.friction_traction, state.friction_traction) < 0
+        return np.asarray((state.status != self.state.status) | (turned & (state.status == SLIP)))
 
     def dissipation(self, state: ContactState, slip: Array) -> Array:
         """Work of friction in a step (energy/area).
@@ -49,12 +49,12 @@ class ContactHistory:
         """
         ends = self.changed(state)[:, None]
         traction = state.friction_traction
-        mean = np.where(ends, traction, 0.5 * (self.last.friction_traction + traction))
+        mean = np.where(ends, traction, 0.5 * (self.state.friction_traction + traction))
         return np.asarray(0.0 - np.einsum("ij,ij->i", mean, slip))
 
     def open_friction(self, state: ContactState, slip: Array) -> Array:
         """How far ``dissipation`` is from the trapezoidal rule everywhere (energy/area)."""
-        beyond = 0.5 * (state.friction_traction - self.last.friction_traction)
+        beyond = 0.5 * (state.friction_traction - self.state.friction_traction)
         return np.where(self.changed(state), np.abs(np.einsum("ij,ij->i", beyond, slip)), 0.0)
 
     def open_pressing(self, state: ContactState) -> Array:
@@ -64,12 +64,12 @@ class ContactHistory:
         and in a straight line, whatever the law; the energy that is stored tells what they did.
         """
         depths = []
-        for known in (self.last, state):
+        for known in (self.state, state):
             # What overlaps as meshed does not press yet.
             least = np.where(known.contact_pressure > 0, -known.gap, np.minimum(-known.gap, 0.0))
             depths.append(np.where(np.isfinite(known.gap), least, 0.0))
-        mean = 0.5 * (self.last.contact_pressure + state.contact_pressure)
-        stored = state.penalty_energy - self.last.penalty_energy
+        mean = 0.5 * (self.state.contact_pressure + state.contact_pressure)
+        stored = state.penalty_energy - self.state.penalty_energy
         return np.asarray(np.abs(mean * (depths[1] - depths[0]) - stored))
 
     def advance(self, state: ContactState, gap: Array, work: float) -> None:
@@ -80,7 +80,7 @@ class ContactHistory:
             gap: Of what stands opposite, before the body deforms (length).
             work: Of friction in it (force × length).
         """
-        self.last, self.gap = state, gap
+        self.state, self.gap = state, gap
         self.dissipated += work
 
     def measured_anew(self, gap: Array) -> Array:
@@ -89,20 +89,20 @@ class ContactHistory:
         Args:
             gap: Of the body as the step left it, in the new measure (length).
         """
-        both = np.isfinite(gap) & np.isfinite(self.last.gap)
-        jump = np.where(both, gap, 0.0) - np.where(both, self.last.gap, 0.0)
-        return np.asarray(self.last.contact_pressure * np.abs(jump))
+        both = np.isfinite(gap) & np.isfinite(self.state.gap)
+        jump = np.where(both, gap, 0.0) - np.where(both, self.state.gap, 0.0)
+        return np.asarray(self.state.contact_pressure * np.abs(jump))
 
     def at_points(self) -> dict[str, Array]:
         """Numbers at the points, (points,) or (points, components), to be given to ``restore``."""
-        last = {name: getattr(self.last, name) for name in self._names}
+        last = {name: getattr(self.state, name) for name in self._names}
         code = np.select([last["status"] == kind for kind in _KINDS], range(len(_KINDS)))
         return last | {"status": code.astype(np.float64), "obstacle_gap": self.gap}
 
     def restore(self, at_points: Mapping[str, Array], dissipated: float, left_open: float) -> None:
-        """Go on from where another history was left."""
+        """Go on from where another run left."""
         status = np.array(_KINDS)[at_points["status"].astype(np.int64)]
         last = {name: at_points[name] for name in self._names} | {"status": status}
-        self.last = type(self.last)(**last)
+        self.state = type(self.state)(**last)
         self.gap = at_points["obstacle_gap"]
         self.dissipated, self.left_open = dissipated, left_open

@@ -1,11 +1,19 @@
-"""How far to go along a Newton step: where the energy's derivative along it vanishes."""
+"""How far to go along a Newton step: where the energy's derivative along it vanishes.
+
+What is searched by bracketing never goes beyond the step, and always ends near the zero. Secants
+ask for a few tries at most, and are for where steps follow that correct each other.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-# Derivative at the end over that at the start, from which it has vanished.
+# Derivative at the end over that at the start, from which it has vanished; and from
+# which secants are content.
 _FLAT = 0.1
+_NEARLY_FLAT = 0.5
+_MOST_SECANTS = 5
+_SHORTEST, _LONGEST = 0.05, 2.0
 _MOST_TRIALS = 80
 # Ratio of the derivatives at the ends from which they are alike.
 _ALIKE = 10.0
@@ -46,3 +54,25 @@ def share_of_step(slope_at: Callable[[float], float]) -> float:
             low, at_low, at_high = share, found, weight * at_high
         last = found
     return high  # where what closes is seen by the next step
+
+
+def search_by_secants(slope_at: Callable[[float], float], slope: float) -> float:
+    """Secants for a zero of the energy's derivative along a step, from the whole step.
+
+    Args:
+        slope_at: Derivative of the energy along the step, at a share of it.
+        slope: At its start.
+
+    Returns:
+        The share that was tried last; it may be more than 1.
+    """
+    near, near_slope = 0.0, slope
+    share, found = 1.0, slope_at(1.0)
+    for _ in range(_MOST_SECANTS):
+        if abs(found) <= _NEARLY_FLAT * abs(slope) or found == near_slope:
+            break
+        following = share - found * (share - near) / (found - near_slope)
+        near, near_slope = share, found
+        share = min(max(following, _SHORTEST), _LONGEST)
+        found = slope_at(share)
+    return share
