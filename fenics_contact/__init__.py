@@ -9,10 +9,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from fenics_contact._wheel import have_solver_first
-from fenics_contact.common import citation
+from fenics_contact.common import program
 
 have_solver_first()
-__version__ = citation.VERSION
+__version__ = program.VERSION
 
 if TYPE_CHECKING:
     from fenics_contact.cli.program import main, run_script

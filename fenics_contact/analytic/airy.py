@@ -12,9 +12,8 @@ from math import cosh, sinh
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fenics_contact.common.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from math import log, pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import ellipk, ellipkm1
+
+from fenics_contact.common.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -55,9 +56,7 @@ def paraboloid(modulus: float, radius: float, indentation: float) -> HertzContac
     )
 
 
-def axis_stress(
-    contact: HertzContact, depth: NDArray[np.float64], poissons_ratio: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def axis_stress(contact: HertzContact, depth: Array, poissons_ratio: float) -> tuple[Array, Array]:
     """Axial and radial stress on the axis below a point contact (Johnson, (3.45)).
 
     With s = z/a, σ_zz = −p₀ / (1 + s²), σ_rr = −p₀ [(1 + ν)(1 − s arctan 1/s) − 1 / (2 (1 + s²))].
@@ -104,9 +103,7 @@ def line_force(modulus: float, radius: float, half_width: float) -> float:
     return pi * modulus * half_width**2 / (4 * radius)
 
 
-def partial_slip(
-    contact: HertzContact, coefficient: float, stick: float, x: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def partial_slip(contact: HertzContact, coefficient: float, stick: float, x: Array) -> Array:
     """Tangential traction of a line contact, pressed, then sheared (Johnson, (7.24)-(7.28)).
 
     q = μ p₀ (√(1 − x²/a²) − c/a √(1 − x²/c²)), the second term where |x| < c.
@@ -118,7 +115,7 @@ def partial_slip(
         x: From the middle (length).
     """
 
-    def ellipse(half_width: float) -> NDArray[np.float64]:
+    def ellipse(half_width: float) -> Array:
         return np.sqrt(np.maximum(1 - (x / half_width) ** 2, 0.0))
 
     inner = stick / contact.radius * ellipse(stick)
@@ -228,7 +225,7 @@ def pressing_loss(coefficient: float, poissons_ratio: float) -> float:
     return 6 / pi * (pi / 4 - 2 / 3) * lateral * coefficient
 
 
-def elliptic_pressure(contact: HertzContact, distance: NDArray[np.float64]) -> NDArray[np.float64]:
+def elliptic_pressure(contact: HertzContact, distance: Array) -> Array:
     """Hertz's pressure p₀ √(1 − r²/a²) of a point or line contact (Johnson, (3.39), (4.44)).
 
     Args:
@@ -238,9 +235,7 @@ def elliptic_pressure(contact: HertzContact, distance: NDArray[np.float64]) -> N
     return np.asarray(contact.peak * np.sqrt(np.maximum(1 - (distance / contact.radius) ** 2, 0)))
 
 
-def punch_pressure(
-    contact: HertzContact, line: bool, distance: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def punch_pressure(contact: HertzContact, line: bool, distance: Array) -> Array:
     """Pressure of a flat punch without friction (Johnson, (2.64), (3.34)).
 
     Circular: P/(2 π a √(a² − r²)); a strip: P/(π √(a² − x²)). It is infinite at the edge, and 0
@@ -258,9 +253,7 @@ def punch_pressure(
     return np.where(inside, contact.force / (across * root), 0.0)
 
 
-def line_axis_stress(
-    contact: HertzContact, depth: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def line_axis_stress(contact: HertzContact, depth: Array) -> tuple[Array, Array]:
     """Normal and lateral stress below the middle of a line contact (Johnson, (4.46)).
 
     With s = z/a, σ_z = −p₀/√(1 + s²), σ_x = −p₀ ((1 + 2 s²)/√(1 + s²) − 2 s).

@@ -7,9 +7,8 @@ Point forces after J. Boussinesq and V. Cerruti, and line forces in plane strain
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fenics_contact.common.arrays import Array
 
 
 def boussinesq(points: Array, inward: Array, youngs_modulus: float, poissons_ratio: float) -> Array:

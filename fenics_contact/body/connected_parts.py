@@ -10,16 +10,13 @@ from typing import Any
 
 import numpy as np
 from dolfinx import la
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import total
 from fenics_contact.mesh.tagged_mesh import Body
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 class Parts:

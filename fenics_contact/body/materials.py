@@ -10,19 +10,17 @@ from typing import Any
 
 import numpy as np
 from dolfinx import fem
-from numpy.typing import NDArray
 
 from fenics_contact.body.elasticity import Anisotropic, Isotropic, Law
 from fenics_contact.body.reference_moduli import Moduli
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, raise_together, smallest
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Value
-
-Array = NDArray[np.float64]
 
 NEARLY_INCOMPRESSIBLE = 0.49
 _STEEP = " (between the points where it is evaluated, too: a jump needs materials of its own)"
@@ -89,7 +87,7 @@ class Elasticities:
         used = np.moveaxis(of_cells @ table.T, -1, 1).reshape(-1, *values.shape[1:])
         return np.concatenate([values, used])
 
-    def _find_owners(self) -> NDArray[np.int64]:
+    def _find_owners(self) -> Integers:
         """Number of the material at each point; every cell must have exactly one."""
         body = self.spaces.body
         index_map = body.mesh.topology.index_map(body.dimension)

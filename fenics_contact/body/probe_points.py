@@ -8,16 +8,13 @@ from typing import Any, NamedTuple, NoReturn
 import numpy as np
 from dolfinx import fem, geometry
 from mpi4py import MPI
-from numpy.typing import NDArray
 
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import AnyIntegers, Array, Flags
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.scene.scene import Point
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.integer[Any]]
 
 # Reference coordinates beyond a cell's by no more are inside: round-off of points on its boundary.
 _OUTSIDE = 1e-6
@@ -89,8 +86,8 @@ class _Found(NamedTuple):
         references: Where the point is on the reference cell, (pairs, dimension).
     """
 
-    points: Integers
-    cells: Integers
+    points: AnyIntegers
+    cells: AnyIntegers
     references: Array
 
 
@@ -137,7 +134,9 @@ def _cells_with(spaces: Spaces, at: Array) -> _Found:
     return _Found(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def _inside(mesh: Any, corners: Array, at: Array, points: Integers, cells: Integers) -> _Found:
+def _inside(
+    mesh: Any, corners: Array, at: Array, points: AnyIntegers, cells: AnyIntegers
+) -> _Found:
     """The pairs of points and cells near each other whose cell really holds the point."""
     least, most = corners.min(axis=1), corners.max(axis=1)
     margin = _BULGE * (most - least)
@@ -148,7 +147,7 @@ def _inside(mesh: Any, corners: Array, at: Array, points: Integers, cells: Integ
     return _Found(points[inside], cells[inside], references[inside])
 
 
-def _references_of(mesh: Any, corners: Array, places: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _references_of(mesh: Any, corners: Array, places: Array) -> tuple[Array, Flags]:
     """Where points are on the reference cells, by Newton's method, and whether they are inside.
 
     Args:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from fenics_contact.body.connected_parts import Parts
 from fenics_contact.body.elasticity import measure_weight
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import FenicsContactError, InputError
 from fenics_contact.common.parallel import largest, raise_together, smallest
 from fenics_contact.mesh.tagged_mesh import Body, Group
@@ -56,7 +57,7 @@ class Spaces:
         self.owned_nodes = self.displacement_space.dofmap.index_map.size_local
         self.parts = Parts(body, self.displacement_space)
         self.position = ufl.SpatialCoordinate(body.mesh)
-        self._scalar: tuple[Any, NDArray[np.int64]] | None = None
+        self._scalar: tuple[Any, Integers] | None = None
         self.weight = measure_weight(scene.kinematics, self.position, self._thickness(scene))
         body.mesh.topology.create_connectivity(body.dimension - 1, body.dimension)
         body.mesh.topology.create_connectivity(body.dimension, body.dimension - 1)
@@ -128,13 +129,11 @@ class Spaces:
             fem.locate_dofs_topological(self.displacement_space, group.dimension, entities)
         )
 
-    def evaluate(self, value: Value, nodes: NDArray[np.int32], key: str) -> NDArray[np.float64]:
+    def evaluate(self, value: Value, nodes: NDArray[np.int32], key: str) -> Array:
         """A scene's value at nodes, shape (nodes,); collective (see ``evaluate_at``)."""
         return self.evaluate_at(value, self.coordinates[nodes].T, key)
 
-    def evaluate_at(
-        self, value: Value, points: NDArray[np.float64], key: str
-    ) -> NDArray[np.float64]:
+    def evaluate_at(self, value: Value, points: Array, key: str) -> Array:
         """A scene's value at points of shape (3, n), shape (n,); collective.
 
         Raises:
@@ -153,7 +152,7 @@ class Spaces:
         raise_together(self.comm, error)
         return values
 
-    def coefficient(self, values: NDArray[np.float64], nodes: NDArray[np.int32]) -> Any:
+    def coefficient(self, values: Array, nodes: NDArray[np.int32]) -> Any:
         """Nodal values as a UFL coefficient: a constant where they are, else a function.
 
         Args:
@@ -174,7 +173,7 @@ class Spaces:
         function.x.array[scalar_of_node[nodes]] = values
         return function
 
-    def _scalar_space(self) -> tuple[Any, NDArray[np.int64]]:
+    def _scalar_space(self) -> tuple[Any, Integers]:
         """The space of one component, and its dof at every node."""
         if self._scalar is None:
             space = fem.functionspace(self.body.mesh, ("Lagrange", self.degree))
@@ -183,11 +182,11 @@ class Spaces:
             self._scalar = (space, scalar_of_node)
         return self._scalar
 
-    def summed(self, nodal: NDArray[np.float64]) -> NDArray[np.float64]:
+    def summed(self, nodal: Array) -> Array:
         """Contributions of all ranks added up at shared nodes, (nodes, columns); collective."""
         return summed_over_ranks(self.displacement_space.dofmap.index_map, nodal)
 
-    def assemble(self, form: Any) -> NDArray[np.float64]:
+    def assemble(self, form: Any) -> Array:
         """A compiled linear form as nodal values, shape (nodes, components); collective."""
         vector = fem.assemble_vector(form)
         vector.scatter_reverse(la.InsertMode.add)
@@ -195,7 +194,7 @@ class Spaces:
         return np.asarray(vector.array.reshape(-1, self.components).copy())
 
 
-def summed_over_ranks(index_map: Any, nodal: NDArray[np.float64]) -> NDArray[np.float64]:
+def summed_over_ranks(index_map: Any, nodal: Array) -> Array:
     """Contributions of all ranks, first axis nodes, added up at shared ones; collective."""
     vector = la.vector(index_map, int(np.prod(nodal.shape[1:])))
     vector.array[:] = nodal.reshape(-1)

@@ -6,16 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.body.spaces import Spaces
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, raise_together, smallest, total
 from fenics_contact.scene.load_paths import KeyedPath
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import AXES, RAMP
-
-Array = NDArray[np.float64]
 
 # A plane of symmetry is flat to this share of the body's size.
 _FLAT = 1e-9
@@ -34,7 +32,7 @@ class AppliedSupport:
     """
 
     on: str
-    dofs: NDArray[np.int64]
+    dofs: Integers
     values: Array
     path: Callable[[float], float] = RAMP
     name: str = ""
@@ -151,7 +149,7 @@ class Supports:
         self.applied.append(support)
         self.dofs, self.values = self._constraints()
 
-    def _constraints(self) -> tuple[NDArray[np.int64], Array]:
+    def _constraints(self) -> tuple[Integers, Array]:
         """All constrained dofs, each once, with their values."""
         owner: dict[int, tuple[float, str]] = {}
         error = None

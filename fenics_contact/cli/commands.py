@@ -13,8 +13,8 @@ from mpi4py import MPI
 
 from fenics_contact.cli.progress import Announce, activity
 from fenics_contact.cli.summary import print_model, print_result
-from fenics_contact.common import citation, petsc_options
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common import petsc_options, program
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import READER_LEFT, drop_output, explain, failing_together, say
 from fenics_contact.common.interrupts import Interrupts
@@ -195,10 +195,10 @@ def _print_all_versions() -> int:
     found = compat.versions()
     mpi = " ".join(found["mpi"].split(",")[0].replace("Version:", "").split())
     print(
-        f"fenics-contact {citation.VERSION}, with dolfinx {found['dolfinx']}, PETSc "
+        f"fenics-contact {program.VERSION}, with dolfinx {found['dolfinx']}, PETSc "
         f"{'.'.join(map(str, PETSc.Sys.getVersion()))}, Python {found['python']}, {mpi}"
     )
-    print(f"To cite it: {citation.how_to_cite()}")
+    print(f"To cite it: {program.how_to_cite()}")
     return 0
 
 

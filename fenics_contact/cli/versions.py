@@ -7,7 +7,7 @@ from importlib.machinery import PathFinder
 from pathlib import Path
 
 from fenics_contact.cli.options import PROGRAM, is_first_rank
-from fenics_contact.common.citation import VERSION
+from fenics_contact.common.program import VERSION
 
 _ASSIGNED = re.compile(r"""^__version__ = ["']([^"']+)["']""", re.MULTILINE)
 

@@ -18,7 +18,8 @@ from dolfinx.mesh import exterior_facet_indices
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fenics_contact.common import citation
+from fenics_contact.common import program
+from fenics_contact.common.arrays import Array, Integers
 
 DOLFINX_VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 
@@ -27,8 +28,8 @@ def create_mesh(
     comm: MPI.Comm,
     cell: str,
     order: int,
-    points: NDArray[np.float64],
-    cells: NDArray[np.int64],
+    points: Array,
+    cells: Integers,
 ) -> Any:
     """A distributed mesh from the points and cells of rank 0 (none on the others)."""
     element = basix.ufl.element(
@@ -49,9 +50,7 @@ def create_mesh(
     )
 
 
-def distributed_tags(
-    mesh: Any, dimension: int, entities: NDArray[np.int64], tags: NDArray[np.int32]
-) -> Any:
+def distributed_tags(mesh: Any, dimension: int, entities: Integers, tags: NDArray[np.int32]) -> Any:
     """Mesh tags of entities given on rank 0 by their nodes."""
     local, values = dolfinx.io.distribute_entity_data(mesh, dimension, entities, tags)
     mesh.topology.create_connectivity(dimension, mesh.topology.dim)
@@ -76,7 +75,7 @@ def refined(mesh: Any, cells: NDArray[np.int32], tags: list[Any]) -> tuple[Any, 
     return finer, [dolfinx.mesh.transfer_meshtag(t, finer, parents, sides) for t in tags]
 
 
-def nodes_of_entities(mesh: Any, dimension: int, entities: NDArray[np.int32]) -> NDArray[np.int64]:
+def nodes_of_entities(mesh: Any, dimension: int, entities: NDArray[np.int32]) -> Integers:
     """Numbers of each entity's points in the mesh's geometry, (entities, points)."""
     mesh.topology.create_connectivity(dimension, mesh.topology.dim)
     mesh.topology.create_connectivity(mesh.topology.dim, dimension)
@@ -86,7 +85,7 @@ def nodes_of_entities(mesh: Any, dimension: int, entities: NDArray[np.int32]) ->
     return np.asarray(found, dtype=np.int64).reshape(len(entities), -1)
 
 
-def input_nodes(mesh: Any) -> NDArray[np.int64]:
+def input_nodes(mesh: Any) -> Integers:
     """Numbers that the geometry nodes of each cell had where the mesh was made, (cells, nodes)."""
     geometry = mesh.geometry
     nodes = geometry.dofmaps[0] if DOLFINX_VERSION >= (0, 11) else geometry.dofmap
@@ -121,7 +120,7 @@ def boundary_entities(topology: Any, facets: NDArray[np.int32]) -> NDArray[np.in
     return np.asarray(fem.compute_integration_domains(kind, topology, facets, topology.dim - 1))
 
 
-def interpolation_points(element: Any) -> NDArray[np.float64]:
+def interpolation_points(element: Any) -> Array:
     """Reference points at which the element interpolates."""
     points = element.interpolation_points
     return np.asarray(points() if callable(points) else points)
@@ -140,14 +139,14 @@ def interior_element(mesh: Any, degree: int) -> Any:
     )
 
 
-def quadrature_rule(mesh: Any, degree: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def quadrature_rule(mesh: Any, degree: int) -> tuple[Array, Array]:
     """Points and weights of the rule that integrals over cells use, on the reference cell."""
     cell = getattr(basix.CellType, mesh.topology.cell_name())
     points, weights = basix.make_quadrature(cell, degree)
     return np.asarray(points), np.asarray(weights)
 
 
-def quadrature_points(mesh: Any, degree: int) -> NDArray[np.float64]:
+def quadrature_points(mesh: Any, degree: int) -> Array:
     """Points of that rule."""
     return quadrature_rule(mesh, degree)[0]
 
@@ -180,7 +179,7 @@ def versions() -> dict[str, str]:
     import petsc4py
 
     return {
-        "fenics_contact": citation.VERSION,
+        "fenics_contact": program.VERSION,
         "dolfinx": dolfinx.__version__,
         "ufl": ufl.__version__ if hasattr(ufl, "__version__") else "",
         "petsc4py": petsc4py.__version__,

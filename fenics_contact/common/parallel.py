@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import FenicsContactError
 
 T = TypeVar("T")
@@ -66,18 +66,18 @@ def total(comm: MPI.Comm, value: Any) -> Any:
     return summed
 
 
-def largest(comm: MPI.Comm, values: NDArray[np.float64], empty: float = 0.0) -> float:
+def largest(comm: MPI.Comm, values: Array, empty: float = 0.0) -> float:
     """Largest entry over the ranks, not a number if one is; ``empty`` where there is none."""
     local = float(values.max()) if values.size else -np.inf
     found = float(np.max(comm.allgather(local)))  # MPI's own maximum may lose a NaN
     return empty if found == -np.inf else found
 
 
-def smallest(comm: MPI.Comm, values: NDArray[np.float64], empty: float = 0.0) -> float:
+def smallest(comm: MPI.Comm, values: Array, empty: float = 0.0) -> float:
     """Smallest entry over the ranks, not a number if one is; ``empty`` where there is none."""
     return -largest(comm, -values, empty=-empty)
 
 
-def gather_rows(comm: MPI.Comm, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+def gather_rows(comm: MPI.Comm, rows: Array) -> Array:
     """Rows of all ranks on every rank, in rank order; for contact points only."""
     return np.concatenate(comm.allgather(rows), axis=0)

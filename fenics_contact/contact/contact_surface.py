@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import Supports
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.contact.driving import ContactPaths
 from fenics_contact.contact.kinematics.against_body import BodyKinematics
 from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
@@ -28,8 +28,6 @@ from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.supports import SurfaceSupports
 from fenics_contact.scene.contact import Contact, Obstacle
-
-Array = NDArray[np.float64]
 
 
 class ContactSurface:
@@ -63,7 +61,7 @@ class ContactSurface:
         key: str,
         spaces: Spaces,
         supports: Supports,
-        constrained: NDArray[np.int64],
+        constrained: Integers,
         elastic: ElasticBody,
         masters: Sequence[str] = (),
     ) -> None:
@@ -95,7 +93,7 @@ class ContactSurface:
         self.last_step = LastStep(self._at_rest(), before)
 
     def _kinematics(
-        self, key: str, constrained: NDArray[np.int64], law: type[NormalLaw]
+        self, key: str, constrained: Integers, law: type[NormalLaw]
     ) -> ContactKinematics:
         if self.sides.opposite is not None:
             return BodyKinematics(self.trace, self.sides.opposite, constrained, key)
@@ -209,7 +207,7 @@ class ContactSurface:
         return float(self.trace.integral(left))
 
     @property
-    def on_body(self) -> NDArray[np.bool_]:
+    def on_body(self) -> Flags:
         """Which of the body's nodes are points of it; collective."""
         ones = self.trace.at_all_nodes(np.ones(len(self.nodes)))
         return self.trace.surface.on_body(ones) > 0

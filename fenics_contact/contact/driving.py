@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.scene.contact import Contact, Obstacle
 from fenics_contact.scene.load_paths import KeyedPath
@@ -45,7 +45,7 @@ class ContactPaths:
         """How far the obstacle is driven where no force drives it (length)."""
         return (self._obstacle.indentation or 0.0) * self._drive(time)
 
-    def displacement(self, time: float) -> NDArray[np.float64] | None:
+    def displacement(self, time: float) -> Array | None:
         """How far the obstacle has moved besides, (components,); None if it does not (length)."""
         if self._obstacle.displacement is None:
             return None

@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from dataclasses import fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.state import OPEN, SLIP, STICK, ContactState
-
-Array = NDArray[np.float64]
 
 _KINDS = (OPEN, STICK, SLIP)
 
@@ -32,7 +30,7 @@ class LastStep:
         self.dissipated, self.left_open = 0.0, 0.0
         self._names = [field.name for field in fields(at_rest)]
 
-    def changed(self, state: ContactState) -> NDArray[np.bool_]:
+    def changed(self, state: ContactState) -> Flags:
         """At which points the status changed in the step, if only in between, as in slip back."""
         turned = np.einsum("ij,ij->i", self.state.friction_traction, state.friction_traction) < 0
         return np.asarray((state.status != self.state.status) | (turned & (state.status == SLIP)))

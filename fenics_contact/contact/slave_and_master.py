@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.body.spaces import Spaces
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import on_root, total
 from fenics_contact.contact.mortar.pairing import gathered
@@ -15,8 +15,6 @@ from fenics_contact.contact.mortar.ray_projection import hits
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.scene.contact import Contact
-
-Array = NDArray[np.float64]
 
 # A surface is covered whose facets, but for this share, have the other before their middle.
 _UNCOVERED = 1e-6

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from fenics_contact.common.arrays import Array
 from fenics_contact.contact.contact_surface import ContactSurface
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

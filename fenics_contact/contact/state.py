@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from fenics_contact.common.arrays import Array, Words
 
 OPEN, STICK, SLIP = "OPEN", "STICK", "SLIP"
 
@@ -29,5 +26,5 @@ class ContactState:
     contact_pressure: Array
     friction_traction: Array
     slip: Array
-    status: NDArray[np.str_]
+    status: Words
     penalty_energy: Array

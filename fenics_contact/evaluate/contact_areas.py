@@ -14,13 +14,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, STICK, ContactState
-
-Array = NDArray[np.float64]
 
 # Foundations softer than this × E*/h let the depth be linear across the edge.
 _SOFT = 10.0
@@ -38,7 +36,7 @@ class Zone:
             0 where there is none.
     """
 
-    inside: NDArray[np.bool_]
+    inside: Flags
     stress: Array
     distance: Array
     depth: Array
@@ -84,7 +82,7 @@ def edges(contact: ContactSurface, state: ContactState) -> list[Array]:
     return [rows[found] for found in _cut_pieces(contact, state)]
 
 
-def _cut_pieces(contact: ContactSurface, state: ContactState) -> list[NDArray[np.bool_]]:
+def _cut_pieces(contact: ContactSurface, state: ContactState) -> list[Flags]:
     """Which pieces of this rank the edges of contact and of stick pass through."""
     zones = [state.status != OPEN, state.status == STICK]
     zones[0] = zones[0] if _may_open(contact) else np.ones_like(zones[0])
@@ -110,7 +108,7 @@ def stick_zone(contact: ContactSurface, state: ContactState) -> Zone | None:
     return Zone(state.status == STICK, spare, beyond, np.zeros_like(slip))
 
 
-def _area(contact: ContactSurface, inside: NDArray[np.bool_], zone: Zone | None) -> float:
+def _area(contact: ContactSurface, inside: Flags, zone: Zone | None) -> float:
     """That of a zone; without one, what the points inside stand for."""
     trace = contact.trace
     if zone is None:
@@ -126,7 +124,7 @@ def _area(contact: ContactSurface, inside: NDArray[np.bool_], zone: Zone | None)
     return trace.area * float(found / every)
 
 
-def _parts_inside(contact: ContactSurface, zone: Zone, chosen: NDArray[np.int64]) -> Array:
+def _parts_inside(contact: ContactSurface, zone: Zone, chosen: Integers) -> Array:
     """Weighted areas of the parts of segments or triangles that lie in the zone."""
     pieces = contact.trace.pieces
     points, corners, weights = (a[chosen] for a in (pieces.points, pieces.corners, pieces.weights))
@@ -149,8 +147,8 @@ def _parts_inside(contact: ContactSurface, zone: Zone, chosen: NDArray[np.int64]
 def edge_places(
     contact: ContactSurface,
     zone: Zone,
-    inner: NDArray[np.int64],
-    outer: NDArray[np.int64],
+    inner: Integers,
+    outer: Integers,
     ends: tuple[Array, Array],
 ) -> Array:
     """Where the edge lies between points inside and points outside, 0 … 1 of the way out.

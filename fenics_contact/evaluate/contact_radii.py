@@ -7,8 +7,8 @@ farther out does not count: the radius is that of the disc at the axis.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Flags
 from fenics_contact.common.parallel import gather_rows, largest, smallest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, STICK, ContactState
@@ -38,7 +38,7 @@ def radii(contact: ContactSurface, state: ContactState) -> dict[str, float | Non
     }
 
 
-def _radius(contact: ContactSurface, inside: NDArray[np.bool_], zone: Zone | None) -> float | None:
+def _radius(contact: ContactSurface, inside: Flags, zone: Zone | None) -> float | None:
     """Of the edge nearest to the axis, if what it encloses is inside; collective."""
     comm, pieces = contact.spaces.comm, contact.trace.pieces
     flags = inside[pieces.points]

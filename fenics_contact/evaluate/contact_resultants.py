@@ -9,14 +9,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.body.spaces import Spaces
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
-
-Array = NDArray[np.float64]
 
 
 def resultants(

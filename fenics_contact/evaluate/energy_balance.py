@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
@@ -20,8 +20,6 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
 from fenics_contact.solve.newton.solution import Solution
-
-Array = NDArray[np.float64]
 
 # Round-off of sums.
 _ROUND_OFF = 1e-9

@@ -5,14 +5,12 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.evaluate.recovered_pressure import reaction_pressure
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.newton.solution import Solution
-
-Array = NDArray[np.float64]
 
 
 class BulkForces:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import gather_rows, largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, SLIP, STICK, ContactState
@@ -19,8 +19,6 @@ from fenics_contact.results.point_arrays import WRITTEN
 from fenics_contact.results.result import ContactPoints
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 from fenics_contact.solve.newton.solution import Solution
-
-Array = NDArray[np.float64]
 
 
 def contact_quantities(problem: Problem, solution: Solution, number: int) -> dict[str, Any]:
@@ -125,7 +123,7 @@ def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
     return reactions.reshape(problem.load.shape), rows
 
 
-def _mean_displacement(forces: BulkForces, dofs: NDArray[np.int64]) -> list[float | None]:
+def _mean_displacement(forces: BulkForces, dofs: Integers) -> list[float | None]:
     """Of owned dofs of all ranks by component, None where there are none; collective."""
     components = forces.problem.spaces.components
     moved = forces.solution.displacement.reshape(-1)[dofs]

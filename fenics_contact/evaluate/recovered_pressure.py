@@ -10,14 +10,12 @@ from typing import Any
 
 import numpy as np
 from dolfinx import fem
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.surface.space import SurfaceSpace
-
-Array = NDArray[np.float64]
 
 
 def reaction_pressure(contact: ContactSurface, needed: Array) -> Array:

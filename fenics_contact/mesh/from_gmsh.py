@@ -14,13 +14,11 @@ import numpy as np
 from dolfinx import cpp
 from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.mesh import soundness as mesh_checks
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.scene.scene import MeshSource
-
-Points = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # Gmsh's element types: cell and order.
 CELLS = {
@@ -67,7 +65,7 @@ class MeshArrays:
 
     cell: str
     order: int
-    points: Points
+    points: Array
     cells: Integers
     cell_tags: NDArray[np.int32]
     facets: Integers
@@ -165,7 +163,7 @@ def _dimension_of(name: str) -> int:
 
 def _used_points(
     where: str, read: Mapping[str, Any], nodes: Integers
-) -> tuple[Points, Integers, Integers]:
+) -> tuple[Array, Integers, Integers]:
     """Coordinates of the nodes in use, cells that count from 0, and the nodes' old tags."""
     used, inverse = np.unique(nodes, return_inverse=True)
     tags = read["node_tags"].astype(np.int64)

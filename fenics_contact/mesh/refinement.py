@@ -15,10 +15,10 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import on_root
 from fenics_contact.mesh.tagged_mesh import Body
 
-Integers = NDArray[np.int64]
 Tags = NDArray[np.int32]
 
 
@@ -36,13 +36,13 @@ class Simplices:
     """
 
     cell: str
-    points: NDArray[np.float64]
+    points: Array
     cells: Integers
     cell_tags: Tags
     facets: Integers
     facet_tags: Tags
 
-    def cut(self, marked: NDArray[np.bool_]) -> Simplices:
+    def cut(self, marked: Flags) -> Simplices:
         """All edges of the marked cells halved, and of others what that asks for."""
         dimension = self.points.shape[1]
         mesh = compat.create_mesh(MPI.COMM_SELF, self.cell, 1, self.points, self.cells)
@@ -96,7 +96,7 @@ def gathered(body: Body) -> Simplices | None:
     )
 
 
-def refined(body: Body, marked: NDArray[np.bool_] | None) -> Body:
+def refined(body: Body, marked: Flags | None) -> Body:
     """The body with marked cells cut, dealt out anew; collective.
 
     Args:

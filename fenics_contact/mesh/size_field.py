@@ -17,12 +17,10 @@ import io
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from fenics_contact.common.arrays import Array, Flags, Integers
 
 # A cell becomes at most so many times smaller, or larger, from one mesh to the next.
 FINER, COARSER = 8.0, 2.0
@@ -117,7 +115,7 @@ class Cells:
         pairs = self.vertices[:, np.array(_EDGES[self.cell])].reshape(-1, 2)
         return np.unique(np.sort(pairs, axis=1), axis=0)
 
-    def part(self, chosen: NDArray[np.bool_]) -> tuple[Cells, Integers]:
+    def part(self, chosen: Flags) -> tuple[Cells, Integers]:
         """Some of the cells with their own vertices only, and which vertices these are."""
         used, vertices = np.unique(self.vertices[chosen], return_inverse=True)
         shape = (int(chosen.sum()), self.vertices.shape[1])

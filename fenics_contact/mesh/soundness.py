@@ -10,10 +10,8 @@ import basix.ufl
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
-
-Points = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _FLAT = 1e-9  # out of plane, over the size of the body
 _DEGENERATE = 1e-12  # Jacobian determinant over the cell's size
@@ -30,7 +28,7 @@ def check_dimension(where: str, description: Mapping[str, Any], dimension: int) 
         )
 
 
-def check_points(where: str, points: Points, dimension: int) -> None:
+def check_points(where: str, points: Array, dimension: int) -> None:
     """Coordinates are finite, and those of a plane model in its plane."""
     if not np.isfinite(points).all() or np.abs(points).max() > 1e100:
         raise InputError(f"{where}: has coordinates that are not finite")
@@ -43,7 +41,7 @@ def check_points(where: str, points: Points, dimension: int) -> None:
         )
 
 
-def check_nodes(where: str, cells: Integers, points: Points) -> None:
+def check_nodes(where: str, cells: Integers, points: Array) -> None:
     """No node twice in a cell."""
     in_order = np.sort(cells, axis=1)
     collapsed = (in_order[:, 1:] == in_order[:, :-1]).any(axis=1)
@@ -65,7 +63,7 @@ def check_facets(where: str, keys: NDArray[np.uint64]) -> None:
 
 
 def check_jacobians(
-    where: str, cell: str, order: int, points: Points, cells: Integers, parts: NDArray[Any]
+    where: str, cell: str, order: int, points: Array, cells: Integers, parts: NDArray[Any]
 ) -> None:
     """The Jacobian determinant keeps one sign in every part, and is nowhere zero.
 
@@ -97,7 +95,7 @@ def check_jacobians(
         )
 
 
-def _sample_points(cell: str, order: int) -> Points:
+def _sample_points(cell: str, order: int) -> Array:
     """Vertices and quadrature points of the reference cell; one point where J is constant."""
     kind = getattr(basix.CellType, cell)
     if order == 1 and cell in ("triangle", "tetrahedron"):
@@ -109,5 +107,5 @@ def _cells_are(count: Any) -> str:
     return "1 cell is" if count == 1 else f"{count} cells are"
 
 
-def _at(point: Points) -> str:
+def _at(point: Array) -> str:
     return f"({', '.join(f'{value:g}' for value in point)})"

@@ -11,12 +11,12 @@ import basix
 import numpy as np
 import ufl
 from dolfinx import fem
-from numpy.typing import NDArray
 
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import AnyIntegers, Array, Flags
 from fenics_contact.common.parallel import largest
-from fenics_contact.contact.mortar.facet_mesh import Array, FacetMesh, IntArray, normalised
+from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.sampled_values import on_side
@@ -77,18 +77,18 @@ class CurvedSides:
         """By what share the curve is longer than its facets, or larger, in UFL."""
         return ufl.dot(self.slope, self.slope) / 2 + self.widened
 
-    def measure(self, chosen: NDArray[np.bool_]) -> Any:
+    def measure(self, chosen: Flags) -> Any:
         """Measure of some of ``facets``."""
         entities = self.facets[chosen].astype(np.int32).reshape(-1)
         return ufl.Measure("ds", self._spaces.body.mesh, subdomain_data=[(1, entities)])(1)
 
-    def within(self, group: Group) -> NDArray[np.bool_]:
+    def within(self, group: Group) -> Flags:
         """Which of the facets are a group's, or sides of its cells."""
         if group.dimension == self._spaces.body.dimension:
             return np.isin(self.facets[:, 0], self._spaces.body.entities(group))
         return _among(self.facets, self._spaces.facets(group))
 
-    def held(self, free: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def held(self, free: Flags) -> Flags:
         """Which of the facets are held in all directions, at all their nodes.
 
         Args:
@@ -103,7 +103,7 @@ class CurvedSides:
         return np.array([not free[nodes].any() for nodes in closures], dtype=bool)
 
     def _fill(
-        self, offset: fem.Function, smooth: SmoothSurface, pairs: IntArray, first: int
+        self, offset: fem.Function, smooth: SmoothSurface, pairs: AnyIntegers, first: int
     ) -> Array:
         """Set the offsets of all facets; the largest of each, (facets,) (length)."""
         space = offset.function_space
@@ -123,7 +123,7 @@ class CurvedSides:
         return missed
 
 
-def _gathered(spaces: Spaces, pairs: IntArray) -> tuple[FacetMesh, int]:
+def _gathered(spaces: Spaces, pairs: AnyIntegers) -> tuple[FacetMesh, int]:
     """All facets of all ranks, and the number of this rank's first; collective."""
     mesh, size = spaces.body.mesh, spaces.components
     dimension = spaces.body.dimension - 1
@@ -147,7 +147,7 @@ def _gathered(spaces: Spaces, pairs: IntArray) -> tuple[FacetMesh, int]:
     return surface, sum(spaces.comm.allgather(len(mine))[: spaces.comm.rank])
 
 
-def _among(pairs: IntArray, others: IntArray) -> NDArray[np.bool_]:
+def _among(pairs: AnyIntegers, others: AnyIntegers) -> Flags:
     """Which (cell, local facet) are among others."""
     wanted = set(map(tuple, others.tolist()))
     return np.array([tuple(pair) in wanted for pair in pairs.tolist()], dtype=bool)

@@ -12,18 +12,16 @@ from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.analytic.half_space import boussinesq, cerruti, flamant, flamant_along
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import Supports
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import gather_rows, largest, smallest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.scene.contact import HalfSpace
 from fenics_contact.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 _FLAT = 1e-6
 # Places around half a revolution that stand for a ring: moments up to twice their number are right.
@@ -32,7 +30,7 @@ _ON_A_RING = 4
 _AT_ONCE = 200_000
 
 
-def outer_dofs(described: HalfSpace | None, spaces: Spaces) -> NDArray[np.int64]:
+def outer_dofs(described: HalfSpace | None, spaces: Spaces) -> Integers:
     """All dofs of the outer boundary of a half-space (local indices, owned and ghost), sorted."""
     found = [np.zeros(0, dtype=np.int64)]
     for number, on in enumerate(described.on if described else ()):
@@ -67,7 +65,7 @@ class FarField:
         scene: Scene,
         spaces: Spaces,
         supports: Supports,
-        outer: NDArray[np.int64],
+        outer: Integers,
         contacts: list[ContactSurface],
     ) -> None:
         described = scene.half_space

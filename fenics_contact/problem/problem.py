@@ -15,7 +15,6 @@ from typing import Any, Literal
 import numpy as np
 import ufl
 from dolfinx import fem
-from numpy.typing import NDArray
 
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.body.probe_points import DisplacementPoints
@@ -23,6 +22,7 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import AppliedSupport, Supports
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
@@ -68,8 +68,8 @@ class ScalarUnknown:
 
     contact: ContactSurface
     kind: Literal["indentation", "resultant"]
-    direction: NDArray[np.float64]
-    column: NDArray[np.float64] | None = None
+    direction: Array
+    column: Array | None = None
 
     @property
     def name(self) -> str:
@@ -105,7 +105,7 @@ class Problem:
         timings = timings or Timings()
         self.scene = scene
         self.body = body
-        self.disturbance: NDArray[np.float64] | None = None
+        self.disturbance: Array | None = None
         self.comm = body.mesh.comm
         with timings.phase("compile"):
             self.spaces = Spaces(scene, body)
@@ -159,7 +159,7 @@ class Problem:
         return [contact for contact in self.contacts if contact.is_coulomb]
 
     @property
-    def free(self) -> NDArray[np.bool_]:
+    def free(self) -> Flags:
         """Which components of which nodes no support holds, (nodes, components)."""
         free = np.ones(self.load.size, dtype=bool)
         free[self.constrained] = False
@@ -185,7 +185,7 @@ class Problem:
         loaded = [self.body.find(load.on) for load in self.scene.load if load.body_force is None]
         return any(other and set(group.tags) & set(other.tags) for other in loaded)
 
-    def _place_far_field(self, outer: NDArray[np.int64]) -> FarField | None:
+    def _place_far_field(self, outer: Integers) -> FarField | None:
         """Hold the outer boundary of a half-space, by forces known or unknown."""
         if self.scene.half_space is None:
             return None
@@ -324,7 +324,7 @@ class Problem:
         name = f"{kind.replace('_', ' ')} on {load.on}"
         return [Term(name, (form,), KeyedPath(load.path, f"{key}.path"), acting)]
 
-    def _assemble_pressures(self) -> list[tuple[NDArray[np.float64], Callable[[float], float]]]:
+    def _assemble_pressures(self) -> list[tuple[Array, Callable[[float], float]]]:
         """Nodal forces of every contact pressure that is given, with their paths."""
         return [
             (
@@ -335,7 +335,7 @@ class Problem:
             for form, path in contact.normal.loads
         ]
 
-    def _assemble_loads(self) -> list[tuple[NDArray[np.float64], Callable[[float], float]]]:
+    def _assemble_loads(self) -> list[tuple[Array, Callable[[float], float]]]:
         """Nodal forces of every load, with their paths."""
         return [
             (self.spaces.assemble(term.forms[0]), term.path)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.body.connected_parts import Parts
 from fenics_contact.body.spaces import Spaces
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import AXES
-
-Array = NDArray[np.float64]
 
 # Of a jump: what the round-off of normals leaves along the surface.
 _ROUND_OFF = 1e-12

@@ -15,7 +15,7 @@ from dolfinx import fem
 
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.contact.mortar.facet_mesh import Array, IntArray
+from fenics_contact.common.arrays import AnyIntegers, Array
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.scene.values import Value
 
@@ -56,7 +56,7 @@ def sampled(spaces: Spaces, values: Sequence[Value], group: Group, key: str) -> 
     return function
 
 
-def on_side(cell: Any, side: int, places: Array) -> tuple[IntArray, Array]:
+def on_side(cell: Any, side: int, places: Array) -> tuple[AnyIntegers, Array]:
     """Which places of the reference cell are on a side of it, and where on that."""
     dimension = places.shape[1]
     corners = basix.geometry(cell)[basix.topology(cell)[dimension - 1][side]]

@@ -22,9 +22,8 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import AppliedSupport
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest, total
-
-Array = NDArray[np.float64]
 
 # Of what the stresses leave: as a part of it is shared, and the parts may be wrong in both ways.
 _SAFETY = 2.0

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags, Integers, Words
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.results.point_arrays import WRITTEN
-
-Array = NDArray[np.float64]
 
 CSV_HEADER = [
     *("contact", "x", "y", "z", "nx", "ny", "nz"),
@@ -33,8 +31,8 @@ class ContactTable:
         numbers: The other columns, by their names in the header.
     """
 
-    contact: NDArray[np.str_]
-    status: NDArray[np.str_]
+    contact: Words
+    status: Words
     numbers: dict[str, Array]
 
     @classmethod
@@ -61,7 +59,7 @@ class ContactTable:
         )
 
     @property
-    def closed(self) -> NDArray[np.bool_]:
+    def closed(self) -> Flags:
         """Which points touch the obstacle."""
         return np.asarray(self.status != "OPEN")
 
@@ -69,7 +67,7 @@ class ContactTable:
         """The rows of one contact."""
         return self.rows(self.contact == one_line(contact))
 
-    def rows(self, wanted: NDArray[np.bool_] | NDArray[np.int64]) -> ContactTable:
+    def rows(self, wanted: Flags | Integers) -> ContactTable:
         """Some of the rows, or all of them in another order."""
         numbers = {name: column[wanted] for name, column in self.numbers.items()}
         return ContactTable(self.contact[wanted], self.status[wanted], numbers)

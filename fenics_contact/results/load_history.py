@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.results.contact_answers import carries_shear
-
-Array = NDArray[np.float64]
 
 _AXES = "xyz"
 # What varies by less than this share of the largest stands still: a pressed obstacle that is moved

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags, Integers, Words
 from fenics_contact.common.errors import StoppedError
 from fenics_contact.results.contact_answers import carries_shear, pressure_is_given
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
@@ -123,17 +123,17 @@ class ContactPoints:
         weights: Area that each point stands for.
     """
 
-    contact: NDArray[np.int64]
-    coordinates: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    gap: NDArray[np.float64]
-    contact_pressure: NDArray[np.float64]
-    friction_traction: NDArray[np.float64]
-    slip: NDArray[np.float64]
-    status: NDArray[np.str_]
-    weights: NDArray[np.float64]
+    contact: Integers
+    coordinates: Array
+    normals: Array
+    gap: Array
+    contact_pressure: Array
+    friction_traction: Array
+    slip: Array
+    status: Words
+    weights: Array
 
-    def of(self, contact: int) -> NDArray[np.bool_]:
+    def of(self, contact: int) -> Flags:
         """Which rows belong to a contact.
 
         Args:

@@ -10,10 +10,10 @@ from collections.abc import Callable
 from typing import Annotated, Any, Literal, TypeVar, cast, dataclass_transform
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, Strict, ValidationError
 from pydantic.dataclasses import dataclass
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import SceneError
 from fenics_contact.scene.messages import sentence
 
@@ -96,7 +96,7 @@ class Profile:
         if any(b <= a for a, b in zip(self.at, self.at[1:], strict=False)):
             raise ValueError("the coordinates in at must increase")
 
-    def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def __call__(self, points: Array) -> Array:
         """Values at points.
 
         Args:
@@ -108,7 +108,7 @@ class Profile:
         return np.asarray(np.interp(points[AXES.index(self.along)], self.at, self.values))
 
 
-PositionFunction = Callable[[NDArray[np.float64]], Any]
+PositionFunction = Callable[[Array], Any]
 Value = Number | Profile | PositionFunction
 Vector = Annotated[tuple[Value, ...], Field(min_length=2, max_length=3)]
 

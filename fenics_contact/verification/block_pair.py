@@ -5,10 +5,8 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-from fenics_contact.common.resources import mesh_file
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.program import mesh_file
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
 from fenics_contact.scene.contact import Contact
@@ -96,7 +94,7 @@ def trusted(scene: Scene, body: Body | None = None) -> tuple[Run, Result]:
     return run, result
 
 
-def pressures(result: Result) -> NDArray[np.float64]:
+def pressures(result: Result) -> Array:
     """Contact pressures at all points, (points,) (stress)."""
     assert result.points is not None
     return result.points.contact_pressure

@@ -12,7 +12,7 @@ from fenics_contact import load_scene, main
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.cli import new_scene
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.resources import mesh_file, templates
+from fenics_contact.common.program import mesh_file, templates
 from tests.scenes import ROOT
 
 COMM = MPI.COMM_WORLD

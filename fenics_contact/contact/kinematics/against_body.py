@@ -11,14 +11,12 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.contact.kinematics.jump import ContactKinematics, require_smooth
 from fenics_contact.contact.mortar.pairing import Pairing
 from fenics_contact.contact.surface.trace import Trace
-
-Array = NDArray[np.float64]
 
 
 class BodyKinematics(ContactKinematics):
@@ -37,9 +35,7 @@ class BodyKinematics(ContactKinematics):
     faces_body: ClassVar[bool] = True
     pairing: Pairing
 
-    def __init__(
-        self, trace: Trace, opposite: Trace, constrained: NDArray[np.int64], key: str
-    ) -> None:
+    def __init__(self, trace: Trace, opposite: Trace, constrained: Integers, key: str) -> None:
         super().__init__(trace)
         self._opposite = opposite
         self.pairing = Pairing(trace, opposite, constrained)
@@ -84,7 +80,7 @@ class BodyKinematics(ContactKinematics):
         self.move(self.relative(present))
         self._face()
 
-    def slid_share(self, closed: NDArray[np.bool_]) -> float:
+    def slid_share(self, closed: Flags) -> float:
         """Slip since it was found what faces what, over the size of the contact; collective.
 
         Args:
@@ -116,7 +112,7 @@ class BodyKinematics(ContactKinematics):
         """Forces on the surface, and their reaction opposite, at the body's nodes; collective."""
         return self.trace.surface.on_body(force) + self.pairing.on_master(force)
 
-    def reaches(self, flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def reaches(self, flags: Flags) -> Flags:
         """The nodes themselves, and all opposite where there are any; collective."""
         found = self.trace.surface.on_body(flags.astype(np.float64)) > 0
         if self._spaces.comm.allreduce(int(flags.sum())):
@@ -126,7 +122,7 @@ class BodyKinematics(ContactKinematics):
     def _gap(self, points: Array, normals: Array) -> Array:
         return self.pairing.distances_from(points, normals)
 
-    def leave_out(self, points: NDArray[np.bool_]) -> None:
+    def leave_out(self, points: Flags) -> None:
         """All points count: what faces none has no gap."""
 
     def bring_up(self) -> None:

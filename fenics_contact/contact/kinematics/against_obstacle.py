@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import FenicsContactError, InputError
 from fenics_contact.common.parallel import gather_rows, raise_together, smallest
 from fenics_contact.contact.kinematics.jump import ContactKinematics
 from fenics_contact.contact.kinematics.rigid_obstacle import RigidObstacle
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.scene.contact import Obstacle
-
-Array = NDArray[np.float64]
 
 
 class ObstacleKinematics(ContactKinematics):
@@ -52,7 +50,7 @@ class ObstacleKinematics(ContactKinematics):
         self.stand()
         self._require_in_its_way(self.reached, key)
 
-    def _require_in_its_way(self, points: NDArray[np.bool_], key: str) -> None:
+    def _require_in_its_way(self, points: Flags, key: str) -> None:
         self._require_reached(
             points,
             f"{key}: no point of the surface lies in its way; see its position, normal and "
@@ -69,7 +67,7 @@ class ObstacleKinematics(ContactKinematics):
             self._require_in_its_way(self.reached & (self.facing > 0), f"{key}.obstacle")
         super().require_one_sided(key)
 
-    def leave_out(self, points: NDArray[np.bool_]) -> None:
+    def leave_out(self, points: Flags) -> None:
         """Take points out of the obstacle's reach."""
         self._left_out = points
         self._measured = np.where(points, np.inf, self._measured)
@@ -135,7 +133,7 @@ class ObstacleKinematics(ContactKinematics):
         """Forces at the nodes of the surface, at the body's nodes; collective."""
         return self.trace.surface.on_body(force)
 
-    def reaches(self, flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def reaches(self, flags: Flags) -> Flags:
         """The same nodes by the body's numbers; collective."""
         return self.trace.surface.on_body(flags.astype(np.float64)) > 0
 

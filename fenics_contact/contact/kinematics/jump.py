@@ -11,16 +11,14 @@ from typing import ClassVar
 
 import numpy as np
 from dolfinx import fem
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import on_root, total
 from fenics_contact.contact.mortar.facet_mesh import reference_nodes
 from fenics_contact.contact.mortar.pairing import Pairing, gathered
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
 from fenics_contact.contact.surface.trace import Trace
-
-Array = NDArray[np.float64]
 
 # Of the lengths that a gap is a difference of: an overlap of no more is round-off.
 _ROUND_OFF = 32 * float(np.finfo(float).eps)
@@ -83,7 +81,7 @@ class ContactKinematics(ABC):
         """
 
     @abstractmethod
-    def reaches(self, flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def reaches(self, flags: Flags) -> Flags:
         """The body's nodes that forces on some nodes of the surface reach; collective."""
 
     @abstractmethod
@@ -118,7 +116,7 @@ class ContactKinematics(ABC):
         require_smooth(self.trace, f"{key}.on")
 
     @abstractmethod
-    def leave_out(self, points: NDArray[np.bool_]) -> None:
+    def leave_out(self, points: Flags) -> None:
         """Take points out of an obstacle's reach."""
 
     @abstractmethod
@@ -150,7 +148,7 @@ class ContactKinematics(ABC):
                 (length).
         """
 
-    def slid_share(self, closed: NDArray[np.bool_]) -> float:
+    def slid_share(self, closed: Flags) -> float:
         """Slip since it was found what faces what, over the size of the contact; collective.
 
         Args:
@@ -176,7 +174,7 @@ class ContactKinematics(ABC):
         return np.zeros(0)
 
     @property
-    def reached(self) -> NDArray[np.bool_]:
+    def reached(self) -> Flags:
         """Which of the points have something before them."""
         return np.isfinite(self.gap)
 
@@ -231,7 +229,7 @@ class ContactKinematics(ABC):
         touches = (overlap > 0) & (overlap <= _ROUND_OFF * (size + moved))
         return np.where(touches, _HAIR * moved - across, gap)
 
-    def end_of_obstacle(self, reached: NDArray[np.int64], beyond: NDArray[np.int64]) -> Array:
+    def end_of_obstacle(self, reached: Integers, beyond: Integers) -> Array:
         """How far what stands opposite goes, from points before it to others beyond it (0 … 1).
 
         Args:
@@ -248,7 +246,7 @@ class ContactKinematics(ABC):
             low, high = np.where(inside, middle, low), np.where(inside, high, middle)
         return low
 
-    def _require_reached(self, points: NDArray[np.bool_], refusal: str) -> None:
+    def _require_reached(self, points: Flags, refusal: str) -> None:
         if total(self._spaces.comm, points.sum()) == 0:
             raise InputError(refusal)
 

@@ -10,13 +10,11 @@ from typing import Any
 
 import numpy as np
 import ufl
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.scene.contact import Obstacle
 from fenics_contact.scene.values import Kinematics, Profile
-
-Array = NDArray[np.float64]
 
 _SHAPES = {
     "plane strain": ("plane", "parabola", "cylinder", "flat punch"),

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.results.point_arrays import PointArray
-
-Array = NDArray[np.float64]
 
 
 class ContactLaw:

@@ -14,13 +14,12 @@ from typing import Any
 import basix.ufl
 import numpy as np
 import ufl
-from numpy.typing import NDArray
 from ufl import classes
 from ufl.algorithms import expand_indices
 from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
 from ufl.algorithms.apply_derivatives import apply_derivatives
 
-Array = NDArray[np.float64]
+from fenics_contact.common.arrays import Array
 
 # A domain for variables that are numbers. UFL keeps what it has differentiated, so each density is
 # derived only once; and with the domain of a mesh it would keep that mesh and its communicators.

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import smallest
 from fenics_contact.contact.driving import ContactPaths
@@ -15,8 +13,6 @@ from fenics_contact.contact.parameters import ContactScales
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.values import Value
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fenics_contact.contact.mortar.facet_mesh import Array
+from fenics_contact.common.arrays import Array
 
 
 def areas(polygons: Array) -> Array:

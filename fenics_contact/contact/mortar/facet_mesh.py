@@ -11,13 +11,11 @@ from typing import Any
 
 import basix
 import numpy as np
-from numpy.typing import NDArray
+
+from fenics_contact.common.arrays import AnyIntegers, Array
 
 _REFERENCE_SIZES = {"interval": 1.0, "triangle": 0.5, "quadrilateral": 1.0}
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.integer[Any]]
-BoolArray = NDArray[np.bool_]
 
 # Of spheres through the nodes, by order: corners lie inside in spite of round-off, and a curved
 # facet leaves the sphere a little.
@@ -45,7 +43,7 @@ class FacetMesh:
     order: int
     degree: int
     geometry: Array
-    nodes: IntArray
+    nodes: AnyIntegers
     normals: Array
 
     @property
@@ -86,18 +84,18 @@ class FacetMesh:
         table = _tabulate(self.shape, self.order, reference, 1)
         return table[0], table[1:]
 
-    def interpolate(self, nodal: Array, facets: IntArray, reference: Array) -> Array:
+    def interpolate(self, nodal: Array, facets: AnyIntegers, reference: Array) -> Array:
         """A function of the space, given at all nodes (nodes, components), at points."""
         return np.asarray(
             np.einsum("pn,pnc->pc", self.shape_functions(reference), nodal[self.nodes[facets]])
         )
 
-    def positions(self, facets: IntArray, reference: Array) -> Array:
+    def positions(self, facets: AnyIntegers, reference: Array) -> Array:
         """Places of points, (points, dimension) (length)."""
         values = _tabulate(self.shape, self.order, reference, 0)[0]
         return np.asarray(np.einsum("pn,pnd->pd", values, self.geometry[facets]))
 
-    def tangents(self, facets: IntArray, reference: Array) -> Array:
+    def tangents(self, facets: AnyIntegers, reference: Array) -> Array:
         """Derivatives of the place by reference coordinates, (points, dimension, dimension − 1)."""
         _, gradients = self.geometry_functions(reference)
         return np.asarray(np.einsum("kpn,pnd->pdk", gradients, self.geometry[facets]))
@@ -114,7 +112,7 @@ class FacetMesh:
         """Outward normals at ``centres``, as long as the facets' areas, (facets, dimension)."""
         return self.area_normals(*self._midpoints) * _REFERENCE_SIZES[self.shape]
 
-    def area_normals(self, facets: IntArray, reference: Array) -> Array:
+    def area_normals(self, facets: AnyIntegers, reference: Array) -> Array:
         """Outward normals as long as the surface Jacobian, (points, dimension)."""
         return self._raw_normals(facets, reference) * self._orientations[facets, None]
 
@@ -142,7 +140,7 @@ class FacetMesh:
         return float((self.radii * relative).max(initial=0.0))
 
     @property
-    def _midpoints(self) -> tuple[IntArray, Array]:
+    def _midpoints(self) -> tuple[AnyIntegers, Array]:
         """All facets, and the midpoint of each, (facets, dimension − 1)."""
         midpoint = reference_nodes(self.shape, 1).mean(axis=0)
         return np.arange(len(self.nodes)), np.tile(midpoint, (len(self.nodes), 1))
@@ -154,7 +152,7 @@ class FacetMesh:
         turned = np.einsum("fd,fd->f", outward, self._raw_normals(*self._midpoints)) < 0
         return np.where(turned, -1.0, 1.0)
 
-    def _raw_normals(self, facets: IntArray, reference: Array) -> Array:
+    def _raw_normals(self, facets: AnyIntegers, reference: Array) -> Array:
         tangents = self.tangents(facets, reference)
         if self.dimension == 2:
             return np.stack([tangents[:, 1, 0], -tangents[:, 0, 0]], axis=1)

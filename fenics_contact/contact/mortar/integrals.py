@@ -9,7 +9,8 @@ import numpy as np
 from scipy.sparse import csc_array, csr_matrix, diags_array
 from scipy.sparse.linalg import splu
 
-from fenics_contact.contact.mortar.facet_mesh import Array, BoolArray, FacetMesh, IntArray
+from fenics_contact.common.arrays import AnyIntegers, Array, Flags
+from fenics_contact.contact.mortar.facet_mesh import FacetMesh
 from fenics_contact.contact.mortar.overlap import Overlap
 from fenics_contact.contact.mortar.polygon_overlap import polygon_overlaps
 from fenics_contact.contact.mortar.segment_overlap import segment_overlap
@@ -69,7 +70,7 @@ def integrate(
     return MortarIntegrals(mass, coupling, np.minimum(coverage, 1.0))
 
 
-def projection(integrals: MortarIntegrals, fixed: BoolArray) -> Array:
+def projection(integrals: MortarIntegrals, fixed: Flags) -> Array:
     """Values at the slave's nodes of functions on the master, mass⁻¹ coupling.
 
     Rows of nodes without a part that faces the master are 0.
@@ -123,7 +124,7 @@ def _weights(slave: FacetMesh, overlap: Overlap, is_axisymmetric: bool) -> Array
 
 
 def _assembled(
-    weighted: Array, values: Array, rows: IntArray, columns: IntArray, shape: tuple[int, int]
+    weighted: Array, values: Array, rows: AnyIntegers, columns: AnyIntegers, shape: tuple[int, int]
 ) -> csr_matrix:
     """Σ over points of products of shape functions, summed over cells."""
     local = weighted.transpose(0, 2, 1) @ values

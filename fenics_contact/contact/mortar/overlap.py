@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fenics_contact.contact.mortar.facet_mesh import Array, FacetMesh, IntArray, reference_nodes
+from fenics_contact.common.arrays import AnyIntegers, Array
+from fenics_contact.contact.mortar.facet_mesh import FacetMesh, reference_nodes
 from fenics_contact.contact.mortar.ray_projection import near_lines
 
 # Corners of the straight pieces of a facet, in turn, among its geometry nodes. Curved segments
@@ -36,8 +37,8 @@ class Overlap:
         shares: Of the slave facet's area, (cells,).
     """
 
-    slave: IntArray
-    master: IntArray
+    slave: AnyIntegers
+    master: AnyIntegers
     slave_reference: Array
     master_reference: Array
     weights: Array
@@ -56,7 +57,7 @@ class Pieces:
         radii: Of spheres about the centres, (pieces,) (length).
     """
 
-    facets: IntArray
+    facets: AnyIntegers
     reference: Array
     corners: Array
     centres: Array
@@ -81,7 +82,7 @@ def pieces(mesh: FacetMesh) -> Pieces:
 
 def facing_pairs(
     slave: Pieces, directions: Array, spreads: Array, master: Pieces, master_normals: Array
-) -> tuple[IntArray, IntArray]:
+) -> tuple[AnyIntegers, AnyIntegers]:
     """Pairs (slave piece, master piece) that may face each other, of several layers the nearest.
 
     Args:

@@ -16,14 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import on_root
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
 from fenics_contact.contact.mortar.integrals import integrate, projection
 from fenics_contact.contact.mortar.ray_projection import Hits, face, hits
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
 from fenics_contact.contact.surface.trace import Trace
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +66,7 @@ class Pairing:
         constrained: Dofs that supports hold (local indices, owned and ghost).
     """
 
-    def __init__(self, slave: Trace, master: Trace, constrained: NDArray[np.int64]) -> None:
+    def __init__(self, slave: Trace, master: Trace, constrained: Integers) -> None:
         self._slave, self._master = slave, master
         self._comm = slave.spaces.comm
         self._surfaces = gathered(slave), gathered(master)
@@ -162,7 +161,7 @@ class Pairing:
         taken = [-(given[:, axis] @ block)[mine] for axis, block in enumerate(self.blocks)]
         return surface.on_body(np.stack(taken, axis=1))
 
-    def master_nodes(self) -> NDArray[np.bool_]:
+    def master_nodes(self) -> Flags:
         """Which of the body's nodes are the master's; collective."""
         return self._master.surface.on_body(np.ones(len(self._master.all_nodes))) > 0
 

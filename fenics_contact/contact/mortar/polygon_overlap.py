@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import basix
 import numpy as np
 
+from fenics_contact.common.arrays import AnyIntegers, Array
 from fenics_contact.contact.mortar import clipping
-from fenics_contact.contact.mortar.facet_mesh import Array, FacetMesh, IntArray, normalised
+from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
 from fenics_contact.contact.mortar.overlap import LEAST_SHARE, Overlap, Pieces, facing_pairs, pieces
 from fenics_contact.contact.mortar.ray_projection import across, meet
 
@@ -50,8 +51,8 @@ class _Triangles:
         corners: In the plane of the slave piece, (triangles, 3, 2) (length).
     """
 
-    ours: IntArray
-    theirs: IntArray
+    ours: AnyIntegers
+    theirs: AnyIntegers
     corners: Array
 
     def chunks(self, size: int) -> Iterator[_Triangles]:

@@ -7,14 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fenics_contact.contact.mortar.facet_mesh import (
-    Array,
-    BoolArray,
-    FacetMesh,
-    IntArray,
-    normalised,
-    reference_nodes,
-)
+from fenics_contact.common.arrays import AnyIntegers, Array, Flags
+from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised, reference_nodes
 
 # Entries of the tables of all lines against all facets that are held at a time: they stay in
 # the processor's cache.
@@ -40,7 +34,7 @@ class Hits:
             (points,) (length).
     """
 
-    facet: IntArray
+    facet: AnyIntegers
     reference: Array
     distance: Array
 
@@ -120,7 +114,7 @@ def face(slave_points: Array, slave_normals: Array, master: FacetMesh) -> tuple[
 
 def near_lines(
     points: Array, directions: Array, widths: Array, spreads: Array, centres: Array, radii: Array
-) -> Iterator[tuple[IntArray, IntArray]]:
+) -> Iterator[tuple[AnyIntegers, AnyIntegers]]:
     """Pairs (line, sphere) that touch, ordered by line, then sphere; some lines at a time.
 
     Args:
@@ -149,11 +143,11 @@ def near_lines(
 
 def meet(
     mesh: FacetMesh,
-    facets: IntArray,
+    facets: AnyIntegers,
     points: Array,
     directions: Array,
     start: Array | None = None,
-) -> tuple[Array, BoolArray]:
+) -> tuple[Array, Flags]:
     """Where lines through points meet given facets or their continuation nearby.
 
     Args:
@@ -211,7 +205,7 @@ def _solve(matrices: Array, vectors: Array) -> Array:
         )
 
 
-def _is_inside(shape: str, reference: Array) -> BoolArray:
+def _is_inside(shape: str, reference: Array) -> Flags:
     inside = (reference > -_INSIDE).all(axis=1)
     if shape == "triangle":
         return inside & (reference.sum(axis=1) < 1 + _INSIDE)

@@ -8,7 +8,8 @@ from __future__ import annotations
 import basix
 import numpy as np
 
-from fenics_contact.contact.mortar.facet_mesh import Array, FacetMesh, IntArray, normalised
+from fenics_contact.common.arrays import AnyIntegers, Array
+from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
 from fenics_contact.contact.mortar.overlap import LEAST_SHARE, Overlap, facing_pairs, pieces
 from fenics_contact.contact.mortar.ray_projection import meet
 
@@ -49,7 +50,7 @@ def segment_overlap(
 
 def _common(
     slave: FacetMesh, master: FacetMesh, mean_normals: Array
-) -> tuple[IntArray, IntArray, Array, Array]:
+) -> tuple[AnyIntegers, AnyIntegers, Array, Array]:
     """Pairs (slave facet, master facet), and from where to where on the slave they face."""
     ours, theirs = pieces(slave), pieces(master)
     directions = normalised(slave.interpolate(mean_normals, ours.facets, ours.reference))
@@ -76,7 +77,9 @@ def _facet_lengths(mesh: FacetMesh, points: Array, weights: Array) -> Array:
     return np.asarray(np.linalg.norm(normals, axis=1).reshape(-1, len(points)) @ weights)
 
 
-def _ray_origins(slave: FacetMesh, facets: IntArray, mean_normals: Array, points: Array) -> Array:
+def _ray_origins(
+    slave: FacetMesh, facets: AnyIntegers, mean_normals: Array, points: Array
+) -> Array:
     """Reference coordinates of where the slave's rays through points begin, (points,).
 
     Beyond −1 and 2 only the side is right.

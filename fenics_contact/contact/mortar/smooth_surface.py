@@ -12,15 +12,9 @@ from functools import cached_property
 from itertools import combinations_with_replacement
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fenics_contact.contact.mortar.facet_mesh import (
-    Array,
-    FacetMesh,
-    IntArray,
-    normalised,
-    reference_nodes,
-)
+from fenics_contact.common.arrays import AnyIntegers, Array, Flags
+from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised, reference_nodes
 
 # Cosine of the angle between neighbouring facets from which there is an edge between them; and
 # from which one says nothing of what the other misses.
@@ -50,7 +44,7 @@ class SmoothSurface:
         self._fits: dict[int, Array] = {}
         self._smooth: dict[int, list[int]] = {}
 
-    def offsets(self, facet: IntArray, reference: Array) -> Array:
+    def offsets(self, facet: AnyIntegers, reference: Array) -> Array:
         """How far the curve lies outside of points on facets, (points,) (length).
 
         Args:
@@ -85,7 +79,7 @@ class SmoothSurface:
         return bool(widths[-1] <= _FLAT * widths[0])
 
     @cached_property
-    def _turns(self) -> NDArray[np.bool_]:
+    def _turns(self) -> Flags:
         """Facets with a normal beside them that is not their own, (facets,): others lie flat."""
         mesh = self._facets
         corners = reference_nodes(mesh.shape, 1)
@@ -124,7 +118,7 @@ class SmoothSurface:
         found, *_ = np.linalg.lstsq(weights[:, None] * powers, weights * local[:, -1], rcond=None)
         return np.asarray(found)
 
-    def _nodes_around(self, number: int, enough: int) -> IntArray:
+    def _nodes_around(self, number: int, enough: int) -> AnyIntegers:
         """Geometry nodes of a facet and of those around it that no edge parts from it.
 
         Without those that are turned so far that no height over this facet describes them well.
@@ -139,7 +133,7 @@ class SmoothSurface:
         return nodes
 
     @cached_property
-    def _numbering(self) -> tuple[Array, IntArray]:
+    def _numbering(self) -> tuple[Array, AnyIntegers]:
         """Places of geometry nodes, each once, and their numbers, (facets, geometry nodes)."""
         mesh = self._facets
         places = mesh.geometry.reshape(-1, mesh.dimension)
@@ -154,7 +148,7 @@ class SmoothSurface:
         return self._numbering[0]
 
     @property
-    def _node_numbers(self) -> IntArray:
+    def _node_numbers(self) -> AnyIntegers:
         return self._numbering[1]
 
     def _neighbours(self, facet: int) -> list[int]:
@@ -203,7 +197,7 @@ class SmoothSurface:
         first = normalised(np.cross(normals, np.eye(3)[np.abs(normals).argmin(axis=1)]))
         return np.stack([first, np.cross(normals, first), normals], axis=1)
 
-    def _local(self, facet: NDArray[np.integer], places: Array) -> Array:
+    def _local(self, facet: AnyIntegers, places: Array) -> Array:
         """Coordinates in frames of facets, over their radii, (points, dimension)."""
         away = places - self._facets.centres[facet]
         turned = np.einsum("pij,pj->pi", self._frames[facet], away)

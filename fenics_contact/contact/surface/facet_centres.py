@@ -15,9 +15,8 @@ from dolfinx.mesh import compute_midpoints
 from numpy.typing import NDArray
 
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array
 from fenics_contact.contact.surface.space import SurfaceSpace
-
-Array = NDArray[np.float64]
 
 _NODES = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0.5], [0, 0.5], [0.5, 0]])
 _CENTRE = np.array([[1 / 3, 1 / 3]])

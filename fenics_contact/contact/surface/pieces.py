@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import Integers
 from fenics_contact.contact.surface.space import SurfaceSpace
 
-Array = NDArray[np.float64]
 Place = tuple[int, ...]
 
 
@@ -25,7 +25,7 @@ class SurfacePieces:
         weights: Factor of the integral at the corners (2πr where axisymmetric), (pieces, corners).
     """
 
-    def __init__(self, surface: SurfaceSpace, contact_nodes: NDArray[np.int64]) -> None:
+    def __init__(self, surface: SurfaceSpace, contact_nodes: Integers) -> None:
         nodes = _facet_pieces(surface)
         point_of = np.full(len(surface.coordinates), -1)
         point_of[contact_nodes] = np.arange(len(contact_nodes))

@@ -17,10 +17,9 @@ from fenics_contact.body.elasticity import measure_weight
 from fenics_contact.body.spaces import Spaces, summed_over_ranks
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.mesh.tagged_mesh import Group
-
-Array = NDArray[np.float64]
 
 
 class SurfaceSpace:
@@ -74,7 +73,7 @@ class SurfaceSpace:
         return form_cache.form(self.weight * trial * test * self.measure())
 
     @cached_property
-    def dofs(self) -> NDArray[np.int64]:
+    def dofs(self) -> Integers:
         """The body's global number of every dof of the whole surface, by its number here."""
         mine = self.body_nodes[: self.owned_nodes]
         numbers = self.spaces.displacement_space.dofmap.index_map.local_to_global(mine)
@@ -82,7 +81,7 @@ class SurfaceSpace:
         return (nodes[:, None] * self.components + np.arange(self.components)).ravel()
 
     @cached_property
-    def numbers(self) -> NDArray[np.int64]:
+    def numbers(self) -> Integers:
         """Number of each node of this rank on the whole surface."""
         local = np.arange(len(self.coordinates), dtype=np.int32)
         return np.asarray(self.space.dofmap.index_map.local_to_global(local))

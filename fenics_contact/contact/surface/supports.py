@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Flags, Integers
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.surface.trace import Trace
 
@@ -28,7 +28,7 @@ class SurfaceSupports:
         held_across: Points that supports hold along the normal, (points,).
     """
 
-    def __init__(self, trace: Trace, constrained: NDArray[np.int64]) -> None:
+    def __init__(self, trace: Trace, constrained: Integers) -> None:
         self._trace = trace
         components = trace.spaces.components
         held = np.zeros(len(trace.spaces.coordinates) * components, dtype=bool)
@@ -43,7 +43,7 @@ class SurfaceSupports:
         self.held_across = np.zeros(len(trace.normals), dtype=bool)
         self.held_across[: len(trace.nodes)] = (squares * ~self._held).sum(axis=1) <= _NONE
 
-    def held_axes(self) -> NDArray[np.bool_]:
+    def held_axes(self) -> Flags:
         """Along which axes supports hold more than a tenth of the nodes; collective."""
         comm, owned = self._trace.spaces.comm, self._trace.owned[: len(self._held)]
         return np.asarray(

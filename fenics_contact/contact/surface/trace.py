@@ -18,13 +18,12 @@ from numpy.typing import NDArray
 
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import gather_rows, largest, smallest, total
 from fenics_contact.contact.surface.facet_centres import SEVEN_POINTS, SIX_NODES, FacetCentres
 from fenics_contact.contact.surface.pieces import SurfacePieces
 from fenics_contact.contact.surface.space import SurfaceSpace
 from fenics_contact.mesh.tagged_mesh import Group
-
-Array = NDArray[np.float64]
 
 # Cosine of half the largest angle between neighbouring facets of one surface.
 _SHARP = float(np.cos(np.pi / 8))
@@ -107,7 +106,7 @@ class Trace:
         if self._centres is not None:
             self._centres.set_correction(self._nodal_normal, self._centred_normal, at_centres)
 
-    def count(self, shares: Array) -> NDArray[np.bool_]:
+    def count(self, shares: Array) -> Flags:
         """Let only a share of each facet of this rank count from now on; forms follow; collective.
 
         Args:
@@ -204,7 +203,7 @@ class Trace:
         """Axes across planes of symmetry, and across the axis of revolution."""
         return sorted({axis for axis, _ in self._flat_sides})
 
-    def in_planes(self) -> NDArray[np.bool_]:
+    def in_planes(self) -> Flags:
         """Across which axes nodes lie in planes of symmetry, (nodes, components); collective."""
         found = np.zeros((len(self.surface.coordinates), self.surface.components), dtype=bool)
         size = self.extent()

@@ -18,8 +18,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NoEquilibriumError
 from fenics_contact.common.parallel import on_root, total
 from fenics_contact.problem.existence.cone_projection import separation_from
@@ -33,8 +33,6 @@ from fenics_contact.scene.load_paths import times_to_judge
 
 # Of the loads: the pressure at all points without which nothing is pressed on.
 _PRESSED = 1e-9
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

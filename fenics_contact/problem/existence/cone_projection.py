@@ -15,9 +15,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fenics_contact.common.arrays import Array
 
 # Of the load: a distance that is no more is round-off.
 NO_DISTANCE = 1e-12

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

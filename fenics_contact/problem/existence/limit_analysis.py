@@ -23,8 +23,8 @@ from dataclasses import dataclass
 from itertools import count
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.problem.existence.cone_projection import (
     NO_DISTANCE,
     Ray,
@@ -32,8 +32,6 @@ from fenics_contact.problem.existence.cone_projection import (
     separation,
 )
 from fenics_contact.problem.existence.friction_cones import ContactCones
-
-Array = NDArray[np.float64]
 
 # A share of the friction beyond which none would hold.
 _ROUGHEST = 1e6

@@ -10,16 +10,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import AppliedSupport
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 # Of two displacements that a motion moves equally far, the first by coordinates is taken.
 _EQUAL = 1e-6
@@ -72,9 +69,7 @@ def _off_contacts(problem: Problem) -> Flags:
     return found
 
 
-def determining_dofs(
-    problem: Problem, fields: Array, nodes: Flags | None
-) -> NDArray[np.int64] | None:
+def determining_dofs(problem: Problem, fields: Array, nodes: Flags | None) -> Integers | None:
     """As many dofs as there are fields that vanish only together with these; collective.
 
     Each is the one that moves farthest in what the earlier ones leave (pivoted QR), so that the

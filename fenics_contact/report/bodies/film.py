@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.report.bodies.flat import add_legend, draw_flat
 from fenics_contact.report.bodies.obstacles import ObstacleSurface, obstacles_of
 from fenics_contact.report.bodies.picture import add_bar, colour_range, flat_figure, framed, times
@@ -22,7 +23,6 @@ from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.results.contact_table import ContactTable
 
-Array = NDArray[np.float64]
 Contacts = list[tuple[ContactTable, dict[str, Any]]]
 
 _DPI, _PIXELS = 110, 800

@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.report.bodies.obstacles import ObstacleSurface
 from fenics_contact.report.bodies.view import View
 from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.drawing.fields import Triangles, flat_outline, flat_sides, nodes_at
 from fenics_contact.report.drawing.style import COLOUR_MAP, EDGE, Mark
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
 
 _THICK = 0.035  # of what is shown: how much of an obstacle is drawn
 _FEW, _FEW_CELLS = 60, 1000

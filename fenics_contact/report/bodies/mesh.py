@@ -6,15 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.report.drawing.fields import flat_sides
 from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import DOUBLE, marks, neighbourhood
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
 
 
 def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Picture:

@@ -6,13 +6,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.report.drawing.fields import nodes_at
 from fenics_contact.results.contact_answers import is_rigid
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
 
 _FACING = 0.5  # surfaces that curve more have a mean normal shorter than this
 
@@ -34,7 +32,7 @@ class ObstacleSurface:
     points: Array
     offsets: Array
     normals: Array
-    nodes: NDArray[np.int64]
+    nodes: Integers
 
     def then(self, body: Any) -> ObstacleSurface | None:
         """Where it stood at another time, from the points that touched it; None without any.

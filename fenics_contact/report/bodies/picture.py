@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.report.bodies.flat import add_legend, draw_flat, point_look
 from fenics_contact.report.bodies.obstacles import obstacles_of
 from fenics_contact.report.bodies.space import render
@@ -17,8 +18,6 @@ from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, WIDE
 from fenics_contact.results.contact_answers import is_rigid
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
 
 _STRESS = r"von Mises stress, $\sigma_{VM}$"
 _HEIGHTS = (1.0, 5.0)  # of a flat model's panel, in inches

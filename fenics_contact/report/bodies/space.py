@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.report.bodies.obstacles import ObstacleSurface
 from fenics_contact.report.bodies.view import View
 from fenics_contact.report.contacts.maps import triangulation
@@ -19,7 +20,6 @@ from fenics_contact.report.drawing.style import COLOUR_MAP
 from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.contact_table import ContactTable
 
-Array = NDArray[np.float64]
 Contacts = list[tuple[ContactTable, dict[str, Any]]]
 
 _WIDTH, _HEIGHTS, _MARGIN = 1400, (0.45, 0.95), 1.04

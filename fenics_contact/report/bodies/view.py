@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
 
 _MOVE = 0.06  # of what is shown: the largest displacement, where it is magnified
 _READABLE = (0.02, 0.2)  # displacements of this size, over what is shown, are drawn as they are

@@ -7,17 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.report.contacts.curves import formula_words
 from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLUMN, FORMULA, LINES
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 _DEPTH = 3.0  # what is shown, in contact radii
 _SINGULAR = 3.0  # a peak this many times the mean pressure says nothing: Hertz has 1.5

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.drawing.figures import in_words, new_figure, save, surface_of, title_of
 from fenics_contact.report.drawing.picture import Picture
@@ -15,8 +15,6 @@ from fenics_contact.report.drawing.style import FORMULA, WIDE
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_answers import carries_shear, pressure_is_given
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
 
 _MARGIN, _STRIP = 0.45, 0.16
 _HEIGHTS = {"contact pressure": 1.9, "friction traction": 1.9, "gap": 1.05}

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.report.contacts.curves import draw_strip
 from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.drawing.fields import nodes_at
@@ -16,8 +16,6 @@ from fenics_contact.report.drawing.figures import in_words, new_figure, save, se
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, COLUMN, WIDE
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
 
 _NEAR = 0.4  # contact zones whose neighbourhood is smaller than this share are looked at alone
 _HEIGHT, _STRIP, _MARGIN = 1.5, 0.16, 0.45
@@ -61,13 +59,13 @@ class SurfaceDisplacement:
         return tangential
 
     @property
-    def shown(self) -> NDArray[np.bool_]:
+    def shown(self) -> Flags:
         """The points near the contact zone if it is small, else all."""
         low, high = self.line.view
         position = self.line.position
         if high - low > _NEAR * np.ptp(position):
             return np.ones(len(position), dtype=bool)
-        near: NDArray[np.bool_] = (position >= low) & (position <= high)
+        near: Flags = (position >= low) & (position <= high)
         return near
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Integers, Words
 from fenics_contact.common.atomic_files import replaced_file
 from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.contacts.maps import Surface, draw_arrows, draw_status, draw_values
@@ -20,8 +21,6 @@ from fenics_contact.report.drawing.style import COLOURS, marks
 from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.load_history import Drive, History
-
-Array = NDArray[np.float64]
 
 # Load steps from which a run is worth an animation, and the frames that it has at most.
 FEWEST_STEPS, _MOST_FRAMES = 10, 60
@@ -110,7 +109,7 @@ def _drive(
     return replace(drive, x=drive.x[kept], y=drive.y[kept])
 
 
-def frame_numbers(steps: int, most: int = _MOST_FRAMES) -> NDArray[np.int64]:
+def frame_numbers(steps: int, most: int = _MOST_FRAMES) -> Integers:
     """Which of so many steps are shown: all, or as many evenly spread, with the last."""
     return np.unique(np.linspace(0, steps - 1, min(steps, most)).round().astype(np.int64))
 
@@ -228,7 +227,7 @@ class _Map:
             panel.set_xlim(points[:, 0].min(), points[:, 0].max())
             panel.set_ylim(points[:, 1].min(), points[:, 1].max())
 
-    def _zones(self, panel: Any, status: NDArray[np.str_]) -> None:
+    def _zones(self, panel: Any, status: Words) -> None:
         draw_status(panel, self._surface.points, status, self._film.contact["law"])
         entries = [panel.plot([], [], **mark.look)[0] for mark in marks(self._film.contact["law"])]
         above = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.99), "ncols": 3}

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.results.contact_answers import pressure_is_given
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

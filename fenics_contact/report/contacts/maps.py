@@ -7,16 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import QhullError
 
+from fenics_contact.common.arrays import Array, Flags, Integers, Words
 from fenics_contact.report.drawing.figures import in_words, new_figure, plain, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, DOUBLE, EDGE, marks, neighbourhood
 from fenics_contact.results.contact_answers import carries_shear, pressure_is_given
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
 
 _LONG = 3.0  # sides of triangles, over their median, that bridge what is no surface
 _MOST_ARROWS = 350
@@ -36,9 +34,9 @@ class Surface:
     """
 
     rows: ContactTable
-    axes: NDArray[np.int64]
+    axes: Integers
     points: Array
-    shown: NDArray[np.bool_]
+    shown: Flags
 
     @classmethod
     def of(cls, rows: ContactTable, contact: dict[str, Any]) -> Surface:
@@ -61,7 +59,7 @@ class Surface:
         panel.locator_params(nbins=5)
 
     @property
-    def arrows(self) -> NDArray[np.int64]:
+    def arrows(self) -> Integers:
         """Points at which vectors are drawn: all, or of many some, evenly spread."""
         count = len(self.points)
         if count <= _MOST_ARROWS:
@@ -141,7 +139,7 @@ def _status(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) 
         panel.quiver(*surface.points[slides].T, *slip[slides].T, color="black", width=0.006)
 
 
-def draw_status(panel: Any, points: Array, status: NDArray[np.str_], law: str) -> None:
+def draw_status(panel: Any, points: Array, status: Words, law: str) -> None:
     """Points in the colours of their status.
 
     Args:

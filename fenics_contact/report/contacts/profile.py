@@ -6,16 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.report.contacts.curves import formula_words
 from fenics_contact.report.drawing.figures import new_figure, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLUMN, DOUBLE, FORMULA, marks
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
 
 _REACH = 1.4  # what is shown, in radii of the formula's contact
 

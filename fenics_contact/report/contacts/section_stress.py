@@ -7,16 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.fields import Triangles, largest_shear
 from fenics_contact.report.drawing.figures import new_figure, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, WIDE, neighbourhood
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
 
 _LEVELS = 12
 _SINGULAR = 1.3  # a peak this many times the 99th percentile is a corner's, not the contact's

@@ -8,13 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 # Curved cells are drawn as 64, 16 or 4 triangles each: so many cells at most as 64, as 16.
 _FEW, _MANY = 300, 2_000
@@ -106,7 +103,7 @@ def largest_shear(stress: Array) -> Array:
 
 def nodes_at(
     body: Any, rows: ContactTable, contact: dict[str, Any]
-) -> tuple[ContactTable, Numbers]:
+) -> tuple[ContactTable, Integers]:
     """The points of a contact that are nodes of the body, and the numbers of these nodes.
 
     Args:
@@ -129,12 +126,12 @@ class Triangles:
 
     Attributes:
         points: Undeformed, (points, 3) (length).
-        corners: Numbers of each triangle's points, (triangles, 3).
+        corners: Integers of each triangle's points, (triangles, 3).
         fields: Values at the points, by name.
     """
 
     points: Array
-    corners: Numbers
+    corners: Integers
     fields: dict[str, Array]
 
     @classmethod
@@ -182,7 +179,7 @@ def outline(grid: Any, subdivision: int = 3) -> Any:
     )
 
 
-def flat_sides(grid: Any) -> tuple[Numbers, NDArray[np.bool_]]:
+def flat_sides(grid: Any) -> tuple[Integers, Flags]:
     """Nodes of every side of every cell of a flat grid once: ends, and one between where it has it.
 
     Returns:

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fenics_contact.common.arrays import Array, Flags
 
 # Widths in inches: of one column of a journal, of one and a half, and of two.
 COLUMN, WIDE, DOUBLE = 3.5, 5.5, 7.2
@@ -112,7 +111,7 @@ def marks(law: str) -> tuple[Mark, ...]:
     return (_CLOSED, _OPEN) if law == "none" else (_STICK, _SLIP, _OPEN)
 
 
-def neighbourhood(points: Array, closed: NDArray[np.bool_]) -> tuple[Array, Array]:
+def neighbourhood(points: Array, closed: Flags) -> tuple[Array, Array]:
     """A square or cube around the closed points, or around all where that is nothing.
 
     Args:

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.fields import flat_sides
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
 
 _ROUND = 0.02  # of how far a surface recedes: what it may be apart from a parabola
 

@@ -11,10 +11,10 @@ from math import cbrt, pi, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.analytic.contact import HertzContact
+from fenics_contact.common.arrays import Array
 from fenics_contact.report.formulas.apex_curvature import relative_curvature
 from fenics_contact.report.formulas.surface_cover import covers
 from fenics_contact.results.contact_answers import carries_shear
@@ -22,8 +22,6 @@ from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.load_history import History
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 _FLAT = 1e-6
 # Of an elastic mismatch |β| (Dundurs) below this friction does not change the pressure by more

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-Array = NDArray[np.float64]
+from fenics_contact.common.arrays import Array
 
 _ENDS = 1e-2  # of the zone's radius, that points may end before it
 _HOLE = 1.5  # times the distances between points: how far from all of them nothing may be

@@ -6,14 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.figures import new_figure, plain, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, DOUBLE, FORMULA, LINES, WIDE
 from fenics_contact.scene.quantity_names import in_words
-
-Array = NDArray[np.float64]
 
 _MARKS = "os^vDP"
 _FEWEST = 3

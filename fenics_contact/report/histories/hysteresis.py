@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fenics_contact.common.arrays import Array
 
 # The ends of a loop are this near to each other, over its extent, in displacement and in force.
 _CLOSED = 1e-2

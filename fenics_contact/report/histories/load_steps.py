@@ -7,16 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.figures import new_figure, plain, save, set_title
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, COLUMN, DOUBLE, LINES, WIDE
 from fenics_contact.report.histories.hysteresis import Loop, last_loop
 from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.load_history import Drive, History
-
-Array = NDArray[np.float64]
 
 _HEIGHT, _MARGIN = 1.6, 0.45
 _MOST_DRIVES = 6

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from importlib import resources
 from typing import Any
 
-from fenics_contact.common.citation import PAPER, PROGRAM, bibtex
+from fenics_contact.common.program import PAPER, PROGRAM, bibtex
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.page.html import (
     Html,

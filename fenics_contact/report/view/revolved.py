@@ -6,12 +6,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.report.view.surface import MOST_TRIANGLES, Surface, boundary, surface_of
-
-Array = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 # The quarter that is missing is the one that is looked into.
 REVOLVED = (0.5 * np.pi, 2.0 * np.pi)
@@ -72,11 +69,11 @@ def turned_vectors(flat: Array, angle: float) -> Array:
     return np.asarray(np.outer(flat[:, 0], out) + np.outer(flat[:, 1], [0.0, 0.0, 1.0]))
 
 
-def strip_triangles(edges: Numbers, nodes: int, strips: int) -> Numbers:
+def strip_triangles(edges: Integers, nodes: int, strips: int) -> Integers:
     """Triangles between copies of edges, those of a copy following each other, (triangles, 3).
 
     Args:
-        edges: Numbers of their ends, (edges, 2).
+        edges: Integers of their ends, (edges, 2).
         nodes: In each copy.
         strips: Of which there is one more copy.
     """
@@ -87,14 +84,14 @@ def strip_triangles(edges: Numbers, nodes: int, strips: int) -> Numbers:
     return np.concatenate([first.reshape(-1, 3), second.reshape(-1, 3)])
 
 
-def _part(section: Surface, nodes: Numbers) -> Surface:
+def _part(section: Surface, nodes: Integers) -> Surface:
     """Some of its points alone."""
     fields = {name: values[nodes] for name, values in section.fields.items()}
     none = np.zeros((0, 2), dtype=np.int64)
     return Surface(section.points[nodes], np.zeros((0, 3), dtype=np.int64), none, fields)
 
 
-def _corners(points: Array, edges: Numbers) -> Numbers:
+def _corners(points: Array, edges: Integers) -> Integers:
     """Numbers of the points at which a line of edges ends, or turns sharply."""
     along = points[edges[:, 1]] - points[edges[:, 0]]
     along /= np.linalg.norm(along, axis=1)[:, None]
@@ -103,7 +100,7 @@ def _corners(points: Array, edges: Numbers) -> Numbers:
     return np.flatnonzero(np.einsum("ij,ij->i", coming, going) < _SHARP)
 
 
-def _rings(nodes: Numbers, count: int, strips: int) -> Numbers:
+def _rings(nodes: Integers, count: int, strips: int) -> Integers:
     """Pieces of the circles of some nodes, whose copies follow each other."""
     here = nodes[None] + count * np.arange(strips)[:, None]
     return np.stack([here, here + count], axis=-1).reshape(-1, 2)

@@ -10,10 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Numbers = NDArray[np.int64]
+from fenics_contact.common.arrays import Array, Flags, Integers
 
 # More triangles make a page slow on a telephone, and large.
 MOST_TRIANGLES = 40_000
@@ -86,14 +84,14 @@ class Surface:
 
     Attributes:
         points: Undeformed, (points, 3) (length).
-        triangles: Numbers of each triangle's points, (triangles, 3).
-        lines: Numbers of the ends of pieces of cells' sides, (pieces, 2).
+        triangles: Integers of each triangle's points, (triangles, 3).
+        lines: Integers of the ends of pieces of cells' sides, (pieces, 2).
         fields: Values at the points, by name; those with three components are vectors.
     """
 
     points: Array
-    triangles: Numbers
-    lines: Numbers
+    triangles: Integers
+    lines: Integers
     fields: dict[str, Array]
 
     def only_used(self) -> Surface:
@@ -132,15 +130,15 @@ def surface_of(body: Any, fields: dict[str, Array], most: int = MOST_TRIANGLES) 
     return Surface(points, triangles, _sides(facets, cell.corners), fields).only_used()
 
 
-def _cells(body: Any) -> tuple[_Cell, Numbers]:
+def _cells(body: Any) -> tuple[_Cell, Integers]:
     """The kind of all cells, and their nodes, (cells, nodes)."""
     (kind,) = np.unique(body.celltypes).tolist()
     return _CELLS[kind], np.asarray(body.cell_connectivity, np.int64).reshape(body.n_cells, -1)
 
 
 def _joined(
-    points: Array, fields: dict[str, Array], cells: Numbers
-) -> tuple[Array, dict[str, Array], Numbers]:
+    points: Array, fields: dict[str, Array], cells: Integers
+) -> tuple[Array, dict[str, Array], Integers]:
     """Nodes that pieces of a body share, once.
 
     Two bodies that touch have nodes at the same places, but these move by other amounts, if only
@@ -153,7 +151,7 @@ def _joined(
     return points[kept], {name: values[kept] for name, values in fields.items()}, inverse[cells]
 
 
-def _facets(cell: _Cell, cells: Numbers, points: Array) -> tuple[Numbers, Array]:
+def _facets(cell: _Cell, cells: Integers, points: Array) -> tuple[Integers, Array]:
     """Facets of the surface, and of each a point on its inner side, (facets, 3)."""
     facets = np.concatenate([cells[:, list(facet)] for facet in cell.facets])
     centres = points[cells].mean(axis=1)
@@ -164,7 +162,7 @@ def _facets(cell: _Cell, cells: Numbers, points: Array) -> tuple[Numbers, Array]
     return facets[alone], inside[alone]
 
 
-def _once(rows: Numbers) -> NDArray[np.bool_]:
+def _once(rows: Integers) -> Flags:
     """Which rows have numbers that no other row has, in any order."""
     ordered = np.sort(rows, axis=1)
     keys = ordered[:, 0]
@@ -175,7 +173,7 @@ def _once(rows: Numbers) -> NDArray[np.bool_]:
     return np.asarray(count[inverse] == 1)
 
 
-def _outward(facets: Numbers, inside: Array, points: Array, corners: int) -> Numbers:
+def _outward(facets: Integers, inside: Array, points: Array, corners: int) -> Integers:
     """Facets whose nodes go round them counter-clockwise, seen from outside."""
     a, b, c = (points[facets[:, corner]] for corner in (0, 1, 2))
     outward = np.einsum("ij,ij->i", np.cross(b - a, c - a), a - inside) > 0
@@ -185,7 +183,7 @@ def _outward(facets: Numbers, inside: Array, points: Array, corners: int) -> Num
     return np.where(outward[:, None], facets, facets[:, turned[: facets.shape[1]]])
 
 
-def _sides(facets: Numbers, corners: int) -> Numbers:
+def _sides(facets: Integers, corners: int) -> Integers:
     """Sides of the facets in pieces, each once, (pieces, 2)."""
     ends = facets[:, :corners], np.roll(facets[:, :corners], -1, axis=1)
     if facets.shape[1] == corners:
@@ -196,7 +194,7 @@ def _sides(facets: Numbers, corners: int) -> Numbers:
     return np.unique(np.sort(np.concatenate(pieces).reshape(-1, 2), axis=1), axis=0)
 
 
-def boundary(triangles: Numbers) -> Numbers:
+def boundary(triangles: Integers) -> Integers:
     """Sides that only one triangle has, in its sense, (sides, 2)."""
     sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     return sides[_once(sides)]

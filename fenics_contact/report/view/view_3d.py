@@ -10,9 +10,9 @@ from importlib import resources
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.report.bodies.obstacles import ObstacleSurface, obstacles_of
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.report.page.html import Html
@@ -20,8 +20,6 @@ from fenics_contact.report.view.revolved import revolved
 from fenics_contact.report.view.surface import Surface, boundary, surface_of
 from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.contact_table import ContactTable
-
-Array = NDArray[np.float64]
 
 _MOVE = 0.06  # of what is shown: the largest displacement, where it is magnified
 _READABLE = 0.02  # from which it is seen as it is
@@ -226,7 +224,7 @@ def _floats(values: Array) -> str:
     return base64.b64encode(values.astype("<f4").tobytes()).decode()
 
 
-def _integers(values: NDArray[np.int64]) -> str:
+def _integers(values: Integers) -> str:
     return base64.b64encode(values.astype("<i4").tobytes()).decode()
 
 

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import FenicsContactError, StoppedError
 from fenics_contact.common.parallel import total
 from fenics_contact.evaluate.contact_areas import edges
@@ -48,8 +48,6 @@ from fenics_contact.simulation.scene_run import Run
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.trust.convergence.level_history import LevelHistory, said, without_bars
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
-
-Array = NDArray[np.float64]
 
 logger = logging.getLogger(__name__)
 

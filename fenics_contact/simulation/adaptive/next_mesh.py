@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import on_root
 from fenics_contact.mesh.loading import is_geometry, load_body
 from fenics_contact.mesh.refinement import refined
@@ -20,8 +20,6 @@ from fenics_contact.mesh.size_field import Cells, SizeField, finer_at, graded, n
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 _CORNERS = {"triangle": 3, "quadrilateral": 4, "tetrahedron": 4, "hexahedron": 8}
 # Cells that should become smaller than this are cut.
@@ -94,7 +92,7 @@ def next_mesh(scene: Scene, problem: Problem, wish: Wish, is_own: bool) -> Body:
         return every, _sizes(every, problem.spaces.degree, wish.number)
 
     if not _is_meshed_again(scene, is_own):
-        marked: list[NDArray[np.bool_]] = []  # stay on rank 0
+        marked: list[Flags] = []  # stay on rank 0
         on_root(comm, lambda: marked.append(_marked(*found(), wish.number)))
         return refined(body, marked[0] if marked else None)
     fields: list[SizeField] = []  # stay on rank 0
@@ -168,7 +166,7 @@ def _fields(found: _All, sizes: Array) -> list[SizeField]:
     return fields
 
 
-def _marked(found: _All, sizes: Array, number: float) -> NDArray[np.bool_]:
+def _marked(found: _All, sizes: Array, number: float) -> Flags:
     """Cells that are to be cut, in the order of ranks: those that should become the smallest.
 
     Cutting makes four cells of a triangle, and eight of a tetrahedron.

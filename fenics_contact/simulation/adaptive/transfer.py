@@ -8,14 +8,12 @@ search for cells; and what error it makes is of the order of that of the old mes
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
-
-Array = NDArray[np.float64]
 
 # Old nodes that a polynomial is fitted to, by dimension: half as many again as it has terms.
 _NEAREST = {2: 10, 3: 16}

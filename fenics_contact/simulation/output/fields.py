@@ -5,18 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import on_root
 from fenics_contact.contact.state import OPEN, STICK
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.simulation.output.vtu import read_collection, write_collection, write_grid
 from fenics_contact.solve.newton.solution import Solution
-
-Array = NDArray[np.float64]
 
 # Values of the field `status`.
 NO_CONTACT, FIELD_OPEN, FIELD_STICK, FIELD_SLIP = -1.0, 0.0, 1.0, 2.0

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.atomic_files import make_folder, naming, replace_file
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import failing_together
@@ -299,7 +299,7 @@ def _csv_rows(points: ContactPoints, names: list[str]) -> list[list[str]]:
     ]
 
 
-def _without_round_off(values: NDArray[np.float64], size: float = 0.0) -> NDArray[np.float64]:
+def _without_round_off(values: Array, size: float = 0.0) -> Array:
     """Rounded to 1e-12 of the largest, or 1e-13 of a size, so that runs compare line by line."""
     finite = np.abs(values[np.isfinite(values)])
     unit = 1e-13 * size if size > 0 else 1e-12 * finite.max(initial=0.0)

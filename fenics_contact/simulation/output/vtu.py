@@ -13,11 +13,10 @@ import numpy as np
 from dolfinx import plot
 from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.atomic_files import replace_file
 from fenics_contact.common.errors import MachineError
 from fenics_contact.common.parallel import on_root, raise_together
-
-Array = NDArray[np.float64]
 
 _ORDER = {"little": "LittleEndian", "big": "BigEndian"}[sys.byteorder]
 # Before 2.1 the nodes of hexahedra of degree 2 had another order.

@@ -10,13 +10,10 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
 from fenics_contact.body.spaces import summed_over_ranks
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import total
-
-Array = NDArray[np.float64]
-Keys = NDArray[np.int64]
 
 
 class NodalKeys:
@@ -38,7 +35,7 @@ class NodalKeys:
         self._of_node[nodes] = keys
         self._own_keys, self._own_nodes = keys[: cells.size_local], nodes[: cells.size_local]
 
-    def gathered(self, nodal: Array, wanted: NDArray[np.bool_] | None = None) -> tuple[Keys, Array]:
+    def gathered(self, nodal: Array, wanted: Flags | None = None) -> tuple[Integers, Array]:
         """Keys and values of all nodes, on rank 0 and empty elsewhere; collective.
 
         Args:
@@ -50,7 +47,7 @@ class NodalKeys:
             own = own[wanted[own]]
         return gather_keyed(self._comm, self._of_node[own], nodal[own])
 
-    def spread(self, keys: Keys, values: Array) -> Array | None:
+    def spread(self, keys: Integers, values: Array) -> Array | None:
         """Values at the nodes of this rank, 0 without; None if they are another mesh's; collective.
 
         Args:
@@ -66,7 +63,7 @@ class NodalKeys:
         return summed_over_ranks(self._index_map, nodal)
 
 
-def found_among(keys: Keys, wanted: Keys) -> tuple[Keys, NDArray[np.bool_]]:
+def found_among(keys: Integers, wanted: Integers) -> tuple[Integers, Flags]:
     """Places of keys among sorted ones, and which there are."""
     places = np.searchsorted(keys, wanted)
     known = np.zeros(len(wanted), dtype=bool)
@@ -75,7 +72,7 @@ def found_among(keys: Keys, wanted: Keys) -> tuple[Keys, NDArray[np.bool_]]:
     return places, known
 
 
-def gather_keyed(comm: MPI.Comm, keys: Keys, values: Array) -> tuple[Keys, Array]:
+def gather_keyed(comm: MPI.Comm, keys: Integers, values: Array) -> tuple[Integers, Array]:
     """Keys and values of all ranks, sorted, on rank 0 and empty elsewhere; collective."""
     parts = comm.gather((keys, values))
     if parts is None:

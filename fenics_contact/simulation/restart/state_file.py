@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.atomic_files import make_folder
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import on_root, total
@@ -29,8 +29,6 @@ from fenics_contact.simulation.restart.sealed_arrays import Arrays, read, write
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
-
-Array = NDArray[np.float64]
 
 NAME = "state.npz"
 # The version by which a checkout that was not installed used to call itself.
@@ -214,7 +212,7 @@ class StateFile:
         displacement = self._spread(self._nodes, arrays["nodes"], arrays[name])
         return Unknowns(time, displacement, arrays[f"{name}_scalars"], mean_stress)
 
-    def _spread(self, nodes: NodalKeys, keys: NDArray[np.int64], values: Array) -> Array:
+    def _spread(self, nodes: NodalKeys, keys: Integers, values: Array) -> Array:
         found = nodes.spread(keys, values)
         if found is None:
             raise self._refused("its nodes are those of another mesh")
@@ -265,7 +263,7 @@ class StateFile:
             else self._spread(self._nodes, arrays["nodes"], paired_at),
         )
 
-    def _centre_keys(self, contact: ContactSurface) -> NDArray[np.int64]:
+    def _centre_keys(self, contact: ContactSurface) -> Integers:
         """A number for every facet of this rank that has a point at its centre."""
         if contact.trace.nodal:
             return np.zeros(0, dtype=np.int64)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.solve.condensed.schur import CondensedBulk
-
-Array = NDArray[np.float64]
 
 # Round-off of a combination of loads, of its size.
 _SAME = 1e-13

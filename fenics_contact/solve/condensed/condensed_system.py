@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
@@ -24,8 +24,6 @@ from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_stiffness import AssembledForm, Entries, SurfaceMatrix
 from fenics_contact.solve.systems.system import System
-
-Array = NDArray[np.float64]
 
 
 class CondensedSystem(System):

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
-
-Array = NDArray[np.float64]
 
 
 class ContactDofs:
@@ -47,6 +45,6 @@ class ContactDofs:
         """Values at this rank's displacement dofs, at all contact dofs; collective."""
         return np.concatenate(self._comm.allgather(values[self._mine]))
 
-    def places(self, dofs: NDArray[np.int64]) -> NDArray[np.int64]:
+    def places(self, dofs: Integers) -> Integers:
         """Where dofs of surfaces, by the body's global numbers, are among these."""
         return np.searchsorted(self.numbers, dofs)

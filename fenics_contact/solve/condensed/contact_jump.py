@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+from fenics_contact.common.arrays import Integers
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
-
-Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,13 +33,13 @@ class EntryPattern:
     """Where the entries of K_c go in Lᵀ K_c B; one may go to several places.
 
     Attributes:
-        entries: Numbers of K_c's entries.
+        entries: Integers of K_c's entries.
         rows: Of the unknowns that each goes to.
         columns: Likewise.
         weights: Its factors there.
     """
 
-    def __init__(self, jump: ContactJump, places: list[tuple[Numbers, Numbers]]) -> None:
+    def __init__(self, jump: ContactJump, places: list[tuple[Integers, Integers]]) -> None:
         rows, columns = (np.concatenate(part) for part in zip(*places, strict=True))
         work, motion = jump.work[rows], jump.motion[columns]
         by_work, by_motion = np.diff(work.indptr), np.diff(motion.indptr)

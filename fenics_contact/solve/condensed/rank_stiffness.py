@@ -10,14 +10,12 @@ from typing import Any
 import numpy as np
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
-from numpy.typing import NDArray
 from scipy.sparse import bmat, csr_matrix
 
 from fenics_contact.body.spaces import summed_over_ranks
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.problem import Problem
-
-Array = NDArray[np.float64]
 
 
 class LocalStiffness:
@@ -136,7 +134,7 @@ def _local_matrix(form: Any) -> csr_matrix:
     return found if found.shape == shape else found[: shape[0], : shape[1]]
 
 
-def _set(function: Any, dofs: NDArray[np.int64], values: Array) -> None:
+def _set(function: Any, dofs: Integers, values: Array) -> None:
     """Values at this rank's dofs; those that only ghost cells touch come from their owners."""
     function.x.array[dofs] = values
     function.x.scatter_forward()

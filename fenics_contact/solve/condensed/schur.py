@@ -11,18 +11,16 @@ import ctypes
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse import csr_matrix
 
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import FenicsContactError
 from fenics_contact.common.parallel import raise_together
 from fenics_contact.common.petsc_options import PREFIX
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.systems import mumps
-
-Array = NDArray[np.float64]
 
 _WITHOUT_SCHUR_DOFS = 0  # MUMPS' ICNTL(26): solve with K_II alone
 _MINIMUM_DEGREE, _AUTOMATIC = 0, 7  # ICNTL(7): orderings
@@ -52,9 +50,7 @@ class CondensedBulk:
         NotConvergedError: Supports and contacts do not hold the body; likewise.
     """
 
-    def __init__(
-        self, stiffness: LocalStiffness, held: NDArray[np.bool_], contact: NDArray[np.int64]
-    ) -> None:
+    def __init__(self, stiffness: LocalStiffness, held: Flags, contact: Integers) -> None:
         self.comm = stiffness.comm
         at_contact = np.isin(stiffness.numbers, contact) & ~held
         self._kept = np.flatnonzero((stiffness.shared & ~held) | at_contact)
@@ -150,9 +146,7 @@ class LocalFactor:
         error: What went wrong on this rank, or None.
     """
 
-    def __init__(
-        self, matrix: Any, held: NDArray[np.bool_], kept: NDArray[np.int64], ordering: int
-    ) -> None:
+    def __init__(self, matrix: Any, held: Flags, kept: Integers, ordering: int) -> None:
         self.matrix = _without(matrix, held)
         self._kept = kept
         self._preconditioner: Any = None
@@ -240,7 +234,7 @@ def _symmetric(schur: Array) -> Array:
     return np.asarray(np.tril(schur) + np.tril(schur, -1).T)
 
 
-def _without(matrix: Any, held: NDArray[np.bool_]) -> Any:
+def _without(matrix: Any, held: Flags) -> Any:
     """A sparse matrix with identity rows and columns where displacements are held."""
     found = csr_matrix((matrix.data.copy(), matrix.indices, matrix.indptr), shape=matrix.shape)
     found.data[held[found.indices]] = 0.0

@@ -9,12 +9,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, lapack
 from scipy.sparse import csr_matrix
 
-Array = NDArray[np.float64]
-Numbers = NDArray[np.int64]
+from fenics_contact.common.arrays import Array, Integers
 
 # A pivot of this share of the largest diagonal entry belongs to a rigid motion. Where it does
 # not, the spring that it gets is taken out again just as exactly.
@@ -70,7 +68,7 @@ class ContactTangent:
             return None
         return self._inverse[: self._count, : self._count]
 
-    def set(self, rows: Numbers, columns: Numbers, values: Array) -> None:
+    def set(self, rows: Integers, columns: Integers, values: Array) -> None:
         """Set W by its entries; those at the same place add up."""
         added = np.flatnonzero(self._added)
         self._entries = (rows, columns, values)

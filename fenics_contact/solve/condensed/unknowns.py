@@ -11,15 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, identity
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.contact.mortar.pairing import Pairing
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
-
-Array = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,13 +24,13 @@ class _Block:
     """A part of T − 1: free displacements of masters that a slave's are measured from.
 
     Attributes:
-        slaves: Numbers among the free contact dofs.
+        slaves: Integers among the free contact dofs.
         masters: Likewise.
         projection: P, (slaves, masters).
     """
 
-    slaves: Numbers
-    masters: Numbers
+    slaves: Integers
+    masters: Integers
     projection: Array
 
 
@@ -70,7 +67,7 @@ class ContactVariables:
             self._as_jumps.append(surface)
             self._blocks += self._blocks_of(pairing, slave, master)
 
-    def _blocks_of(self, pairing: Pairing, slave: Numbers, master: Numbers) -> list[_Block]:
+    def _blocks_of(self, pairing: Pairing, slave: Integers, master: Integers) -> list[_Block]:
         size, free = len(pairing.blocks), self._dofs.is_free
         found = []
         for axis, block in enumerate(pairing.blocks):
@@ -146,7 +143,7 @@ class ContactVariables:
         if pairing is None:
             return own
         master, size = self._dofs.places(pairing.dofs), len(pairing.blocks)
-        entries: list[tuple[Array, Numbers, Numbers]] = []
+        entries: list[tuple[Array, Integers, Integers]] = []
         for axis, block in enumerate(pairing.blocks):
             rows, columns = np.nonzero(block)
             there = master[columns * size + axis]

@@ -17,8 +17,8 @@ from __future__ import annotations
 import logging
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.noise import all_round_off
@@ -30,8 +30,6 @@ from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.status_cycling import Chatter
 
 logger = logging.getLogger(__name__)
-
-Array = NDArray[np.float64]
 
 
 class StalledError(Exception):

@@ -9,11 +9,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
-
-Array = NDArray[np.float64]
 
 _MEMORY = 5
 # Steps whose residuals depend on each other to this are not used together.
@@ -31,7 +29,7 @@ class Anderson:
         counted: Which entries of each array this rank counts.
     """
 
-    def __init__(self, comm: Any, counted: list[NDArray[np.bool_]]) -> None:
+    def __init__(self, comm: Any, counted: list[Flags]) -> None:
         self._comm = comm
         self._counted = np.concatenate(counted)
         self._pairs: list[tuple[Array, Array]] = []

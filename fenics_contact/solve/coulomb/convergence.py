@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest
 from fenics_contact.solve.newton.status_cycling import Chatter
-
-Array = NDArray[np.float64]
 
 # The loop is left where it has not come nearer in this many passes.
 _PATIENCE = 8

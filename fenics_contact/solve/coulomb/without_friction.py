@@ -5,8 +5,8 @@ from __future__ import annotations
 import logging
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Flags
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
@@ -60,7 +60,7 @@ def _solve(newton: Newton, tolerance: float | None, is_glued: bool) -> None:
     newton.run(tolerance=tolerance)
 
 
-def _to_glue(contact: ContactSurface) -> NDArray[np.bool_]:
+def _to_glue(contact: ContactSurface) -> Flags:
     """Points that touch as a solve begins; all, where a support is yet to press any on."""
     pressure = contact.pressure()
     return np.asarray((pressure > 0) | (largest(contact.spaces.comm, pressure) <= 0))

@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact.common.arrays import Integers
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.bordered_tangent import AddedTangents, add_entries
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 
-Array = NDArray[np.float64]
-Pairs = tuple[NDArray[np.int64], NDArray[np.int64]]
+Pairs = tuple[Integers, Integers]
 
 
 class ContactMatrix(AddedTangents):

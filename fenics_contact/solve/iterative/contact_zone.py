@@ -6,17 +6,14 @@ from typing import Any
 
 import numpy as np
 from dolfinx import la
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import MachineError
 from fenics_contact.common.petsc_options import ZONE_PREFIX
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.iterative.contact_matrix import ContactMatrix
 from fenics_contact.solve.systems import mumps
-
-Array = NDArray[np.float64]
-Nodes = NDArray[np.bool_]
 
 
 class ContactZone:
@@ -42,7 +39,7 @@ class ContactZone:
         problem: Problem,
         stiffness: Any,
         contacts: ContactMatrix,
-        nodes: Nodes,
+        nodes: Flags,
         springs: Array,
     ) -> None:
         self._contacts = contacts
@@ -74,7 +71,7 @@ class ContactZone:
         for thing in (rows, every, inner, diagonal):
             thing.destroy()
 
-    def _indices(self, matrix: Any, local: NDArray[np.int64]) -> Any:
+    def _indices(self, matrix: Any, local: Integers) -> Any:
         rows = (matrix.getOwnershipRange()[0] + local).astype(PETSc.IntType)
         return PETSc.IS().createGeneral(rows, comm=matrix.comm)
 
@@ -143,7 +140,7 @@ class ContactZone:
             thing.destroy()
 
 
-def touching(problem: Problem) -> Nodes:
+def touching(problem: Problem) -> Flags:
     """Nodes at which forces of contacts depend on displacements at present; collective."""
     found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
     for contact in (contact for contact in problem.contacts if contact.terms):
@@ -153,7 +150,7 @@ def touching(problem: Problem) -> Nodes:
     return found
 
 
-def on_contacts(problem: Problem) -> Nodes:
+def on_contacts(problem: Problem) -> Flags:
     """All nodes of contacts that exert forces; collective."""
     found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
     for contact in (contact for contact in problem.contacts if contact.terms):
@@ -162,7 +159,7 @@ def on_contacts(problem: Problem) -> Nodes:
     return found
 
 
-def beside(problem: Problem, nodes: Nodes) -> Nodes:
+def beside(problem: Problem, nodes: Flags) -> Flags:
     """Nodes of all cells that have one of the nodes; collective."""
     dofmap = problem.spaces.displacement_space.dofmap
     marks = la.vector(dofmap.index_map, 1)
@@ -172,7 +169,7 @@ def beside(problem: Problem, nodes: Nodes) -> Nodes:
     return np.asarray(marks.array > 0)
 
 
-def free_dofs(problem: Problem, nodes: Nodes) -> NDArray[np.int64]:
+def free_dofs(problem: Problem, nodes: Flags) -> Integers:
     """Owned dofs of nodes that nothing constrains."""
     spaces = problem.spaces
     owned = np.flatnonzero(nodes[: spaces.owned_nodes])

@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
@@ -30,8 +30,6 @@ from fenics_contact.solve.iterative.multigrid import Multigrid
 from fenics_contact.solve.iterative.nonlinear_elimination import EliminatingNewton
 from fenics_contact.solve.systems.bulk_matrix import assembled
 from fenics_contact.solve.systems.displacement_system import BodySystem
-
-Array = NDArray[np.float64]
 
 # K's entries are looked at in so many parts, as Python would copy all of them.
 _PARTS = 128

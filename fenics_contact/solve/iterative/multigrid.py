@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.petsc_options import BULK_PREFIX
-
-Array = NDArray[np.float64]
 
 _OPTIONS = {
     "pc_type": "gamg",

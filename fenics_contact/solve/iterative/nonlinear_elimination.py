@@ -12,16 +12,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.solve.line_search import search_by_secants
 
 if TYPE_CHECKING:
     from fenics_contact.solve.iterative.iterative_system import IterativeSystem
 
-Array = NDArray[np.float64]
 
 # Forces that the first linear solve leaves, over those it starts with; later ones leave
 # this times the last reduction to this power.

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.contact.snapshot import ContactMemory
 from fenics_contact.contact.state import STICK
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.newton.solution import Solution
-
-Array = NDArray[np.float64]
 
 # Steps are extrapolated to at most so many times their length.
 _FARTHEST = 2.0

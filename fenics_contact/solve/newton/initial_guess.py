@@ -7,12 +7,10 @@ the body rigid and the obstacles on soft springs: a convex problem in a handful 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions, null_space
-
-Array = NDArray[np.float64]
 
 # The springs are first as soft as the body over the whole surface, then over the patch found.
 _ROUNDS = 3

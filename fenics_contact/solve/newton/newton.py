@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import MachineError, NotConvergedError, StoppedError
 from fenics_contact.common.failures import original
 from fenics_contact.common.parallel import largest
@@ -208,11 +208,11 @@ class Newton:
         self._is_stopped = bool(self.comm.allreduce(int(self.stopped())))
         return self._is_stopped
 
-    def save(self) -> NDArray[np.float64]:
+    def save(self) -> Array:
         """The state of this rank, to go back to."""
         return np.array(self.system.state.array_r)
 
-    def restore(self, saved: NDArray[np.float64]) -> None:
+    def restore(self, saved: Array) -> None:
         """Go back to a saved state; collective."""
         with self.system.state as array:
             array[:] = saved
@@ -277,7 +277,7 @@ class Newton:
         self.system.begin(displacement)
         self._stick_all()
 
-    def place(self, displacement: NDArray[np.float64], scalars: NDArray[np.float64]) -> None:
+    def place(self, displacement: Array, scalars: Array) -> None:
         """Take a state, at the present loads; collective.
 
         Args:
@@ -303,7 +303,7 @@ class Newton:
         self.system.follow_supports()
         self._stick_all()
 
-    def pair_anew(self, displacement: NDArray[np.float64]) -> None:
+    def pair_anew(self, displacement: Array) -> None:
         """Follow bodies that slid along each other in the last load step; collective.
 
         Args:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from fenics_contact.common.arrays import Array
 from fenics_contact.contact.state import ContactState
 
 
@@ -35,11 +33,11 @@ class Solution:
         bulk_round_off: As of the system that found it (force).
     """
 
-    displacement: NDArray[np.float64]
-    internal_force: NDArray[np.float64]
-    normal_force: list[NDArray[np.float64]]
-    friction_force: list[NDArray[np.float64]]
-    friction_bound: list[NDArray[np.float64]]
+    displacement: Array
+    internal_force: Array
+    normal_force: list[Array]
+    friction_force: list[Array]
+    friction_bound: list[Array]
     states: list[ContactState]
     residual_history: tuple[float, ...]
     newton_iterations: int
@@ -52,6 +50,6 @@ class Solution:
     bulk_round_off: float = 0.0
 
     @property
-    def contact_force(self) -> list[NDArray[np.float64]]:
+    def contact_force(self) -> list[Array]:
         """Both forces of each contact together (force)."""
         return [a + b for a, b in zip(self.normal_force, self.friction_force, strict=True)]

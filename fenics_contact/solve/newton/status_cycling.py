@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.contact_surface import ContactSurface
-
-Array = NDArray[np.float64]
 
 # Iterates looked back on, and changes among them from which a point is said to chatter: a
 # solve that settles passes each point from open to slip to stick at the most.
@@ -28,7 +27,7 @@ class _Iterate:
     direction: Array
     pressure: Array
 
-    def differs(self, other: _Iterate) -> NDArray[np.bool_]:
+    def differs(self, other: _Iterate) -> Flags:
         """Points of another status, or slipping the other way."""
         turned = np.einsum("ij,ij->i", self.direction, other.direction) < 0
         return np.asarray((self.status != other.status) | turned)
@@ -104,7 +103,7 @@ class Chatter:
             f"{100 * self._share(contact, every, restless):.0f} % of its pressure"
         )
 
-    def _between(self, every: list[_Iterate], restless: NDArray[np.bool_]) -> str:
+    def _between(self, every: list[_Iterate], restless: Flags) -> str:
         here = np.zeros(3)
         for iterate in every:
             here += np.bincount(iterate.status[restless], minlength=3)
@@ -112,9 +111,7 @@ class Chatter:
         names = [("open", "stick", "slip")[status] for status in seen]
         return " and ".join(names) if len(names) > 1 else "slip to and fro"
 
-    def _share(
-        self, contact: ContactSurface, every: list[_Iterate], restless: NDArray[np.bool_]
-    ) -> float:
+    def _share(self, contact: ContactSurface, every: list[_Iterate], restless: Flags) -> float:
         """The most that they carry in one of the iterates."""
         shares = []
         for iterate in every:
@@ -123,9 +120,7 @@ class Chatter:
             shares.append(mine / whole if whole > 0 else 0.0)
         return float(max(shares))
 
-    def _place(
-        self, contact: ContactSurface, changes: NDArray[np.int64], restless: NDArray[np.bool_]
-    ) -> str:
+    def _place(self, contact: ContactSurface, changes: Integers, restless: Flags) -> str:
         places = contact.trace.coordinates[restless]
         rows = gather_rows(self._comm, np.column_stack([-changes[restless], places]))
         first = rows[np.lexsort(np.round(rows.T[::-1], 9))][0]

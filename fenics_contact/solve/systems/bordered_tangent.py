@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.problem.problem import Problem, ScalarUnknown
 from fenics_contact.solve.systems.contact_stiffness import Entries, SurfaceMatrix
-
-Array = NDArray[np.float64]
 
 
 class AddedTangents:
@@ -50,13 +49,13 @@ class AddedTangents:
         starts = displacement.getOwnershipRangesColumn()
         shifts = layout.getOwnershipRangesColumn()[:-1] - starts[:-1]
 
-        def column_of(columns: NDArray[np.int32]) -> NDArray[np.int64]:
+        def column_of(columns: NDArray[np.int32]) -> Integers:
             owners = np.searchsorted(starts, columns, side="right") - 1
             return np.asarray(columns + shifts[owners])
 
         self._column_of = column_of
 
-    def _border_dofs(self, number: int) -> NDArray[np.int64]:
+    def _border_dofs(self, number: int) -> Integers:
         """Owned displacement dofs that a scalar unknown may be coupled with."""
         unknown = self._unknowns[number]
         first = self._first
@@ -172,11 +171,11 @@ class AddedTangents:
             tangent.setValues(rows, scalar, -unknown.column[mine])
         tangent.assemble()
 
-    def _matrix_rows(self, dofs: NDArray[np.int64]) -> NDArray[np.int64]:
+    def _matrix_rows(self, dofs: Integers) -> Integers:
         """Rows of displacements by their global numbers."""
         return dofs if self._column_of is None else self._column_of(dofs)
 
-    def _rows(self, tangent: Any, dofs: NDArray[np.int64]) -> Any:
+    def _rows(self, tangent: Any, dofs: Integers) -> Any:
         return (tangent.getOwnershipRange()[0] + dofs).astype(PETSc.IntType)
 
     def _scalar_row(self, tangent: Any, number: int) -> int:

@@ -6,13 +6,11 @@ from typing import Any
 
 import numpy as np
 from dolfinx.fem import petsc as fem_petsc
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.problem.problem import Problem, ScalarUnknown
 from fenics_contact.solve.systems.bordered_tangent import AddedTangents, add_entries
-
-Array = NDArray[np.float64]
 
 
 class LinearSystem(AddedTangents):
@@ -102,9 +100,7 @@ class LinearSystem(AddedTangents):
         extended = [[*line, column] for line, column in zip(blocks, columns_of_lines, strict=True)]
         return [*extended, [row, *middle, corner]]
 
-    def _empty_columns(
-        self, line: Any, sizes: tuple[int, int], local: list[NDArray[np.int64]]
-    ) -> Any:
+    def _empty_columns(self, line: Any, sizes: tuple[int, int], local: list[Integers]) -> Any:
         """A matrix of the scalars' columns beside a block, with room in some of its rows."""
         columns = PETSc.Mat().createAIJ((line.getSizes()[0], sizes), comm=self._problem.comm)
         columns.setPreallocationNNZ((self.scalars, self.scalars))

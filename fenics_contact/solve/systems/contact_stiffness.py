@@ -6,14 +6,13 @@ from typing import Any
 
 import numpy as np
 from dolfinx import fem
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.mortar.pairing import Pairing
 from fenics_contact.contact.surface.space import SurfaceSpace
 
-Array = NDArray[np.float64]
-Entries = tuple[NDArray[np.int64], NDArray[np.int64], Array]
+Entries = tuple[Integers, Integers, Array]
 
 
 class SurfaceMatrix:
@@ -37,9 +36,7 @@ class SurfaceMatrix:
         rows, columns, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
         return rows, columns, values
 
-    def on_body(
-        self, rows: NDArray[np.int64], columns: NDArray[np.int64], values: Array
-    ) -> Entries:
+    def on_body(self, rows: Integers, columns: Integers, values: Array) -> Entries:
         """Entries between dofs of the surface as those between dofs of the body.
 
         Against a second body w = u − P u', so K_c gives Jᵀ K_c J with J = (1, −P).
@@ -49,7 +46,7 @@ class SurfaceMatrix:
             return self.dofs[rows], self.dofs[columns], values
         return coupled_entries(pairing, self.dofs, rows, columns, values)
 
-    def pattern(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def pattern(self) -> tuple[Integers, Integers]:
         """Pairs of the body's dofs between which a tangent can have entries.
 
         Of this rank's facets; against a second body all pairs of whole surfaces.
@@ -71,7 +68,7 @@ class SurfaceMatrix:
         return [self._assembled[form] for form in forms]
 
 
-def every_pair(dofs: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def every_pair(dofs: Integers) -> tuple[Integers, Integers]:
     """All pairs of dofs in each row of an array (groups, dofs)."""
     first = np.broadcast_to(dofs[:, :, None], (*dofs.shape, dofs.shape[1]))
     return first.ravel(), np.swapaxes(first, 1, 2).ravel()
@@ -79,9 +76,9 @@ def every_pair(dofs: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.i
 
 def coupled_entries(
     pairing: Pairing,
-    dofs: NDArray[np.int64],
-    rows: NDArray[np.int64],
-    columns: NDArray[np.int64],
+    dofs: Integers,
+    rows: Integers,
+    columns: Integers,
     values: Array,
 ) -> Entries:
     """Jᵀ K_c J of entries of K_c, J = (1, −P); only where K_c has entries."""
@@ -110,9 +107,7 @@ def coupled_entries(
     return rows, columns, values
 
 
-def _grid(
-    rows: NDArray[np.int64], columns: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _grid(rows: Integers, columns: Integers) -> tuple[Integers, Integers]:
     """All pairs of a row and a column, row by row."""
     return np.repeat(rows, len(columns)), np.tile(columns, len(rows))
 

@@ -7,13 +7,11 @@ from typing import Any
 
 import numpy as np
 from dolfinx import fem
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.system import System
-
-Array = NDArray[np.float64]
 
 
 class BodySystem(System):

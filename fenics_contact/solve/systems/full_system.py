@@ -9,16 +9,14 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.bulk_matrix import LinearSystem
 from fenics_contact.solve.systems.displacement_system import BodySystem
-
-Array = NDArray[np.float64]
 
 
 class FullSystem(BodySystem):

@@ -12,12 +12,10 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.problem import Problem, ScalarUnknown
-
-Array = NDArray[np.float64]
 
 
 class System(ABC):

@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import gather_rows, largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.results.result import Check
 
-Array = NDArray[np.float64]
 Place = tuple[float, ...]
 
 # Round-off of traces, beside the imbalance that the solver accepted.

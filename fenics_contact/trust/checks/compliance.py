@@ -7,8 +7,8 @@ compliance of 1 % more changes contact forces by 1 % at most.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Flags
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.contact.state import STICK
@@ -17,8 +17,6 @@ from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import nearer_to_failing, size_of, worst_of
 from fenics_contact.trust.checks.friction import ComparedFriction
 from fenics_contact.trust.checks.normal import ComparedPressures
-
-Array = NDArray[np.float64]
 
 # Of what the bodies give way.
 _LARGEST_SHARE = 1e-2
@@ -138,5 +136,5 @@ def _creep_share(compared: ComparedFriction, steps: int) -> Check | None:
     return Check(value, _LARGEST_SHARE, contact.label, kind="share")
 
 
-def _sticks(compared: ComparedFriction) -> NDArray[np.bool_]:
+def _sticks(compared: ComparedFriction) -> Flags:
     return np.asarray(compared.status == STICK)

@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Words
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import TRACE, Place, nearer_to_failing, worst_of
-
-Array = NDArray[np.float64]
 
 
 def recovered_friction(forces: BulkForces, number: int) -> Array:
@@ -61,7 +59,7 @@ class ComparedFriction:
     bound: Array
     slip: Array
     displacement: Array
-    status: NDArray[np.str_]
+    status: Words
     places: Array
     area: Array
     strongest: float

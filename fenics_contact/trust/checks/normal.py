@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import gather_rows, largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.noise import carries_more_than
@@ -15,8 +15,6 @@ from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import TRACE, nearer_to_failing, worst_of
-
-Array = NDArray[np.float64]
 
 # A penalty that holds this share of the elastic energy changes contact forces by about as much.
 _LARGEST_PENETRATION = 2e-3

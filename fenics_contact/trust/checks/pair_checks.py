@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import nearer_to_failing
-
-Array = NDArray[np.float64]
 
 _ROUND_OFF = 1e-6
 # Of what the surfaces are apart, and their facets from smooth ones, over the contact's extent.

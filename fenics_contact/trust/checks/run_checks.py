@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx import fem
-from numpy.typing import NDArray
 
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
@@ -39,8 +39,6 @@ from fenics_contact.trust.checks.normal import (
 from fenics_contact.trust.checks.outer_loop_check import outer_loop
 from fenics_contact.trust.checks.pair_checks import action_and_reaction
 from fenics_contact.trust.checks.resultants import resultant
-
-Array = NDArray[np.float64]
 
 # Boundary stress against reactions: first order in the size h of the cells behind the facets,
 # whose stress it is (corners and the stick-slip edge cap the order). Over 320 random scenes, from

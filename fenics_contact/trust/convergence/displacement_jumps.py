@@ -15,14 +15,12 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import AnyIntegers, Array, Flags, Integers
 from fenics_contact.common.parallel import gather_rows, largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
 from fenics_contact.trust.convergence.support_steps import support_steps
-
-Array = NDArray[np.float64]
 
 # Jumps over the largest displacement that are none: their energy is 1e-12 of a whole one's.
 _NONE = 1e-6
@@ -87,9 +85,7 @@ def _scale(problem: Problem, displacement: Array) -> float:
     return largest(problem.comm, np.concatenate(sizes))
 
 
-def _held(
-    problem: Problem, displacement: Array, time: float
-) -> list[tuple[NDArray[np.int64], Array]]:
+def _held(problem: Problem, displacement: Array, time: float) -> list[tuple[Integers, Array]]:
     """Dofs and their values of each support; none of those that hold what nothing resists."""
     given = {id(support) for support in problem.supports.applied}
     idle = {id(support) for support in problem.stabilisation}
@@ -106,7 +102,7 @@ def _held(
 def _at_nodes(
     problem: Problem,
     stiff: dict[int, ContactSurface],
-    held: list[tuple[NDArray[np.int64], Array]],
+    held: list[tuple[Integers, Array]],
     least: float,
 ) -> list[Jump]:
     """Where supports and obstacles ask a node for what it cannot do; collective."""
@@ -133,9 +129,9 @@ def _at_nodes(
 def _rows_of_support(
     problem: Problem,
     number: int,
-    dofs: NDArray[np.int64],
+    dofs: Integers,
     values: Array,
-    chosen: NDArray[np.bool_],
+    chosen: Flags,
 ) -> Array:
     components = problem.spaces.components
     nodes = dofs // components
@@ -146,7 +142,7 @@ def _rows_of_support(
     return rows
 
 
-def _rows_of_obstacle(problem: Problem, number: int, chosen: NDArray[np.bool_]) -> Array:
+def _rows_of_obstacle(problem: Problem, number: int, chosen: Flags) -> Array:
     """n·u ≤ s + n·(motion of the obstacle), or u = motion where it is glued on."""
     contact = problem.contacts[number]
     kinematics, nodes = contact.kinematics, contact.nodes
@@ -167,7 +163,7 @@ def _rows_of_obstacle(problem: Problem, number: int, chosen: NDArray[np.bool_]) 
     return rows
 
 
-def _rows(problem: Problem, nodes: NDArray[np.integer], whose: tuple[float, int, bool]) -> Array:
+def _rows(problem: Problem, nodes: AnyIntegers, whose: tuple[float, int, bool]) -> Array:
     index_map = problem.spaces.displacement_space.dofmap.index_map
     rows = np.zeros((len(nodes), _WIDTH))
     rows[:, _NODE] = index_map.local_to_global(nodes.astype(np.int32))
@@ -200,7 +196,7 @@ def _place(row: Array) -> tuple[float, ...]:
     return tuple(float(x) for x in row[:3])
 
 
-def _unmet(matrix: Array, right: Array, equations: NDArray[np.bool_]) -> Array:
+def _unmet(matrix: Array, right: Array, equations: Flags) -> Array:
     """Residuals of A u = b where equations, (A u − b)₊ elsewhere, least squares over u.
 
     Of the few inequalities at a node all sets are tried that may be met as equations.
@@ -220,7 +216,7 @@ def _unmet(matrix: Array, right: Array, equations: NDArray[np.bool_]) -> Array:
 def _between_bodies(
     problem: Problem,
     number: int,
-    held: list[tuple[NDArray[np.int64], Array]],
+    held: list[tuple[Integers, Array]],
     least: float,
 ) -> list[Jump]:
     """Where supports of both bodies push them into each other at one place; collective.
@@ -281,8 +277,8 @@ def _pressed_together(
 
 def _held_rows(
     problem: Problem,
-    nodes: NDArray[np.integer],
-    held: list[tuple[NDArray[np.int64], Array]],
+    nodes: AnyIntegers,
+    held: list[tuple[Integers, Array]],
 ) -> Array:
     """Conditions of supports on this rank's own nodes of a surface, with their local numbers."""
     chosen = np.zeros(len(problem.load), dtype=bool)

@@ -13,12 +13,10 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.results.result import Result
 from fenics_contact.scene.quantity_names import Reaction
-
-Array = NDArray[np.float64]
 
 # What a move is over the one before, at the least, of what does not converge. Half is the order of
 # a force beside a displacement r^½, the strongest singularity of a body that is not torn, on cells

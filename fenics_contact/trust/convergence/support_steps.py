@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.body.supports import AppliedSupport
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import gather_rows, largest
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import AXES
 
-Array = NDArray[np.float64]
 Step = tuple[int, tuple[float, ...], float]
 
 # Of the largest value: what is less is no step.

@@ -11,15 +11,13 @@ from __future__ import annotations
 from collections.abc import Hashable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.solving_again import Measure, differences, last_step_again
-
-Array = NDArray[np.float64]
 
 
 def domain_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float] | None:

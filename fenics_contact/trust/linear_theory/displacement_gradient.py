@@ -11,13 +11,11 @@ from typing import Any
 
 import numpy as np
 from dolfinx import fem
-from numpy.typing import NDArray
 
 from fenics_contact.body.elasticity import Law
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
-
-Array = NDArray[np.float64]
+from fenics_contact.common.arrays import Array, Flags
 
 # Strains below this are far from any limit: their norm, which is no less, stands for them.
 _SMALL = 0.01
@@ -39,7 +37,7 @@ class Deformation:
 
     strain: Array
     rotation: Array
-    turned: NDArray[np.bool_]
+    turned: Flags
     displacement: Array
 
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
 from fenics_contact.trust.linear_theory.displacement_gradient import CellPoints
-
-Array = NDArray[np.float64]
 
 # Points that slid by less, over the size, are where the gap was measured.
 _SLID = 0.01

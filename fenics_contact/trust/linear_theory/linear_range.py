@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.common.parallel import largest
 from fenics_contact.problem.problem import Problem
@@ -20,8 +19,6 @@ from fenics_contact.trust.checks.comparison import nearer_to_failing
 from fenics_contact.trust.linear_theory.displacement_gradient import CellPoints
 from fenics_contact.trust.linear_theory.indentation_sizes import IndentationSize
 from fenics_contact.trust.linear_theory.zones import TURNED, Zone, Zones, exceeded, share
-
-Array = NDArray[np.float64]
 
 # What is compared by the check: of each, name and limit. Depths that linear kinematics leaves in
 # an obstacle are of second order: .005 of a sphere's radius for a contact of .35 of it.

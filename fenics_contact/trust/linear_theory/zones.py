@@ -14,18 +14,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, ContactState
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.problem import Problem
 from fenics_contact.trust.linear_theory.displacement_gradient import CellPoints
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 # Share of a zone's volume that is left out of strains and rotations. A surface of length L in the
 # plane has a zone of 2.6 L², so that what is within .09 L of both its ends is left out: under a
@@ -50,7 +47,7 @@ class Zone:
 
     name: str
     is_near: bool
-    points: NDArray[np.int64]
+    points: Integers
     volumes: Array
     volume: float
 
@@ -126,9 +123,7 @@ class Zones:
         distances, _ = cKDTree(every).query(positions[candidates], distance_upper_bound=reach)
         return self._zone(name, candidates[np.isfinite(distances)], is_near=True)
 
-    def _zone(
-        self, name: str, chosen: Mask | NDArray[np.int64], is_near: bool = False
-    ) -> Zone | None:
+    def _zone(self, name: str, chosen: Flags | Integers, is_near: bool = False) -> Zone | None:
         """Of points; None if no rank has any; collective."""
         numbers = np.arange(len(self._points.volumes))[chosen]
         volumes = self._points.volumes[numbers]
@@ -185,6 +180,6 @@ def _largest_first(rows: Array, volume: float) -> Array:
     return rows[: enough + 1]
 
 
-def share(comm: Any, zone: Zone, flags: Mask) -> float:
+def share(comm: Any, zone: Zone, flags: Flags) -> float:
     """Of a zone's volume, what is at points with a flag; collective."""
     return float(total(comm, zone.volumes[flags[zone.points]].sum())) / zone.volume

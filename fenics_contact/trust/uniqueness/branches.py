@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
@@ -19,7 +19,6 @@ from fenics_contact.solve.newton.solution import Solution
 
 logger = logging.getLogger(__name__)
 
-Array = NDArray[np.float64]
 
 # Two answers are the same if displacements differ by no more than this, over the largest.
 _SAME = 1e-6

@@ -15,16 +15,14 @@ from collections.abc import Callable
 from contextlib import suppress
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky, solve_triangular
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import gather_rows, largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-
-Array = NDArray[np.float64]
 
 # Points at the most; of more, those that touch.
 _MOST = 1500
@@ -87,7 +85,7 @@ def _points(contact: ContactSurface) -> Array:
     return found[np.argsort(found[:, 0])]
 
 
-def _along(places: NDArray[np.int64], directions: Array, nodes: int) -> csr_matrix:
+def _along(places: Integers, directions: Array, nodes: int) -> csr_matrix:
     """Takes the parts along directions (points, components) out of values at all nodes."""
     count, size = directions.shape
     rows = np.repeat(np.arange(count), size)

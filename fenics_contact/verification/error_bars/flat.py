@@ -9,9 +9,9 @@ from math import pi
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.analytic import contact as formulas
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.scene.contact import Contact, Obstacle
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Discretisation, Point, Scene, Support
@@ -22,7 +22,7 @@ from fenics_contact.verification.error_bars.case import (
     Parameters,
     of_element,
 )
-from fenics_contact.verification.hard.bodies import Points, box
+from fenics_contact.verification.hard.bodies import box
 from fenics_contact.verification.published.friction import with_friction
 from fenics_contact.verification.published.point import MODULUS
 from fenics_contact.verification.published.punch import annulus_scene
@@ -109,7 +109,7 @@ def _punch_scene(coefficient: float, degree: int) -> Scene:
     )
 
 
-def _under_the_punch(points: Points) -> NDArray[np.bool_]:
+def _under_the_punch(points: Array) -> Flags:
     return np.asarray(points[:, 0] < 1.0)
 
 
@@ -124,7 +124,7 @@ def punch(coefficient: float, element: Element, cells: int, load: float) -> Mode
     return Model(_punch_scene(coefficient, int(element[1])), body)
 
 
-def _towards_the_edge(points: Points) -> Points:
+def _towards_the_edge(points: Array) -> Array:
     """Cells that shrink with the cube of the distance from the punch's edge, (1, 1)."""
     moved = points.copy()
     across = points[:, 0] - 1

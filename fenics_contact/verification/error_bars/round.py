@@ -9,7 +9,7 @@ from math import pi
 from typing import Any
 
 from fenics_contact.analytic import contact as formulas
-from fenics_contact.common.resources import mesh_file
+from fenics_contact.common.program import mesh_file
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import MeshSource, Scene, SolverSettings, Steps, Support

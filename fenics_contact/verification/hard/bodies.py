@@ -7,13 +7,12 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from dolfinx import mesh
 from mpi4py import MPI
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.mesh.tagged_mesh import Body, Group
 
-Points = NDArray[np.float64]
-Move = Callable[[Points], Points]
-Condition = Callable[[Points], NDArray[np.bool_]]
+Move = Callable[[Array], Array]
+Condition = Callable[[Array], Flags]
 
 _SIDES = {2: ("left", "right", "bottom", "top"), 3: ("left", "right", "front", "back", "bottom")}
 _NAMES_3D = (*_SIDES[3], "top")

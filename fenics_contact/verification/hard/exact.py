@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import on_root
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.problem import Problem
@@ -27,9 +28,7 @@ from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
 from fenics_contact.verification.hard.case import ReferenceFailedError
 
-Array = NDArray[np.float64]
-Statuses = NDArray[np.int64]
-Start = Callable[[Array], Statuses]
+Start = Callable[[Array], Integers]
 
 OPEN, BACK, STICK, ALONG = -2, -1, 0, 1
 _MOST = 40
@@ -53,7 +52,7 @@ class ExactAnswer:
     pressure: Array
     friction: Array
     weights: Array
-    status: Statuses
+    status: Integers
 
     @property
     def normal_force(self) -> float:
@@ -72,7 +71,7 @@ def exact_answer(scene: Scene, body: Callable[[MPI.Comm], Body], *starts: Start)
     Args:
         scene: In the plane or axisymmetric, with a coefficient of friction that is a number.
         body: Makes the mesh on a communicator.
-        starts: Statuses to begin with, from the coordinates of the points, where beginning with all
+        starts: Integers to begin with, from the coordinates of the points, where beginning with all
             points sticking, or slipping to one side, leads to no rest.
 
     Raises:
@@ -108,15 +107,15 @@ def exact_answers(
     return on_root(MPI.COMM_WORLD, solve)
 
 
-def _all_stick(coordinates: Array) -> Statuses:
+def _all_stick(coordinates: Array) -> Integers:
     return np.full(len(coordinates), STICK)
 
 
-def _all_along(coordinates: Array) -> Statuses:
+def _all_along(coordinates: Array) -> Integers:
     return np.full(len(coordinates), ALONG)
 
 
-def _all_back(coordinates: Array) -> Statuses:
+def _all_back(coordinates: Array) -> Integers:
     return np.full(len(coordinates), BACK)
 
 
@@ -212,7 +211,7 @@ class _Inequalities:
             status = following
         return None
 
-    def _with(self, status: Statuses) -> tuple[Array, Array, Array, Array] | None:
+    def _with(self, status: Integers) -> tuple[Array, Array, Array, Array] | None:
         """Gap, slip, normal and friction force of each point with statuses given.
 
         None where these leave the body free to move.
@@ -246,8 +245,8 @@ class _Inequalities:
         return opening, slip, found[-2 * count : -count], found[-count:]
 
     def _changed(
-        self, status: Statuses, opening: Array, slip: Array, pressing: Array, friction: Array
-    ) -> Statuses:
+        self, status: Integers, opening: Array, slip: Array, pressing: Array, friction: Array
+    ) -> Integers:
         """Statuses that mend what breaks an inequality."""
         force = _ROUND_OFF * max(np.abs(pressing).max(), np.abs(friction).max(), 1e-300)
         length = _ROUND_OFF * max(np.abs(slip).max(), np.abs(opening[self.touchable]).max(), 1e-300)

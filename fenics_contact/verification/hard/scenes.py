@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
 from fenics_contact.scene.contact import Contact, Obstacle
@@ -73,7 +73,7 @@ def with_contact(scene: Scene, **changes: Any) -> Scene:
     return dataclasses.replace(scene, contact=(contact, *scene.contact[1:]))
 
 
-def friction_along(result: Result) -> NDArray[np.float64]:
+def friction_along(result: Result) -> Array:
     """Friction at the points of a plane model, along the normal turned by a right angle."""
     points = result.points
     assert points is not None

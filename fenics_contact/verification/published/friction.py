@@ -11,7 +11,7 @@ from math import sqrt
 from typing import Any, Literal
 
 from fenics_contact.analytic import contact as formulas
-from fenics_contact.common.resources import mesh_file
+from fenics_contact.common.program import mesh_file
 from fenics_contact.results.result import Result
 from fenics_contact.scene.contact import Contact, Obstacle
 from fenics_contact.scene.material import Material

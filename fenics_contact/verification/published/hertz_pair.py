@@ -11,10 +11,9 @@ from math import pi, sqrt
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.analytic import contact as formulas
-from fenics_contact.common.resources import mesh_file
+from fenics_contact.common.program import mesh_file
 from fenics_contact.results.result import Result
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.scene import (
@@ -30,7 +29,6 @@ from fenics_contact.verification.case import Case, Finding, of_quantity, solved
 from fenics_contact.verification.published.point import JOHNSON, MATERIAL, MODULUS
 
 Kinematics = Literal["plane strain", "axisymmetric"]
-Array = NDArray[np.float64]
 
 _RADIUS = 50.0
 # Of two equal bodies: 1/E* and 1/R add up (Johnson, (4.1), (4.2)).

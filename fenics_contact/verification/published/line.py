@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fenics_contact.analytic import contact as formulas
-from fenics_contact.common.resources import mesh_file
+from fenics_contact.common.program import mesh_file
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene.scene import Load, MeshSource, Scene, Support
 from fenics_contact.verification.case import Case, Finding, of_quantity, solved

@@ -9,10 +9,10 @@ from typing import Any, Literal
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest
-from fenics_contact.common.resources import mesh_file
+from fenics_contact.common.program import mesh_file
 from fenics_contact.scene.contact import Contact, Obstacle
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import MeshSource, Scene, SolverSettings, Support
@@ -29,8 +29,6 @@ from fenics_contact.verification.block_pair import (
     with_contact,
 )
 from fenics_contact.verification.case import Case, Finding, solved
-
-Array = NDArray[np.float64]
 
 _COEFFICIENT = 0.3
 _PAIRS: dict[Cell, tuple[int, int]] = {"quadrilateral": (4, 6), "hexahedron": (2, 3)}

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Literal
 
 from fenics_contact.analytic import contact as formulas
-from fenics_contact.common.resources import mesh_file
+from fenics_contact.common.program import mesh_file
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene
 from fenics_contact.verification.case import Case, Finding, solved

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fenics_contact.common.resources import mesh_file
+from fenics_contact.common.program import mesh_file
 from fenics_contact.results.result import Result
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.material import Material

@@ -6,7 +6,6 @@ The paper's (1.6) and (2.6) to (2.8). A new law is a file of its own and a line 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.laws.friction.frictionless import Frictionless
@@ -16,8 +15,6 @@ from fenics_contact.contact.laws.friction.static import Static
 from fenics_contact.contact.laws.friction.stick import Stick
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
-
-Array = NDArray[np.float64]
 
 LAWS: tuple[type[FrictionLaw], ...] = (
     Frictionless,

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.friction.regularised import RegularisedFriction
-
-Array = NDArray[np.float64]
 
 
 class Incremental(RegularisedFriction):

@@ -6,15 +6,14 @@ from collections.abc import Mapping
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags, Words
 from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import OPEN, SLIP
 from fenics_contact.results.point_arrays import PointArray
 
-Array = NDArray[np.float64]
 Mode = Literal["law", "coupled", "status", "held", "off"]
 
 
@@ -150,10 +149,10 @@ class FrictionLaw(ContactLaw):
     def hold(self, traction: Array) -> None:
         """Set the tractions of the modes ``held`` and ``status``, (points, components)."""
 
-    def set_status(self, sticks: NDArray[np.bool_], directions: Array, bound: Array) -> None:
+    def set_status(self, sticks: Flags, directions: Array, bound: Array) -> None:
         """Springs g/ε on points that stick, tractions −g × direction on those that slip."""
 
-    def glue(self, stiffness: float, points: NDArray[np.bool_]) -> None:
+    def glue(self, stiffness: float, points: Flags) -> None:
         """Springs along the surface at some points (stress/length), whatever the pressure."""
 
     def counted(self, slip: Array) -> Array:
@@ -177,7 +176,7 @@ class FrictionLaw(ContactLaw):
         """
         return np.zeros(len(slip))
 
-    def status(self, closed: NDArray[np.bool_], slip: Array, bound: Array) -> NDArray[np.str_]:
+    def status(self, closed: Flags, slip: Array, bound: Array) -> Words:
         """OPEN, STICK or SLIP.
 
         Args:
@@ -187,6 +186,6 @@ class FrictionLaw(ContactLaw):
         """
         return np.where(closed, SLIP, OPEN)
 
-    def status_at_rest(self, closed: NDArray[np.bool_]) -> NDArray[np.str_]:
+    def status_at_rest(self, closed: Flags) -> Words:
         """The same before there are any loads."""
         return np.where(closed, SLIP, OPEN)

@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 import numpy as np
 import ufl
 from dolfinx import fem
-from numpy.typing import NDArray
 
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array, Flags, Words
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.laws.energies import (
     coulomb_residual,
@@ -25,8 +25,6 @@ from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import OPEN, SLIP, STICK
-
-Array = NDArray[np.float64]
 
 # Of g / |u_T|: what tangents keep along the slip. A body of which all points slip, under loads just
 # below those that friction can hold, would be moved so far by a Newton step that rounding ends it.
@@ -253,14 +251,14 @@ class RegularisedFriction(FrictionLaw):
         """The slip that the law sees: since the start, or since the last accepted step."""
         return slip - self._reference
 
-    def set_status(self, sticks: NDArray[np.bool_], directions: Array, bound: Array) -> None:
+    def set_status(self, sticks: Flags, directions: Array, bound: Array) -> None:
         """Springs g/ε on points that stick, tractions −g × direction on those that slip."""
         self.mode = "status"
         self.set_bound(np.where(sticks, bound, 0.0))
         self.hold(np.where(sticks, 0.0, -bound)[:, None] * directions)
         self.stick_all()
 
-    def glue(self, stiffness: float, points: NDArray[np.bool_]) -> None:
+    def glue(self, stiffness: float, points: Flags) -> None:
         """Springs along the surface at some points (stress/length), whatever the pressure."""
         bound = np.where(points, stiffness * self.regularisation_parameter, 0.0)
         self.set_status(np.ones(len(bound), dtype=bool), np.zeros_like(self._slip), bound)
@@ -277,12 +275,12 @@ class RegularisedFriction(FrictionLaw):
     def _at_points(self) -> PointDensity:
         return point_density(_density, slip=self._trace.surface.components, bound=0, epsilon=0)
 
-    def status(self, closed: NDArray[np.bool_], slip: Array, bound: Array) -> NDArray[np.str_]:
+    def status(self, closed: Flags, slip: Array, bound: Array) -> Words:
         """STICK where |u_T| ≤ ε and friction acts, SLIP beyond, OPEN without contact."""
         small = np.linalg.norm(slip, axis=1) <= self.regularisation_parameter
         return np.where(closed, np.where((bound > 0) & small, STICK, SLIP), OPEN)
 
-    def status_at_rest(self, closed: NDArray[np.bool_]) -> NDArray[np.str_]:
+    def status_at_rest(self, closed: Flags) -> Words:
         """What touches sticks, if it is rough."""
         return np.where(closed, np.where(self.coefficient > 0, STICK, SLIP), OPEN)
 

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags, Words
 from fenics_contact.contact.laws.friction.law import FrictionLaw
 from fenics_contact.contact.state import OPEN, STICK
-
-Array = NDArray[np.float64]
 
 
 class Stick(FrictionLaw):
@@ -20,10 +18,10 @@ class Stick(FrictionLaw):
     model: ClassVar[str] = "glue along the surface"
     carries_shear: ClassVar[bool] = True
 
-    def status(self, closed: NDArray[np.bool_], slip: Array, bound: Array) -> NDArray[np.str_]:
+    def status(self, closed: Flags, slip: Array, bound: Array) -> Words:
         """What is glued on sticks."""
         return np.where(closed, STICK, OPEN)
 
-    def status_at_rest(self, closed: NDArray[np.bool_]) -> NDArray[np.str_]:
+    def status_at_rest(self, closed: Flags) -> Words:
         """What is glued on sticks."""
         return np.where(closed, STICK, OPEN)

@@ -7,11 +7,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 import ufl
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.normal.spring import PenaltyLaw
-
-Array = NDArray[np.float64]
 
 
 class Bonded(PenaltyLaw):
@@ -41,10 +39,10 @@ class Bonded(PenaltyLaw):
         """The stiffness 1/ε₁ at the points (stress/length)."""
         return self._fields["stiffness"] / float(self._softness.value)
 
-    def is_closed(self, pressure: Array) -> NDArray[np.bool_]:
+    def is_closed(self, pressure: Array) -> Flags:
         """All that is glued on."""
         return self.site.kinematics.reached
 
-    def touches_at_rest(self) -> NDArray[np.bool_]:
+    def touches_at_rest(self) -> Flags:
         """All that is glued on."""
         return self.site.kinematics.reached

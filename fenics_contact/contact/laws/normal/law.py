@@ -7,13 +7,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 import ufl
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.contact import Contact
-
-Array = NDArray[np.float64]
 
 
 class NormalLaw(ContactLaw):
@@ -113,18 +111,18 @@ class NormalLaw(ContactLaw):
         """Energy at the points at a jump (energy/area)."""
         return np.zeros(len(jump))
 
-    def can_press(self) -> NDArray[np.bool_]:
+    def can_press(self) -> Flags:
         """Points at which it presses once they come deep enough."""
         return np.zeros(len(self.site.trace.weights), dtype=bool)
 
-    def acts(self, pressure: Array) -> NDArray[np.bool_]:
+    def acts(self, pressure: Array) -> Flags:
         """Points whose forces depend on the jump, at a pressure of its own (stress)."""
         return np.zeros(len(pressure), dtype=bool)
 
-    def is_closed(self, pressure: Array) -> NDArray[np.bool_]:
+    def is_closed(self, pressure: Array) -> Flags:
         """Points in contact at a pressure of its own (stress)."""
         return pressure > 0
 
-    def touches_at_rest(self) -> NDArray[np.bool_]:
+    def touches_at_rest(self) -> Flags:
         """Points in contact before there are any loads."""
         return self.site.kinematics.gap <= 1e-12 * self.site.trace.extent()

@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.normal.spring import SpringLaw, positive
 from fenics_contact.scene import normal_laws
 from fenics_contact.scene.contact import Contact
-
-Array = NDArray[np.float64]
 
 
 class NormalCompliance(SpringLaw):

@@ -7,16 +7,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 import ufl
-from numpy.typing import NDArray
 
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.laws.energies import prescribed_pressure_energy
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.contact import Contact
-
-Array = NDArray[np.float64]
 
 
 class Prescribed(NormalLaw):
@@ -63,6 +61,6 @@ class Prescribed(NormalLaw):
         """What acts at present (stress)."""
         return self._present
 
-    def touches_at_rest(self) -> NDArray[np.bool_]:
+    def touches_at_rest(self) -> Flags:
         """Where it presses."""
         return self._present > 0

@@ -14,15 +14,13 @@ from typing import Any, ClassVar
 import numpy as np
 import ufl
 from dolfinx import fem
-from numpy.typing import NDArray
 
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.energies import prescribed_pressure_energy
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
-
-Array = NDArray[np.float64]
 
 
 def depth_of(jump: Any, normal: Any, gap: Any) -> Any:
@@ -162,14 +160,14 @@ class SpringLaw(NormalLaw):
         """ψ at the points at a jump (energy/area)."""
         return self._at_points.value(**self._values(jump)) / float(self._softness.value)
 
-    def can_press(self) -> NDArray[np.bool_]:
+    def can_press(self) -> Flags:
         """Points before which something stands, and where it is stiff."""
         trace = self.site.trace
         depth = np.full(len(trace.weights), trace.extent())
         deep = self._at_points.slope("depth", **self._at_depth(depth))
         return self.site.kinematics.reached & (deep > 0)
 
-    def acts(self, pressure: Array) -> NDArray[np.bool_]:
+    def acts(self, pressure: Array) -> Flags:
         """Those that press; all, where it pulls as well."""
         return np.asarray((pressure > 0) | (not self.pushes_only))
 

@@ -11,12 +11,10 @@ import basix
 import basix.ufl
 import numpy as np
 from dolfinx import fem
-from numpy.typing import NDArray
 from scipy.linalg import null_space, orth
 
 from fenics_contact.body.spaces import Spaces
-
-Array = NDArray[np.float64]
+from fenics_contact.common.arrays import Array
 
 
 def bubble_space(spaces: Spaces) -> Any:

@@ -13,8 +13,8 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
@@ -37,8 +37,6 @@ from fenics_contact.trust.error_estimates.solving_again import (
     last_step_again,
     steps_again,
 )
-
-Array = NDArray[np.float64]
 
 # Found with the paraboloid on a half-space of demos/sphere.toml, μ = 0, .1, .6, with Q2 cells of
 # .07 … .28 half widths, and the annulus of demos/annulus.toml; tested on other scenes

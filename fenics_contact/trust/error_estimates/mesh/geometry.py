@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Hashable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
@@ -25,8 +25,6 @@ from fenics_contact.trust.error_estimates.solving_again import (
     differences,
     last_step_again,
 )
-
-Array = NDArray[np.float64]
 
 # Of the extent of a contact: what is missed is round-off of the nodes.
 _NONE = 1e-12

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.surface.trace import Trace
@@ -25,8 +26,6 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.recovered_pressure import traction_of
 from fenics_contact.problem.problem import Problem
 from fenics_contact.trust.error_estimates.mesh.bubbles import bubble_space
-
-Array = NDArray[np.float64]
 
 # What one degree more adds to the integrands over the body's own.
 _MORE = 2
@@ -233,7 +232,7 @@ def _held_facets(problem: Problem) -> NDArray[np.int32]:
     return facets.astype(np.int32).reshape(-1)
 
 
-def _off_the_axis(problem: Problem, facets: NDArray[np.int32]) -> NDArray[np.bool_]:
+def _off_the_axis(problem: Problem, facets: NDArray[np.int32]) -> Flags:
     dofmap = problem.spaces.displacement_space.dofmap
     radii = problem.spaces.coordinates[:, 0]
     nodes = [

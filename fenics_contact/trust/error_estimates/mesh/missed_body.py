@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 import ufl
 from dolfinx import fem
-from numpy.typing import NDArray
 
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.acting_load import ActingLoad
 from fenics_contact.problem.curved_sides import CurvedSides
@@ -28,8 +28,6 @@ from fenics_contact.trust.error_estimates.mesh.missed_pressure import (
     MissedPressure,
     missed_pressure,
 )
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -139,7 +137,7 @@ class MissedBody:
         )
         return of_held - of_others
 
-    def _glued(self) -> NDArray[np.bool_]:
+    def _glued(self) -> Flags:
         """Which facets are glued to obstacles."""
         found = np.zeros(len(self._sides.facets), dtype=bool)
         for contact in self._problem.contacts:

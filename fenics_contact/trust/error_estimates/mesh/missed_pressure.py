@@ -12,16 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 import ufl
 from dolfinx import fem
-from numpy.typing import NDArray
 
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.evaluate.contact_resultants import resultant
 from fenics_contact.problem.acting_load import ActingLoad
 from fenics_contact.problem.curved_sides import CurvedSides
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -13,15 +13,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, SLIP, ContactState
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.newton.solution import Solution
-
-Array = NDArray[np.float64]
 
 # Of a direction across a surface: squares below it are round-off.
 _NONE = 1e-9
@@ -83,7 +81,7 @@ def _sum(contact: ContactSurface, state: ContactState, holds: list[Array]) -> tu
     return sum(force for force, _ in parts), sum(area for _, area in parts)
 
 
-def _held_axes(problem: Problem, dofs: NDArray[np.int64]) -> list[Array]:
+def _held_axes(problem: Problem, dofs: Integers) -> list[Array]:
     """Directions at the body's nodes along which a support holds them, an array an axis."""
     components = problem.spaces.components
     found = [np.zeros_like(problem.load) for _ in range(components)]
@@ -138,7 +136,7 @@ def _unknown(contact: ContactSurface, state: ContactState, held: Array) -> tuple
     return float(force), float(area)
 
 
-def _uses_much(contact: ContactSurface, state: ContactState) -> NDArray[np.bool_]:
+def _uses_much(contact: ContactSurface, state: ContactState) -> Flags:
     """Which nodes slip, or carry more than half of what friction could."""
     carried = np.linalg.norm(state.friction_traction, axis=1)
     used = carried > _MUCH * contact.friction.bound_of(state.contact_pressure)

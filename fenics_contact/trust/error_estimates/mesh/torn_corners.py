@@ -12,16 +12,14 @@ from __future__ import annotations
 from collections.abc import Hashable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.convergence.support_steps import past_steps
 from fenics_contact.trust.error_estimates.solving_again import Measure, differences, last_step_again
-
-Array = NDArray[np.float64]
 
 # Over the largest displacement: what is less is no jump.
 _NONE = 1e-6

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene, SolverSettings
 from fenics_contact.verification.case import Finding
@@ -24,10 +25,8 @@ from fenics_contact.verification.hard.exact import (
     BACK,
     OPEN,
     STICK,
-    Array,
     ExactAnswer,
     Start,
-    Statuses,
     exact_answers,
 )
 from fenics_contact.verification.hard.scenes import (
@@ -62,11 +61,11 @@ def _starts() -> Iterator[Start]:
             yield partial(_alone, status, end)
 
 
-def _alike(status: int, coordinates: Array) -> Statuses:
+def _alike(status: int, coordinates: Array) -> Integers:
     return np.full(len(coordinates), status)
 
 
-def _alone(status: int, end: int, coordinates: Array) -> Statuses:
+def _alone(status: int, end: int, coordinates: Array) -> Integers:
     statuses = _alike(OPEN, coordinates)
     statuses[end] = status
     return statuses

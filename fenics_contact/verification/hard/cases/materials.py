@@ -11,7 +11,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fenics_contact.analytic import contact as formulas
-from fenics_contact.common.resources import mesh_file
+from fenics_contact.common.program import mesh_file
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle

@@ -9,6 +9,7 @@ import numpy as np
 from mpi4py import MPI
 from scipy.optimize import brentq
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
@@ -17,7 +18,7 @@ from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Discretisation, Load, Scene, Support
 from fenics_contact.verification.block_pair import LOWER, UPPER, block
 from fenics_contact.verification.case import Finding
-from fenics_contact.verification.hard.bodies import Points, box
+from fenics_contact.verification.hard.bodies import box
 from fenics_contact.verification.hard.case import HardCase, Trials
 from fenics_contact.verification.hard.scenes import ASIDE, NU, E, plane_scene
 from fenics_contact.verification.published.point import (
@@ -70,7 +71,7 @@ def _layered(aspect: float, degree: int, trials: Trials) -> Iterator[Finding]:
     lowest = 1 / (4 * aspect)  # over the height; all are a quarter long
     growth = brentq(lambda g: (g**cells - 1) / (g - 1) * lowest - 1, 1.01, 10)
 
-    def move(x: Points) -> Points:
+    def move(x: Array) -> Array:
         up = (growth ** (x[:, 1] * cells) - 1) / (growth**cells - 1)
         return np.stack([x[:, 0], up], axis=1)
 
@@ -86,13 +87,13 @@ def _sheet(aspect: float, degree: int, trials: Trials) -> Iterator[Finding]:
 def _graded(ratio: float, degree: int, trials: Trials) -> Iterator[Finding]:
     """Cells that grow by a constant ratio, both ways, from the corner at the origin."""
 
-    def move(x: Points) -> Points:
+    def move(x: Array) -> Array:
         return np.asarray(np.expm1(x * np.log(ratio)) / (ratio - 1))
 
     yield from _patch(box((12, 12), (1, 1), move), "plane strain", degree, trials)
 
 
-def _twisted(x: Points, size: float) -> Points:
+def _twisted(x: Array, size: float) -> Array:
     """Nodes inside moved to and fro; those of the boundary stay."""
     bubble = np.prod(np.sin(np.pi * x), axis=1) ** 0.5
     wave = np.stack([np.sin(37 * x.sum(axis=1) + 5 * axis) for axis in range(x.shape[1])], axis=1)

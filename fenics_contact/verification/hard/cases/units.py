@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
 from fenics_contact.scene.contact import Contact, Obstacle
@@ -93,7 +93,7 @@ def _pair(length: float, modulus: float) -> Made:
     return scene, None
 
 
-def _without_units(result: Result, length: float, modulus: float) -> dict[str, NDArray[np.float64]]:
+def _without_units(result: Result, length: float, modulus: float) -> dict[str, Array]:
     """Quantities and pressures, all of order one."""
     points, quantities = result.points, result.quantities
     assert points is not None

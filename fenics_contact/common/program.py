@@ -1,6 +1,13 @@
-"""How to cite: the paper whose method this is, and this program, as ``CITATION.cff`` has them."""
+"""The program itself: its version, how to cite it, and the files that come with it.
+
+What is cited, this program and the paper whose method it is, stands in ``CITATION.cff`` as well.
+"""
 
 from __future__ import annotations
+
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parent.parent
 
 PAPER = (
     "L. T. Campos, J. T. Oden and N. Kikuchi. A numerical analysis of a class of contact problems "
@@ -34,3 +41,14 @@ def how_to_cite() -> str:
 def bibtex() -> str:
     """Both, for BibTeX."""
     return f"{PAPER_BIBTEX}\n\n{PROGRAM_BIBTEX}"
+
+
+def mesh_file(name: str) -> str:
+    """Path of a mesh: inside the installed package, or in the repository around it."""
+    installed = _PACKAGE / "meshes" / name
+    return str(installed if installed.is_file() else _PACKAGE.parent / "meshes" / name)
+
+
+def templates() -> dict[str, Path]:
+    """Scenes to start from, by their names in alphabetical order."""
+    return {path.stem: path for path in sorted((_PACKAGE / "cli" / "templates").glob("*.toml"))}

@@ -4,7 +4,7 @@ import re
 import tomllib
 
 import fenics_contact
-from fenics_contact.common import citation
+from fenics_contact.common import program
 from tests.scenes import ROOT
 
 CFF = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
@@ -16,31 +16,31 @@ def of(key, text=CFF):
 
 
 def test_it_is_that_of_the_file():
-    program, paper = CFF.split("references:")
+    ours, paper = CFF.split("references:")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    assert citation.VERSION == of("version", program) == project["version"]
-    assert fenics_contact.__version__ == citation.VERSION
-    for text in (citation.PROGRAM, citation.PROGRAM_BIBTEX):
-        assert of("license", program) in text
-        assert of("name", program) in text.replace("\\_", "_")
-        assert of("title", program) in text.replace("\\_", "_")
+    assert program.VERSION == of("version", ours) == project["version"]
+    assert fenics_contact.__version__ == program.VERSION
+    for text in (program.PROGRAM, program.PROGRAM_BIBTEX):
+        assert of("license", ours) in text
+        assert of("name", ours) in text.replace("\\_", "_")
+        assert of("title", ours) in text.replace("\\_", "_")
     names = re.findall(r"family-names: (.*)\n *given-names: (.*)", paper)
     assert len(names) == 3
     for family, given in names:
-        assert f"{given} {family}" in citation.PAPER
+        assert f"{given} {family}" in program.PAPER
     authors = " and ".join(f"{family}, {given}" for family, given in names)
-    assert f"author  = {{{authors}}}" in citation.PAPER_BIBTEX
-    entries = re.sub(" +", " ", citation.PAPER_BIBTEX)
+    assert f"author  = {{{authors}}}" in program.PAPER_BIBTEX
+    entries = re.sub(" +", " ", program.PAPER_BIBTEX)
     for key in ("title", "journal", "volume", "year"):
-        assert of(key, paper) in citation.PAPER
+        assert of(key, paper) in program.PAPER
         assert f"\n {key} = {{{of(key, paper)}}}" in entries
     first, last = of("start", paper), of("end", paper)
-    assert f"{first}-{last}" in citation.PAPER
-    assert f"{{{first}--{last}}}" in citation.PAPER_BIBTEX
+    assert f"{first}-{last}" in program.PAPER
+    assert f"{{{first}--{last}}}" in program.PAPER_BIBTEX
 
 
 def test_bibtex_is_balanced():
-    text = citation.bibtex()
+    text = program.bibtex()
     assert text.count("{") == text.count("}")
     assert re.findall(r"^@(\w+)", text, re.MULTILINE) == ["article", "misc"]
-    assert citation.how_to_cite() == f"{citation.PAPER} {citation.PROGRAM}"
+    assert program.how_to_cite() == f"{program.PAPER} {program.PROGRAM}"
