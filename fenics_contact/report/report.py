@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from markupsafe import Markup
+
 from fenics_contact.common.atomic_files import replace_file
 from fenics_contact.common.errors import InputError
 from fenics_contact.report.drawing.field_files import whole_body
@@ -11,7 +13,6 @@ from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.gallery import draw_pictures, require
 from fenics_contact.report.histories.convergence import draw_convergence
-from fenics_contact.report.page.html import Html
 from fenics_contact.report.page.page import Content, page
 from fenics_contact.report.view.view_3d import make_view, view_html
 from fenics_contact.results.contact_table import ContactTable
@@ -37,7 +38,7 @@ def write_report(folder: Path) -> list[Picture]:
     """
     result = read_result(folder)
     require("matplotlib", "pyvista", "plotly")
-    view, pictures = Html(), []
+    view, pictures = Markup(), []
     if (folder / "fields.pvd").exists() and result["quantities"]:
         # what was done, without a load step that was not
         done = result | {"steps": [step for step in result["steps"] if step["quantities"]]}

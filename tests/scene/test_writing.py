@@ -32,7 +32,7 @@ from fenics_contact import (
 )
 from fenics_contact.common.parallel import on_root
 from fenics_contact.mesh.loading import load_body
-from fenics_contact.report.page.html import html
+from fenics_contact.report.page.templates import html
 from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.writing import scene_text, write_scene
 from fenics_contact.simulation.output import run_folder as files

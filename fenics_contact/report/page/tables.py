@@ -6,7 +6,9 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from fenics_contact.report.page.html import Html, bar, element, joined, table
+from markupsafe import Markup
+
+from fenics_contact.report.page.templates import bar, table, verdict
 from fenics_contact.results.check_messages import WORDS, compares, failure
 from fenics_contact.results.result import (
     UNKNOWN,
@@ -26,20 +28,18 @@ _OF_A_CONTACT = ("slave", "master", "slave_reason", "uniqueness_limit")
 _MOST_STEPS = 60  # in a table; of more, the first, the last and the hardest
 
 
-def checks_table(result: dict[str, Any]) -> Html:
+def checks_table(result: dict[str, Any]) -> Markup:
     """Every check with its value, its limit and how much of this it uses."""
     rows: list[list[str]] = [
         ["check", "", "value", "limit", "use of the limit", "what is compared"]
     ]
     for name, check in result["checks"].items():
-        passed = check["passed"]
-        verdict = element("span", "ok" if passed else "FAILED", kind="ok" if passed else "bad")
         numbers = [_short(check["value"]), _short(check["limit"])]
-        rows.append([words(name), verdict, *numbers, _use(check), compares(name)])
+        rows.append([words(name), verdict(check["passed"]), *numbers, _use(check), compares(name)])
     return table(rows, "Checks of the physics")
 
 
-def _use(check: dict[str, Any]) -> Html:
+def _use(check: dict[str, Any]) -> Markup:
     """The value over its limit; a value that is not a number is null in the file."""
     value, limit = check["value"], check["limit"]
     if value is None or not limit:
@@ -72,7 +72,7 @@ def _failure(name: str, check: dict[str, Any]) -> str:
     return f"{failure(name, found)} (limit: {written(found.limit)})"
 
 
-def quantities_table(found: dict[str, Any], contacts: list[dict[str, Any]], caption: str) -> Html:
+def quantities_table(found: dict[str, Any], contacts: list[dict[str, Any]], caption: str) -> Markup:
     """Quantities with their error bars where there are some, without those that say nothing.
 
     Args:
@@ -112,7 +112,7 @@ def _percent(share: float) -> str:
     return f"{percent:.2g} %" if percent < 99.5 else f"{percent:.0f} %"
 
 
-def errors_table(result: dict[str, Any]) -> Html:
+def errors_table(result: dict[str, Any]) -> Markup:
     """Where the errors come from; nothing where none were estimated.
 
     With those of each contact and each support where there are several.
@@ -127,10 +127,10 @@ def errors_table(result: dict[str, Any]) -> Html:
     for name, found in reactions.items() if len(reactions) > 1 else ():
         errors |= {f"reaction of {name}": row for row in found.get("errors", {}).values()}
     rows = error_rows(errors)
-    return table(rows, "Estimated errors by source") if rows else Html()
+    return table(rows, "Estimated errors by source") if rows else Markup()
 
 
-def reactions_table(result: dict[str, Any]) -> Html:
+def reactions_table(result: dict[str, Any]) -> Markup:
     """Resultants of the supports of each name, with error bars; nothing without any."""
     found = reactions_by_name(result["supports"])
     said = result.get("reactions", {})  # there is none in older files
@@ -140,10 +140,10 @@ def reactions_table(result: dict[str, Any]) -> Html:
     for name, force in found.items():
         bars = _with_share(error_bar(errors[name]), force) if has_bars else []
         rows.append([name, written(force), *bars])
-    return table(rows, "Reactions of supports") if found else Html()
+    return table(rows, "Reactions of supports") if found else Markup()
 
 
-def model_table(model: dict[str, Any]) -> Html:
+def model_table(model: dict[str, Any]) -> Markup:
     """The model, with its free rigid motions and how near to the limit it is in words."""
     motions = [motion_words(motion) for motion in model.get("rigid_motions", [])]
     share = share_words(model.get("used_share_of_limit_load", 0.0))
@@ -154,21 +154,14 @@ def model_table(model: dict[str, Any]) -> Html:
     return plain_table(said, "The model")
 
 
-def contact_table(contact: dict[str, Any]) -> Html:
-    """A contact's own parameters and numbers."""
+def contact_table(contact: dict[str, Any]) -> Markup:
+    """A contact's own parameters."""
     kind = {"contact": contact["contact"], "friction law": contact["law"]}
     kind |= {key: contact[key] for key in _OF_A_CONTACT if key in contact}
-    name = f"'{contact['name']}'"
-    said = [
-        element("h3", contact["name"]),
-        plain_table({**kind, **contact["parameters"]}, f"Contact {name}"),
-    ]
-    if contact["quantities"]:
-        said.append(quantities_table(contact, [contact], f"Quantities of {name}"))
-    return joined(said)
+    return plain_table({**kind, **contact["parameters"]}, f"Contact '{contact['name']}'")
 
 
-def steps_table(steps: list[dict[str, Any]]) -> Html:
+def steps_table(steps: list[dict[str, Any]]) -> Markup:
     """Load steps with their iterations and the imbalance that was left."""
     rows = [["step", "time", "Newton steps", "passes of the loop on the pressure"]]
     rows[0] += ["contraction", "imbalance before", "at the end", "accepted"]
@@ -199,7 +192,7 @@ def _shown(steps: list[dict[str, Any]]) -> Iterator[tuple[int, list[str]]]:
         )
 
 
-def timings_table(timings: dict[str, float]) -> Html:
+def timings_table(timings: dict[str, float]) -> Markup:
     """Seconds by phase, with bars of their shares."""
     rows: list[list[str]] = [["phase", "seconds", "share"]]
     total = timings["total"]
@@ -210,9 +203,14 @@ def timings_table(timings: dict[str, float]) -> Html:
     return table(rows, "Seconds by phase")
 
 
-def plain_table(values: dict[str, Any], caption: str) -> Html:
+def plain_table(values: dict[str, Any], caption: str) -> Markup:
     """Names and values."""
     return table([[words(key), written(value)] for key, value in values.items()], caption, False)
+
+
+def plain_rows(rows: list[list[Any]], caption: str) -> Markup:
+    """Rows of values, the first of which names the columns."""
+    return table([[written(cell) for cell in row] for row in rows], caption)
 
 
 def words(name: str) -> str:

@@ -5,17 +5,17 @@ from __future__ import annotations
 import base64
 import json
 from dataclasses import dataclass
-from html import escape
 from importlib import resources
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.report.bodies.obstacles import ObstacleSurface, obstacles_of
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
-from fenics_contact.report.page.html import Html
+from fenics_contact.report.page.templates import render
 from fenics_contact.report.view.revolved import revolved
 from fenics_contact.report.view.surface import Surface, boundary, surface_of
 from fenics_contact.results.contact_answers import carries_shear
@@ -160,18 +160,24 @@ def _towards(front: Array, aside: Array) -> Array:
     return np.asarray(side / np.sqrt(3))
 
 
-def view_html(view: View) -> Html:
+def view_html(view: View) -> Markup:
     """The part of a page that holds the view, with all it needs; plotly's script is in it."""
     from plotly.offline import get_plotlyjs
 
     data = json.dumps(_data(view), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
     script = resources.files(__package__).joinpath("view_3d.js").read_text(encoding="utf-8")
-    return Html(f"""{_controls(view)}
-<div id="view" role="img" aria-label="{escape(_label(view))}"></div>
-<p class="note">{escape(_help(view))}</p>
-<script type="application/json" id="view-data">{data}</script>
-<script>{get_plotlyjs()}</script>
-<script>{script}</script>""")
+    return Markup(
+        render(
+            "view.html",
+            buttons=_buttons(view),
+            label=f"Interactive view of the body, coloured by {', '.join(view.shown)} or contact "
+            "status.",
+            help=_help(view),
+            data=Markup(data),
+            plotly=Markup(get_plotlyjs()),
+            script=Markup(script),
+        )
+    )
 
 
 def _data(view: View) -> dict[str, Any]:
@@ -228,29 +234,18 @@ def _integers(values: Integers) -> str:
     return base64.b64encode(values.astype("<i4").tobytes()).decode()
 
 
-def _controls(view: View) -> str:
+def _buttons(view: View) -> list[tuple[str, str, list[str]]]:
+    """Groups of buttons: of what, with which title, named how."""
     names = [*view.shown, *(["status"] if (view.surface.fields["status"] >= 0).any() else [])]
     words = {0.0: "undeformed", 1.0: "true displacements"}
     factors = [words.get(factor, f"displacements × {factor:g}") for factor in view.factors]
-    groups = [_buttons("field", "Colours", names), _buttons("factor", "Shape", factors)]
+    groups = [("field", "Colours", names), ("factor", "Shape", factors)]
     if view.zone is not None:
-        groups.append(_buttons("zone", "Part", ["whole", "contact zone"]))
-    groups.append(_buttons("lines", "Cells", ["shown", "hidden"]))
+        groups.append(("zone", "Part", ["whole", "contact zone"]))
+    groups.append(("lines", "Cells", ["shown", "hidden"]))
     if np.isfinite(view.surface.fields["obstacle"]).any():
-        groups.append(_buttons("obstacle", "Obstacle", ["shown", "hidden"]))
-    return f'<div class="controls">{"".join(groups)}</div>'
-
-
-def _buttons(group: str, title: str, names: list[str]) -> str:
-    buttons = "".join(
-        f'<button type="button" data-group="{group}" data-number="{number}">{escape(name)}</button>'
-        for number, name in enumerate(names)
-    )
-    return f'<div role="group" aria-label="{title}"><span>{title}</span>{buttons}</div>'
-
-
-def _label(view: View) -> str:
-    return f"Interactive view of the body, coloured by {', '.join(view.shown)} or contact status."
+        groups.append(("obstacle", "Obstacle", ["shown", "hidden"]))
+    return groups
 
 
 def _help(view: View) -> str:
