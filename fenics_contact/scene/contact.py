@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -217,32 +218,24 @@ class Contact:
     def __post_init__(self) -> None:
         if self.normal_law is not None and self.contact is not None:
             raise ValueError(f"contact: the normal_law says that it is {self.normal_law.kind}")
-        prescribed = self.kind == "prescribed"
-        if prescribed != (self.pressure is not None):
-            raise ValueError(
-                "the pressure is missing: prescribed contact needs it"
-                if prescribed
-                else f"pressure: in {self.kind} contact it is found, not given"
-            )
-        if not prescribed and self.pressure_path != CONSTANT:
-            raise ValueError("pressure_path: only a pressure that is given has one")
-        if isinstance(self.pressure_path, Path) and min(self.pressure_path.factor) < 0:
-            raise ValueError("pressure_path: the factors must be ≥ 0, contact does not pull")
-        if (self.kind == "winkler") != (self.foundation_stiffness is not None):
-            raise ValueError("foundation_stiffness belongs to winkler contact, and only there")
-        if self.against is not None and (prescribed or self.obstacle is not None):
-            other = "a pressure that is given" if prescribed else "an obstacle"
+        needed = _NEEDS.get(self.kind)
+        if needed is not None and getattr(self, needed) is None:
+            raise ValueError(f"{needed} is missing: {self.kind} contact needs it")
+        if self.against is not None and (self.pressure is not None or self.obstacle is not None):
+            other = "an obstacle" if self.pressure is None else "a pressure that is given"
             raise ValueError(f"against: a contact has either a surface opposite or {other}")
         if self.against == self.on:
             raise ValueError(f"against = '{self.on}': a surface cannot stand against itself")
         if self.against is None and self.slave != "auto":
             raise ValueError("slave: only contact of two surfaces has one; see against")
-        if prescribed and self.obstacle is not None:
-            raise ValueError("obstacle: prescribed contact has none, only its pressure")
-        if self.penalty_parameter != "auto" and self.kind not in ("unilateral", "bonded"):
-            raise ValueError(f"penalty_parameter: {self.kind} contact has none")
-        if self.kind == "bonded" and self.friction_coefficient != 0:
-            raise ValueError("friction_coefficient: bonded contact sticks, it has none")
+        for key, (kinds, words) in _ONLY_IN.items():
+            if self.kind not in kinds and getattr(self, key) != _DEFAULTS[key]:
+                raise ValueError(f"{key}: {words.format(kind=self.kind)}")
+        for key, (kind, words) in _NOT_IN.items():
+            if self.kind == kind and getattr(self, key) != _DEFAULTS[key]:
+                raise ValueError(f"{key}: {words}")
+        if isinstance(self.pressure_path, Path) and min(self.pressure_path.factor) < 0:
+            raise ValueError("pressure_path: the factors must be ≥ 0, contact does not pull")
         for key in ("pressure", "friction_coefficient", "foundation_stiffness"):
             value = getattr(self, key)
             if isinstance(value, float | int) and value < 0:
@@ -255,14 +248,29 @@ class Contact:
             return self.normal_law.kind
         if self.contact is not None:
             return self.contact
-        if self.foundation_stiffness is not None:
-            return "winkler"
-        return "unilateral" if self.pressure is None else "prescribed"
+        given = (kind for kind, key in _NEEDS.items() if getattr(self, key) is not None)
+        return next(given, "unilateral")
 
     @property
     def label(self) -> str:
         """Name in results and messages."""
         return self.name or self.on
+
+
+# The key without which there is no contact of a kind, and which says that it is one.
+_NEEDS = {"winkler": "foundation_stiffness", "prescribed": "pressure"}
+# Keys that only contact of some kinds has, or that of one kind has not, and what to say then.
+_ONLY_IN = {
+    "pressure": (("prescribed",), "in {kind} contact it is found, not given"),
+    "pressure_path": (("prescribed",), "only a pressure that is given has one"),
+    "foundation_stiffness": (("winkler",), "it belongs to winkler contact, and only there"),
+    "penalty_parameter": (("unilateral", "bonded"), "{kind} contact has none"),
+}
+_NOT_IN = {
+    "obstacle": ("prescribed", "prescribed contact has none, only its pressure"),
+    "friction_coefficient": ("bonded", "bonded contact sticks, it has none"),
+}
+_DEFAULTS = {field.name: field.default for field in dataclasses.fields(Contact)}
 
 
 @scene_class
