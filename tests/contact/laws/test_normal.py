@@ -163,8 +163,11 @@ def test_penalty_bias_is_its_compliance(ratio):
     [
         ({"contact": "unilateral", "pressure": 1}, "pressure: in unilateral contact it is found"),
         ({"contact": "prescribed"}, "prescribed contact needs it"),
-        ({"contact": "winkler"}, "foundation_stiffness belongs"),
-        ({"foundation_stiffness": 1, "contact": "unilateral"}, "foundation_stiffness belongs"),
+        ({"contact": "winkler"}, "foundation_stiffness is missing: winkler contact needs it"),
+        (
+            {"foundation_stiffness": 1, "contact": "unilateral"},
+            "foundation_stiffness: it belongs to winkler contact, and only there",
+        ),
         ({"pressure": 1, "obstacle": Obstacle()}, "prescribed contact has none"),
         ({"foundation_stiffness": 1, "penalty_parameter": 1e-3}, "winkler contact has none"),
         ({"contact": "bonded", "friction_coefficient": 0.3}, "bonded contact sticks"),
