@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.accuracy import Accuracy
     from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
     from fenics_contact.scene.material import Material
+    from fenics_contact.scene.normal_laws import NormalCompliance
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, Load, MeshSource, Point, Scene, Support
     from fenics_contact.scene.steps import SolverSettings, Steps
@@ -49,6 +50,7 @@ __all__ = [
     "Material",
     "MeshSource",
     "NoEquilibriumError",
+    "NormalCompliance",
     "NotConvergedError",
     "Obstacle",
     "Path",
@@ -81,6 +83,7 @@ _MODULES = {
     "scene.scene": ("Discretisation", "Load", "MeshSource", "Point", "Scene", "Support"),
     "scene.accuracy": ("Accuracy",),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
+    "scene.normal_laws": ("NormalCompliance",),
     "scene.reading": ("load_scene",),
     "scene.material": ("Material",),
     "scene.steps": ("SolverSettings", "Steps"),
