@@ -126,7 +126,7 @@ class Triangles:
 
     Attributes:
         points: Undeformed, (points, 3) (length).
-        corners: Integers of each triangle's points, (triangles, 3).
+        corners: Numbers of each triangle's points, (triangles, 3).
         fields: Values at the points, by name.
     """
 

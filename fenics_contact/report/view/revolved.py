@@ -73,7 +73,7 @@ def strip_triangles(edges: Integers, nodes: int, strips: int) -> Integers:
     """Triangles between copies of edges, those of a copy following each other, (triangles, 3).
 
     Args:
-        edges: Integers of their ends, (edges, 2).
+        edges: Numbers of their ends, (edges, 2).
         nodes: In each copy.
         strips: Of which there is one more copy.
     """

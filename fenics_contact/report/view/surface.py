@@ -84,8 +84,8 @@ class Surface:
 
     Attributes:
         points: Undeformed, (points, 3) (length).
-        triangles: Integers of each triangle's points, (triangles, 3).
-        lines: Integers of the ends of pieces of cells' sides, (pieces, 2).
+        triangles: Numbers of each triangle's points, (triangles, 3).
+        lines: Numbers of the ends of pieces of cells' sides, (pieces, 2).
         fields: Values at the points, by name; those with three components are vectors.
     """
 

@@ -33,7 +33,7 @@ class EntryPattern:
     """Where the entries of K_c go in Lᵀ K_c B; one may go to several places.
 
     Attributes:
-        entries: Integers of K_c's entries.
+        entries: Numbers of K_c's entries.
         rows: Of the unknowns that each goes to.
         columns: Likewise.
         weights: Its factors there.

@@ -24,7 +24,7 @@ class _Block:
     """A part of T − 1: free displacements of masters that a slave's are measured from.
 
     Attributes:
-        slaves: Integers among the free contact dofs.
+        slaves: Numbers among the free contact dofs.
         masters: Likewise.
         projection: P, (slaves, masters).
     """

@@ -71,7 +71,7 @@ def exact_answer(scene: Scene, body: Callable[[MPI.Comm], Body], *starts: Start)
     Args:
         scene: In the plane or axisymmetric, with a coefficient of friction that is a number.
         body: Makes the mesh on a communicator.
-        starts: Integers to begin with, from the coordinates of the points, where beginning with all
+        starts: Statuses to begin with, from the coordinates of the points, where beginning with all
             points sticking, or slipping to one side, leads to no rest.
 
     Raises:
