@@ -27,6 +27,8 @@ from fenics_contact.mesh.tagged_mesh import Group
 
 # Cosine of half the largest angle between neighbouring facets of one surface.
 _SHARP = float(np.cos(np.pi / 8))
+# Radius over the largest coordinate, up to which a point lies on the axis of revolution.
+_ON_AXIS = 1e-12
 
 
 class Trace:
@@ -155,10 +157,16 @@ class Trace:
         On linear facets of an axisymmetric model it is that which gives every vertex its
         part of the area, ∫ 2πr N_i: the vertex rule with 2πr itself would leave none to the
         axis, and its first neighbour would carry the axis' load too (+8 % pressure there).
+
+        On other ones it is 2πr, and exactly 0 on the axis: what is no point has no obstacle either,
+        and round-off of r would press it.
         """
         surface, spaces = self.surface, self.spaces
-        if spaces.kinematics != "axisymmetric" or spaces.degree != 1:
+        if spaces.kinematics != "axisymmetric":
             return surface.weight
+        if spaces.degree != 1:
+            least = fem.Constant(surface.mesh, _ON_AXIS * self.farthest())
+            return ufl.conditional(ufl.gt(surface.position[0], least), surface.weight, 0.0)
         measure = surface.measure()
         area = self._integrals(surface.weight, measure)
         return surface.scalar_function(area / self._integrals(1.0, measure), "weight")
