@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.problem.rigid_motions import RigidMotions
@@ -50,7 +50,7 @@ def solve_coupled(newton: Newton, hopeless: Callable[[], bool] | None = None) ->
     newton.run(search_energy=False, hopeless=hopeless)
 
 
-def monolithic(newton: Newton, start: Any) -> None:
+def monolithic(newton: Newton, start: Array) -> None:
     """Find ε, from the step before or from contact without friction, and solve; collective.
 
     Args:
@@ -77,7 +77,7 @@ def monolithic(newton: Newton, start: Any) -> None:
     solve_coupled(newton)
 
 
-def continuation(newton: Newton, start: Any) -> None:
+def continuation(newton: Newton, start: Array) -> None:
     """The same, with the coefficient brought up or down in steps; collective."""
     shares = _FALLING if RigidMotions(newton.problem).slides_on_coulomb else _RISING
     for share in shares:

@@ -11,6 +11,7 @@ import dataclasses
 import logging
 from collections.abc import Callable
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.problem.rigid_motions import RigidMotions
 from fenics_contact.solve.coulomb.alternating_loop import (
@@ -23,6 +24,12 @@ from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 
 logger = logging.getLogger(__name__)
+
+_LOOPS: dict[str, type[AlternatingLoop]] = {"campos": AlternatingLoop, "lagged": LaggedLoop}
+_AT_ONCE: dict[str, Callable[[Newton, Array], None]] = {
+    "monolithic": monolithic,
+    "continuation": continuation,
+}
 
 # Change of the pressure, over its peak, from which Newton's method is to take over from the loop
 # that `auto` runs.
@@ -86,12 +93,6 @@ class _Strategies:
         self.contraction: float | None = None
         self.start = newton.save()
         self.near = newton.problem.scene.solver.outer_tolerance
-        self.ways: dict[str, Callable[[], None]] = {
-            "campos": lambda: self._loop(AlternatingLoop(newton)),
-            "lagged": lambda: self._loop(LaggedLoop(newton)),
-            "monolithic": lambda: monolithic(newton, self.start),
-            "continuation": lambda: continuation(newton, self.start),
-        }
 
     def solve(self, strategy: str) -> Solution:
         """By one strategy, or by one after the other until one converges."""
@@ -103,7 +104,7 @@ class _Strategies:
         for number, way in enumerate(chosen):
             try:
                 self._start_anew()
-                self.ways[way]()
+                self._go(way)
                 fit_scale(self.newton)
                 return dataclasses.replace(
                     self.newton.solution(self.passes, _WORDS[way]),
@@ -124,7 +125,7 @@ class _Strategies:
         # it took fewer steps than the loop in all that was measured.
         at_once = self.newton.continues or self.problem.between_bodies
         first = "monolithic" if at_once else self.newton.system.first_way
-        order = sorted(self.ways, key=lambda way: way != first)
+        order = sorted(_WORDS, key=lambda way: way != first)
         if RigidMotions(self.problem).count > 0:
             order.remove("campos")
         return order
@@ -136,7 +137,11 @@ class _Strategies:
             contact.friction.set_share(1.0)
         self.newton.restore(self.start)
 
-    def _loop(self, loop: AlternatingLoop) -> None:
+    def _go(self, way: str) -> None:
+        if way in _AT_ONCE:
+            _AT_ONCE[way](self.newton, self.start)
+            return
+        loop = _LOOPS[way](self.newton)
         try:
             loop.run(self.near)
         finally:

@@ -126,7 +126,7 @@ def test_who_is_stopped_meanwhile_keeps_the_answer(monkeypatch):
     def stop(*arguments):
         raise StoppedError("interrupted")
 
-    monkeypatch.setattr(step_errors, "history_again", stop)
+    monkeypatch.setattr(step_errors, "steps_again", stop)
     result = solved(Steps(number=6))
     assert result.interrupted and result.quantities["normal_force"] > 0
 
