@@ -43,6 +43,8 @@ _WORDS = {
     "in steps",
 }
 
+_OTHERS = '; solver.strategy = "auto" tries other ways too'
+
 
 def solve_step(newton: Newton) -> Solution:
     """Solve for the present loads, from the present state; collective."""
@@ -115,7 +117,8 @@ class _Strategies:
                 attempts.append(f"{_WORDS[way]}: {error}")
                 if number + 1 == len(chosen):
                     imbalances = tuple(self.newton.imbalances)
-                    raise NotConvergedError(attempts[-1], imbalances, tuple(attempts)) from None
+                    words = attempts[-1] + ("" if strategy == "auto" else _OTHERS)
+                    raise NotConvergedError(words, imbalances, tuple(attempts)) from None
                 logger.info("%s: %s; next: %s", _WORDS[way], error, _WORDS[chosen[number + 1]])
         raise AssertionError("a strategy returns or raises")
 
