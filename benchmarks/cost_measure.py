@@ -62,7 +62,7 @@ def measure(case: Case, solver: str, comm: MPI.Comm, enough: float) -> Measured:
     linear, runs, memory = [], [], []
     spent = 0.0
     while len(runs) < MOST_RUNS and spent <= (10 * enough if len(runs) < 2 else enough):
-        problem = Problem(scene, body)
+        problem = Problem.on_mesh(scene, body)
         seconds, grown = measured_memory(comm, partial(linear_seconds, problem, settings))
         run, grown_more = measured_memory(comm, partial(frictional_solve, problem))
         linear.append(seconds)
@@ -102,7 +102,7 @@ def measure(case: Case, solver: str, comm: MPI.Comm, enough: float) -> Measured:
 def _compile(case: Case, solver: str, comm: MPI.Comm) -> None:
     """Solve the case on a few cells, so that nothing is left to compile or load."""
     few = case.few_cells
-    problem = Problem(scene_of(few, solver), body_of(few, comm))
+    problem = Problem.on_mesh(scene_of(few, solver), body_of(few, comm))
     linear_seconds(problem, GAMG if solver == "iterative" else LU)
     frictional_solve(problem)
 

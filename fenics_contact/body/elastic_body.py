@@ -21,6 +21,7 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from fenics_contact.body import materials as material
+from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import Isotropic, strain, strain_energy
 from fenics_contact.body.materials import Elasticities
 from fenics_contact.body.reference_moduli import Moduli
@@ -28,7 +29,6 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.parallel import total
-from fenics_contact.scene.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,10 +58,10 @@ class ElasticBody:
         reference_modulus: Largest stiffness of the body (stress).
     """
 
-    def __init__(self, scene: Scene, spaces: Spaces, displacement: Any) -> None:
+    def __init__(self, description: BodyDescription, spaces: Spaces, displacement: Any) -> None:
         self._spaces = spaces
         self._displacement = displacement
-        elasticities = Elasticities(scene, spaces)
+        elasticities = Elasticities(description, spaces)
         self.law = elasticities.law
         self.reference_modulus = elasticities.reference_modulus
         self._moduli = elasticities.moduli
@@ -70,10 +70,10 @@ class ElasticBody:
         e = self.strain(displacement)
         stress = self.law.stress(e)
         nearly = elasticities.largest_poissons_ratio >= material.NEARLY_INCOMPRESSIBLE
-        if nearly and scene.kinematics != "plane stress":
+        if nearly and description.kinematics != "plane stress":
             assert isinstance(self.law, Isotropic)
             self.name = "elastic energy, nearly incompressible: mean stress as a second unknown"
-            self.mixed = self._mixed_forms(self.law, several=len(scene.material) > 1)
+            self.mixed = self._mixed_forms(self.law, several=len(description.material) > 1)
             stress = self.law.deviatoric_stress(e)
         energy = strain_energy(e, stress, spaces.weight, spaces.bulk)
         residual = ufl.derivative(energy, displacement)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from dolfinx import fem
 
+from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import Anisotropic, Isotropic, Law
 from fenics_contact.body.reference_moduli import Moduli
 from fenics_contact.body.spaces import Spaces
@@ -19,7 +20,6 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, raise_together, smallest
 from fenics_contact.scene.material import Material
-from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Value
 
 NEARLY_INCOMPRESSIBLE = 0.49
@@ -35,21 +35,21 @@ class Elasticities:
         largest_poissons_ratio: Of isotropic materials; −1 for a tensor.
     """
 
-    def __init__(self, scene: Scene, spaces: Spaces) -> None:
+    def __init__(self, description: BodyDescription, spaces: Spaces) -> None:
         self.spaces = spaces
-        self.materials = scene.material
+        self.materials = description.material
         self._keys = [
-            f"material[{i}]" if len(scene.material) > 1 else "material"
-            for i in range(len(scene.material))
+            f"material[{i}]" if len(description.material) > 1 else "material"
+            for i in range(len(description.material))
         ]
         self._space = self._choose_space()
         self._points = self._space.tabulate_dof_coordinates().T
         self._owner = self._find_owners()
-        if all(material.stiffness is None for material in scene.material):
+        if all(material.stiffness is None for material in description.material):
             self.law: Law = self._isotropic()
         else:
-            self.law = self._anisotropic(plane=scene.kinematics != "3D")
-        self.moduli = self._moduli_of_parts(scene.kinematics == "plane stress")
+            self.law = self._anisotropic(plane=description.kinematics != "3D")
+        self.moduli = self._moduli_of_parts(description.kinematics == "plane stress")
 
     @property
     def reference_modulus(self) -> float:

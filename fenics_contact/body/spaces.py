@@ -14,13 +14,13 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 
 from fenics_contact.body.connected_parts import Parts
+from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import measure_weight
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import FenicsContactError, InputError
 from fenics_contact.common.parallel import largest, raise_together, smallest
 from fenics_contact.mesh.tagged_mesh import Body, Group
-from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Value
 
 
@@ -37,19 +37,19 @@ class Spaces:
         thickness: As the scene says.
     """
 
-    def __init__(self, scene: Scene, body: Body) -> None:
+    def __init__(self, description: BodyDescription, body: Body) -> None:
         self.body = body
         self.comm = body.mesh.comm
-        self.kinematics = scene.kinematics
-        self.degree = scene.discretisation.degree
-        if body.dimension != scene.dimension:
+        self.kinematics = description.kinematics
+        self.degree = description.degree
+        if body.dimension != description.dimension:
             raise InputError(
-                f"kinematics = '{scene.kinematics}' needs cells of dimension {scene.dimension}; "
-                f"those of {body.source} have {body.dimension}"
+                f"kinematics = '{description.kinematics}' needs cells of dimension "
+                f"{description.dimension}; those of {body.source} have {body.dimension}"
             )
-        if scene.kinematics == "axisymmetric":
+        if description.kinematics == "axisymmetric":
             body.require_radii()
-        self.components = scene.dimension
+        self.components = description.dimension
         self.displacement_space = fem.functionspace(
             body.mesh, ("Lagrange", self.degree, (self.components,))
         )
@@ -58,7 +58,8 @@ class Spaces:
         self.parts = Parts(body, self.displacement_space)
         self.position = ufl.SpatialCoordinate(body.mesh)
         self._scalar: tuple[Any, Integers] | None = None
-        self.weight = measure_weight(scene.kinematics, self.position, self._thickness(scene))
+        thickness = self._thickness(description)
+        self.weight = measure_weight(description.kinematics, self.position, thickness)
         body.mesh.topology.create_connectivity(body.dimension - 1, body.dimension)
         body.mesh.topology.create_connectivity(body.dimension, body.dimension - 1)
         body.mesh.topology.create_connectivity(body.dimension, body.dimension)
@@ -90,13 +91,13 @@ class Spaces:
             return 1
         return self.degree if callable(self.thickness) else 0
 
-    def _thickness(self, scene: Scene) -> Any:
+    def _thickness(self, description: BodyDescription) -> Any:
         """The scene's thickness as a coefficient, or None."""
-        self.thickness = scene.thickness
-        if scene.thickness is None:
+        self.thickness = description.thickness
+        if description.thickness is None:
             return None
         nodes = np.arange(len(self.coordinates), dtype=np.int32)
-        values = self.evaluate(scene.thickness, nodes, "thickness")
+        values = self.evaluate(description.thickness, nodes, "thickness")
         if smallest(self.comm, values) <= 0:
             raise InputError(
                 f"thickness: its smallest value is {smallest(self.comm, values):g}, "

@@ -1,4 +1,4 @@
-"""Prescribed displacements: supports and planes of symmetry as degrees of freedom."""
+"""Displacements that supports prescribe, of the degrees of freedom that they hold."""
 
 from __future__ import annotations
 
@@ -7,16 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fenics_contact.body.held_dofs import Held, HeldDofs
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.parallel import largest, raise_together, smallest, total
+from fenics_contact.common.parallel import largest, raise_together
 from fenics_contact.scene.load_paths import KeyedPath
-from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.scene import Scene, Support
 from fenics_contact.scene.values import AXES, RAMP
-
-# A plane of symmetry is flat to this share of the body's size.
-_FLAT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,106 +41,41 @@ class AppliedSupport:
         return self.name or self.on
 
 
-@dataclass(frozen=True)
-class SymmetryPlane:
-    """A plane of symmetry of the model.
-
-    Attributes:
-        on: Name of the group.
-        axis: Number of the axis that it stands across.
-        at: Its coordinate on that axis (length).
-    """
-
-    on: str
-    axis: int
-    at: float
-
-
 class Supports:
-    """All supports of a scene; collective.
+    """The displacements that supports prescribe; collective.
 
     Attributes:
         applied: Supports in scene order, the planes of symmetry, the axis of revolution.
-        planes: The planes of symmetry; the axis of revolution is none.
+        held: The dofs that these hold.
         dofs: Every constrained dof once, sorted (local indices, owned and ghost).
         values: Their prescribed displacements (length).
 
     Raises:
-        InputError: Two supports contradict each other, or a plane of symmetry is not flat.
+        InputError: Two supports contradict each other.
     """
 
-    def __init__(self, scene: Scene, spaces: Spaces) -> None:
-        self._spaces = spaces
-        self.applied = [self._support(scene, number) for number in range(len(scene.support))]
-        planes = [self._plane(on, f"symmetry[{i}]") for i, on in enumerate(scene.symmetry)]
-        self.applied += [self._of_plane(plane) for plane in planes]
-        self.planes = list({(plane.axis, round(plane.at, 9)): plane for plane in planes}.values())
-        if spaces.kinematics == "axisymmetric":
-            self.planes = [plane for plane in self.planes if plane.axis != 0]
-            self.applied += self._axis_of_revolution()
+    def __init__(self, scene: Scene, spaces: Spaces, held: HeldDofs) -> None:
+        self._spaces, self.held = spaces, held
+        self.applied = [
+            self._support(f"support[{number}]", support, held.by_supports[number])
+            for number, support in enumerate(scene.support)
+        ]
+        self.applied += [
+            AppliedSupport(each.on, each.dofs, np.zeros(len(each.dofs)))
+            for each in held.by_symmetry
+        ]
         self.dofs, self.values = self._constraints()
 
-    @property
-    def symmetry(self) -> str:
-        """Which part of the whole is modelled, and by which planes."""
-        if not self.planes:
-            return "none"
-        part = {1: "half", 2: "quarter", 3: "eighth"}.get(len(self.planes), "part")
-        if self.parallel_planes:
-            part = "part"
-        where = (f"{AXES[plane.axis]} = {plane.at:.12g}" for plane in self.planes)
-        return f"{part} ({', '.join(where)})"
-
-    @property
-    def flat_sides(self) -> list[tuple[int, float]]:
-        """Axis and coordinate of the planes of symmetry, and of the axis of revolution."""
-        sides = [(plane.axis, plane.at) for plane in self.planes]
-        return [*sides, (0, 0.0)] if self._spaces.kinematics == "axisymmetric" else sides
-
-    @property
-    def parallel_planes(self) -> bool:
-        """Whether two planes face each other: mirrored in both, the body goes on for ever."""
-        return len({plane.axis for plane in self.planes}) < len(self.planes)
-
-    def _support(self, scene: Scene, number: int) -> AppliedSupport:
-        key, spaces = f"support[{number}]", self._spaces
-        on = scene.support[number].on
-        nodes = spaces.nodes(spaces.body.group(on, f"{key}.on"))
-        dofs, values = [], []
-        for axis, value in scene.support[number].displacement.items():
-            dofs.append(nodes.astype(np.int64) * spaces.components + AXES.index(axis))
-            values.append(spaces.evaluate(value, nodes, f"{key}.displacement.{axis}"))
-        path = KeyedPath(scene.support[number].path, f"{key}.path")
-        held, label = np.concatenate(dofs), scene.support[number].label
-        return AppliedSupport(on, held, np.concatenate(values), path, label)
-
-    def _plane(self, on: str, key: str) -> SymmetryPlane:
+    def _support(self, key: str, support: Support, held: Held) -> AppliedSupport:
         spaces = self._spaces
-        points = spaces.coordinates[spaces.nodes(spaces.body.boundary(on, key))]
-        lowest = np.array([smallest(spaces.comm, column) for column in points.T])
-        highest = np.array([largest(spaces.comm, column) for column in points.T])
-        extent = (highest - lowest)[: spaces.components]
-        axis = int(np.argmin(extent))
-        if extent[axis] > _FLAT * extent.max():
-            raise InputError(f"{key} = '{on}': must lie in a plane across an axis of the mesh")
-        at = float(lowest[axis])
-        return SymmetryPlane(on, axis, 0.0 if abs(at) <= _FLAT * extent.max() else at)
-
-    def _of_plane(self, plane: SymmetryPlane) -> AppliedSupport:
-        spaces = self._spaces
-        nodes = spaces.nodes(spaces.body.boundary(plane.on, "symmetry"))
-        dofs = nodes.astype(np.int64) * spaces.components + plane.axis
-        return AppliedSupport(plane.on, dofs, np.zeros(len(dofs)))
-
-    def _axis_of_revolution(self) -> list[AppliedSupport]:
-        """Points on the axis stay on it, where the body reaches it."""
-        spaces = self._spaces
-        radii = spaces.coordinates[:, 0]
-        nodes = np.flatnonzero(radii <= _FLAT * largest(spaces.comm, radii)).astype(np.int64)
-        if total(spaces.comm, len(nodes)) == 0:
-            return []
-        name = "the axis of revolution"
-        return [AppliedSupport(name, nodes * spaces.components, np.zeros(len(nodes)))]
+        nodes = (held.dofs // spaces.components).astype(np.int32)
+        nodes = nodes.reshape(len(support.displacement), -1)
+        values = [
+            spaces.evaluate(value, of_axis, f"{key}.displacement.{axis}")
+            for of_axis, (axis, value) in zip(nodes, support.displacement.items(), strict=True)
+        ]
+        path = KeyedPath(support.path, f"{key}.path")
+        return AppliedSupport(held.on, held.dofs, np.concatenate(values), path, support.label)
 
     def add(self, support: AppliedSupport) -> None:
         """Hold dofs that nothing holds yet."""

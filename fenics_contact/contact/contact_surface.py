@@ -5,13 +5,9 @@ One object per ``[[contact]]``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from fenics_contact.body.elastic_body import ElasticBody
-from fenics_contact.body.spaces import Spaces
-from fenics_contact.body.supports import Supports
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.contact.driving import ContactPaths
 from fenics_contact.contact.kinematics.against_body import BodyKinematics
@@ -32,6 +28,13 @@ from fenics_contact.scene.contact import Contact, Obstacle
 
 class ContactSurface:
     """Contact of a boundary with a rigid obstacle, with a body, or with a prescribed pressure.
+
+    Args:
+        contact: What the scene says.
+        key: Where, for messages.
+        sides: The surfaces, which know nothing of laws; one contact at a time may have them.
+        constrained: Dofs that supports hold (local indices, owned and ghost).
+        elastic: The body behind.
 
     Attributes:
         contact: What the scene says.
@@ -59,21 +62,17 @@ class ContactSurface:
         self,
         contact: Contact,
         key: str,
-        spaces: Spaces,
-        supports: Supports,
+        sides: ContactSides,
         constrained: Integers,
         elastic: ElasticBody,
-        masters: Sequence[str] = (),
     ) -> None:
         self.contact = contact
         self.label = contact.label
-        self.spaces = spaces
-        self.sides = ContactSides(contact, key, spaces, supports.flat_sides, masters)
-        self.trace = self.sides.trace
+        self.sides, self.trace, self.spaces = sides, sides.trace, sides.trace.spaces
         self.nodes = self.trace.nodes
         self.owned_nodes = self.trace.owned[: len(self.nodes)]
         named = law_of(contact)
-        self.kinematics = self._kinematics(key, constrained, named)
+        self.kinematics = self._kinematics(key, named)
         self.axis = self.sides.axis(self.kinematics.axis)
         self.supports = SurfaceSupports(self.trace, constrained)
         self.scales = ContactScales(self.sides, elastic)
@@ -92,11 +91,10 @@ class ContactSurface:
             before = np.maximum(before, 0.0)
         self.last_step = LastStep(self._at_rest(), before)
 
-    def _kinematics(
-        self, key: str, constrained: Integers, law: type[NormalLaw]
-    ) -> ContactKinematics:
-        if self.sides.opposite is not None:
-            return BodyKinematics(self.trace, self.sides.opposite, constrained, key)
+    def _kinematics(self, key: str, law: type[NormalLaw]) -> ContactKinematics:
+        sides = self.sides
+        if sides.opposite is not None and sides.pairing is not None:
+            return BodyKinematics(self.trace, sides.opposite, sides.pairing, key)
         obstacle = (self.contact.obstacle or Obstacle()) if law.has_counterpart else None
         return ObstacleKinematics(self.trace, obstacle, f"{key}.obstacle")
 

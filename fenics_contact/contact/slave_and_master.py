@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fenics_contact.body.description import CandidateContact
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import on_root, total
-from fenics_contact.contact.mortar.pairing import gathered
+from fenics_contact.contact.mortar.pairing import Pairing, gathered
 from fenics_contact.contact.mortar.ray_projection import hits
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.mesh.tagged_mesh import Group
-from fenics_contact.scene.contact import Contact
 
 # A surface is covered whose facets, but for this share, have the other before their middle.
 _UNCOVERED = 1e-6
@@ -37,14 +37,16 @@ class ContactSides:
         group: The slave's facets.
         trace: Its contact points.
         opposite: The master's, None against an obstacle.
+        pairing: What faces what of the two, None against an obstacle.
         on_sign: 1 where the slave is the surface `on`, else −1: what acts on the body of `on` is
             what acts on the slave, or the opposite of it.
 
     Args:
-        contact: What the scene says.
-        key: Where, for messages.
+        contact: Its groups.
+        key: Where the scene names them, for messages.
         spaces: Those of the body.
         flat_sides: Axis and coordinate of planes of symmetry.
+        constrained: Dofs that supports hold (local indices, owned and ghost).
         masters: Groups that can be masters only, as other contacts have them, too.
 
     Raises:
@@ -53,30 +55,35 @@ class ContactSides:
 
     def __init__(
         self,
-        contact: Contact,
+        contact: CandidateContact,
         key: str,
         spaces: Spaces,
         flat_sides: list[tuple[int, float]],
+        constrained: Integers,
         masters: Sequence[str] = (),
     ) -> None:
         self._spaces, self._key, self._flat_sides = spaces, key, flat_sides
         self.slave, self.master, self.why = contact.on, "", ""
         self.group, self.trace = self._surface("on", contact.on)
         self.opposite: Trace | None = None
+        self.pairing: Pairing | None = None
         self.on_sign = 1.0
         if contact.against is not None:
-            self._pair(contact, contact.against, masters)
+            opposite = self._choose(contact, contact.against, masters)
+            self.opposite, self.pairing = opposite, Pairing(self.trace, opposite, constrained)
 
-    def _pair(self, contact: Contact, against: str, masters: Sequence[str]) -> None:
-        """Find the surface opposite, and which of the two is the slave; collective."""
+    def _choose(self, contact: CandidateContact, against: str, masters: Sequence[str]) -> Trace:
+        """Choose the slave of the two surfaces, and return the contact points of the master."""
         self.master = against
-        group, self.opposite = self._surface("against", against)
-        keeps, self.why = self._keeps(contact, masters)
-        if not keeps:
-            self.slave, self.master = self.master, self.slave
-            self.group = group
-            self.trace, self.opposite = self.opposite, self.trace
-            self.on_sign = -1.0
+        group, opposite = self._surface("against", against)
+        keeps, self.why = self._keeps(contact, opposite, masters)
+        if keeps:
+            return opposite
+        self.slave, self.master = self.master, self.slave
+        self.group = group
+        self.trace, opposite = opposite, self.trace
+        self.on_sign = -1.0
+        return opposite
 
     def axis(self, given: Array | None = None) -> Array | None:
         """Unit vector into the body of `on` along which normal forces are measured; collective.
@@ -109,7 +116,9 @@ class ContactSides:
             )
         return group, Trace(self._spaces, group, self._flat_sides)
 
-    def _keeps(self, contact: Contact, masters: Sequence[str]) -> tuple[bool, str]:
+    def _keeps(
+        self, contact: CandidateContact, opposite: Trace, masters: Sequence[str]
+    ) -> tuple[bool, str]:
         """Whether `on` is the slave, and why; collective."""
         shared = contact.on in masters, contact.against in masters
         if all(shared):
@@ -128,12 +137,11 @@ class ContactSides:
             return keeps, "as the scene says"
         if any(shared):
             return shared[1], "the other is in several contacts"
-        return self._compared()
+        return self._compared(opposite)
 
-    def _compared(self) -> tuple[bool, str]:
+    def _compared(self, opposite: Trace) -> tuple[bool, str]:
         """By what covers what, and by the sizes of facets; collective."""
-        assert self.opposite is not None
-        surfaces = gathered(self.trace), gathered(self.opposite)
+        surfaces = gathered(self.trace), gathered(opposite)
 
         def compare() -> tuple[list[float], list[float]]:
             shares, sizes = [], []

@@ -14,13 +14,11 @@ from itertools import product
 import numpy as np
 
 from fenics_contact.analytic.half_space import boussinesq, cerruti, flamant, flamant_along
-from fenics_contact.body.spaces import Spaces
-from fenics_contact.body.supports import Supports
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import gather_rows, largest, smallest
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.scene.contact import HalfSpace
+from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.scene.scene import Scene
 
 _FLAT = 1e-6
@@ -30,24 +28,12 @@ _ON_A_RING = 4
 _AT_ONCE = 200_000
 
 
-def outer_dofs(described: HalfSpace | None, spaces: Spaces) -> Integers:
-    """All dofs of the outer boundary of a half-space (local indices, owned and ghost), sorted."""
-    found = [np.zeros(0, dtype=np.int64)]
-    for number, on in enumerate(described.on if described else ()):
-        group = spaces.body.boundary(on, f"half_space.on[{number}]")
-        found.append(spaces.nodes(group).astype(np.int64))
-    nodes = np.unique(np.concatenate(found))
-    return (nodes[:, None] * spaces.components + np.arange(spaces.components)).ravel()
-
-
 class FarField:
     """The outer boundary of a piece of a half-space.
 
     Args:
         scene: What is described.
-        spaces: Displacements.
-        supports: Those beside it.
-        outer: The dofs of the outer boundary.
+        discrete: The body.
         contacts: In scene order.
 
     Attributes:
@@ -63,18 +49,15 @@ class FarField:
     def __init__(
         self,
         scene: Scene,
-        spaces: Spaces,
-        supports: Supports,
-        outer: Integers,
+        discrete: DiscreteBody,
         contacts: list[ContactSurface],
     ) -> None:
         described = scene.half_space
         assert described is not None
         self.on = described.label
-        self._spaces = spaces
-        self._supports = supports
+        self._spaces, self._held = discrete.spaces, discrete.held
         self._modulus, self._ratio = _homogeneous(scene)
-        self.dofs = np.setdiff1d(outer, supports.dofs)
+        self.dofs: Integers = np.setdiff1d(discrete.outer, discrete.held.dofs)
         self.beyond = np.zeros(len(self.dofs))
         self.columns: dict[int, Array] = {}
         self.sideways: dict[int, list[tuple[Array, Array]]] = {}
@@ -82,7 +65,7 @@ class FarField:
         self._inward: dict[int, Array] = {}
         for number, contact in enumerate(contacts):
             self._place(number, contact)
-        if supports.parallel_planes:
+        if discrete.held.parallel_planes:
             raise InputError("symmetry: planes that face each other leave no half_space")
         if not contacts:
             raise InputError("half_space: without a contact there is no force to follow")
@@ -185,7 +168,7 @@ class FarField:
 
     def _images(self, foot: Array) -> Iterator[tuple[Array, Array]]:
         """Points (…, 3) and their mirror images, each with the signs of mirrored components."""
-        planes = self._supports.planes
+        planes = self._held.planes
         for mirrored in product((False, True), repeat=len(planes)):
             image, signs = foot.copy(), np.ones(3)
             for plane, is_mirrored in zip(planes, mirrored, strict=True):
@@ -199,7 +182,7 @@ class FarField:
         size = largest(self._spaces.comm, np.abs(self._spaces.coordinates - foot).ravel())
         return any(
             abs(along[plane.axis]) > _FLAT and abs(foot[plane.axis] - plane.at) <= _FLAT * size
-            for plane in self._supports.planes
+            for plane in self._held.planes
         )
 
     def _foot(self, contact: ContactSurface, inward: Array, key: str) -> Array:

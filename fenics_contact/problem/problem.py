@@ -14,22 +14,21 @@ from typing import Any, Literal
 
 import numpy as np
 import ufl
-from dolfinx import fem
 
-from fenics_contact.body.elastic_body import ElasticBody
+from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.probe_points import DisplacementPoints
-from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import AppliedSupport, Supports
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
-from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.surface.supports import SurfaceSupports
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.problem.acting_load import ActingLoad, kind_and_values
-from fenics_contact.problem.far_field import FarField, outer_dofs
+from fenics_contact.problem.discrete_body import DiscreteBody
+from fenics_contact.problem.far_field import FarField
 from fenics_contact.problem.shared_reactions import SharedReactions
 from fenics_contact.scene.load_paths import KeyedPath
 from fenics_contact.scene.scene import Load, Scene
@@ -83,6 +82,11 @@ class ScalarUnknown:
 class Problem:
     """Spaces, supports, energies and compiled forms of a scene on a body.
 
+    Args:
+        scene: What is done to the body; the body is to be that of the scene.
+        discrete: The body, for this problem alone until it is done with.
+        timings: What the parts of it took, to add to.
+
     Attributes:
         displacement: The unknown, a dolfinx function.
         supports: Supports and planes of symmetry.
@@ -101,47 +105,48 @@ class Problem:
         disturbance: Nodal loads over pseudo-time besides the scene's, to see what they do, or None.
     """
 
-    def __init__(self, scene: Scene, body: Body, timings: Timings | None = None) -> None:
+    def __init__(
+        self, scene: Scene, discrete: DiscreteBody, timings: Timings | None = None
+    ) -> None:
         timings = timings or Timings()
+        discrete.require_fit(scene)
         self.scene = scene
-        self.body = body
+        self.discrete = discrete
+        self.spaces, self.displacement = discrete.spaces, discrete.displacement
+        self.elastic, self.constrained = discrete.elastic, discrete.constrained
+        self.body = self.spaces.body
+        self.comm = self.spaces.comm
         self.disturbance: Array | None = None
-        self.comm = body.mesh.comm
+        self.stabilisation: list[AppliedSupport] = []
         with timings.phase("compile"):
-            self.spaces = Spaces(scene, body)
-            self.displacement = fem.Function(self.spaces.displacement_space, name="displacement")
-            self.supports = Supports(scene, self.spaces)
+            self.supports = Supports(scene, self.spaces, discrete.held)
             self.applied_supports = list(self.supports.applied)
-            self.stabilisation: list[AppliedSupport] = []
-            self._refuse_overlaps()
-            masters = self._surfaces_of_several()
-            outer = outer_dofs(scene.half_space, self.spaces)
-            self.constrained = np.union1d(self.supports.dofs, outer)
-            self.elastic = ElasticBody(scene, self.spaces, self.displacement)
             self.contacts = [
-                ContactSurface(
-                    contact,
-                    f"contact[{number}]",
-                    self.spaces,
-                    self.supports,
-                    self.constrained,
-                    self.elastic,
-                    masters,
+                ContactSurface(contact, f"contact[{number}]", sides, self.constrained, self.elastic)
+                for number, (contact, sides) in enumerate(
+                    zip(scene.contact, discrete.sides, strict=True)
                 )
-                for number, contact in enumerate(scene.contact)
             ]
             self.unknowns = [
                 ScalarUnknown(contact, "indentation", contact.kinematics.direction)
                 for contact in self.contacts
                 if contact.floats
             ]
-            self.far_field = self._place_far_field(outer)
+            self.far_field = self._place_far_field()
             self._refuse_held_contacts()
             self.points = DisplacementPoints(scene.point, self.spaces)
             self.terms = self._terms()
         with timings.phase("assemble"):
             self._loads, self._pressures = self._assemble_loads(), self._assemble_pressures()
             self.set_time(scene.steps.all_times[-1])
+
+    @classmethod
+    def on_mesh(cls, scene: Scene, body: Body, timings: Timings | None = None) -> Problem:
+        """That of a scene on its mesh, with a body of its own; collective."""
+        timings = timings or Timings()
+        with timings.phase("compile"):
+            discrete = DiscreteBody(BodyDescription.of(scene), body)
+        return cls(scene, discrete, timings)
 
     @cached_property
     def shared_reactions(self) -> SharedReactions:
@@ -185,7 +190,7 @@ class Problem:
         loaded = [self.body.find(load.on) for load in self.scene.load if load.body_force is None]
         return any(other and set(group.tags) & set(other.tags) for other in loaded)
 
-    def _place_far_field(self, outer: Integers) -> FarField | None:
+    def _place_far_field(self) -> FarField | None:
         """Hold the outer boundary of a half-space, by forces known or unknown."""
         if self.scene.half_space is None:
             return None
@@ -194,7 +199,7 @@ class Problem:
                 "half_space: the far field is that of forces of obstacles; leave it out where "
                 "bodies touch each other (contact.against), and let the mesh reach farther"
             )
-        far_field = FarField(self.scene, self.spaces, self.supports, outer, self.contacts)
+        far_field = FarField(self.scene, self.discrete, self.contacts)
         for number, contact in enumerate(self.contacts):
             resultants = list(far_field.sideways[number])
             if contact.force is None:
@@ -233,49 +238,6 @@ class Problem:
                 values += (contact.force or 0.0) * self.far_field.columns[number]
             order = np.argsort(np.concatenate([self.supports.dofs, self.far_field.dofs]))
             self.prescribed = np.concatenate([self.prescribed, values])[order]
-
-    def _surfaces_of_several(self) -> list[str]:
-        """Names of groups that several contacts act on, or that share facets with such."""
-        sides = [
-            (number, name)
-            for number, contact in enumerate(self.scene.contact)
-            for name in (contact.on, contact.against)
-            if name is not None
-        ]
-        tags = {name: set(found.tags) for _, name in sides if (found := self.body.find(name))}
-        return [
-            name
-            for number, name in sides
-            for other, its_name in sides
-            if number != other and tags.get(name, set()) & tags.get(its_name, set())
-        ]
-
-    def _refuse_overlaps(self) -> None:
-        """Contacts may not share facets with supports, nor two with obstacles (Γ_C ∩ Γ_D = ∅)."""
-        taken: dict[int, str] = {}
-        held = [(f"support[{i}].on", support.on) for i, support in enumerate(self.scene.support)]
-        if self.scene.half_space is not None:
-            held += [(f"half_space.on[{i}]", on) for i, on in enumerate(self.scene.half_space.on)]
-        held += [(f"symmetry[{i}]", on) for i, on in enumerate(self.scene.symmetry)]
-        for key, on in held:
-            group = self.body.group(on, key)
-            if group.dimension == self.body.dimension - 1:
-                taken |= dict.fromkeys(group.tags, f"the support on '{on}'")
-        # Those of two bodies may share a side with each other, but not with an obstacle's.
-        contacts = sorted(enumerate(self.scene.contact), key=lambda item: bool(item[1].against))
-        for number, contact in contacts:
-            for side, name in (("on", contact.on), ("against", contact.against)):
-                if name is None:
-                    continue
-                group = self.body.boundary(name, f"contact[{number}].{side}")
-                shared = [taken[tag] for tag in group.tags if tag in taken]
-                if shared:
-                    raise InputError(
-                        f"contact[{number}].{side} = '{name}': shares boundary with {shared[0]}; "
-                        "a contact surface must be free of both"
-                    )
-                if contact.against is None:
-                    taken |= dict.fromkeys(group.tags, f"the contact '{contact.label}'")
 
     def _refuse_held_contacts(self) -> None:
         """Friction on a surface that supports hold everywhere does nothing: surely a slip."""

@@ -116,7 +116,7 @@ class Run:
             with self.timings.phase("mesh"):
                 curved = scene.accuracy is not None and scene.discretisation.degree > 1
                 body = load_body(scene.mesh, scene.dimension, comm, curved=curved)
-        self.problem = Problem(scene, body, self.timings)
+        self.problem = Problem.on_mesh(scene, body, self.timings)
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)
         self.choice: SolverChoice = choose_solver(self.problem)
@@ -147,7 +147,7 @@ class Run:
             "rigid_motions": list(self.free_motion.motions),
             "stabilised_motions": list(self.free_motion.stabilised),
             "used_share_of_limit_load": self.free_motion.used_share,
-            "symmetry": problem.supports.symmetry,
+            "symmetry": problem.discrete.held.symmetry,
         } | ({} if self.solution is None else {"bulk_factorisations": self.solution.factorisations})
 
     def solve(

@@ -19,6 +19,7 @@ from fenics_contact import (
     Scene,
     Support,
 )
+from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.probe_points import DisplacementPoints
 from fenics_contact.body.spaces import Spaces
 from tests.scenes import ROOT, box_body
@@ -160,7 +161,7 @@ def test_as_many_points_as_one_likes():
     size = 1.0, 0.8
     places = np.random.default_rng(3).integers(0, 97, (50_000, 2)) / 96.0 * size
     scene = linear_scene(2, 1, [tuple(place) for place in places.tolist()])
-    spaces = Spaces(scene, twisted(box_body((5, 4), size), size))
+    spaces = Spaces(BodyDescription.of(scene), twisted(box_body((5, 4), size), size))
     points = DisplacementPoints(scene.point, spaces)
     found = points.quantities(spaces.coordinates[:, :2] @ GRADIENT[:2, :2].T)
     values = np.array([found[f"displacement_{point.name}"] for point in scene.point])

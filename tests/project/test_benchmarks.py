@@ -70,7 +70,7 @@ def test_rows_of_two_bodies_count_both_and_the_time_of_pairing(measured_pair):
 @pytest.mark.parametrize("case", [PAIR, Case("P1 tets", (8, 8, 2), upper=(6, 6, 2))])
 def test_foot_of_the_upper_block_is_round_and_touches_the_lower_one(case):
     body = body_of(case, COMM)
-    problem = Problem(scene_of(case, "condensed"), body)
+    problem = Problem.on_mesh(scene_of(case, "condensed"), body)
     assert problem.spaces.parts.count == 2
     nodes, last = problem.spaces.nodes(body.groups["upper"]), case.dimension - 1
     points = problem.spaces.coordinates[nodes]

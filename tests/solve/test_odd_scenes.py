@@ -238,7 +238,7 @@ def test_one_plane_of_symmetry_named_twice_is_one():
         symmetry=("x0", "x0"),
         contact=(Contact("y1"),),
     )
-    assert Problem(scene, box_body((2, 2), (1, 2))).supports.symmetry == "half (x = 0)"
+    assert Problem.on_mesh(scene, box_body((2, 2), (1, 2))).discrete.held.symmetry == "half (x = 0)"
 
 
 def test_foundation_all_around_needs_no_direction():

@@ -36,7 +36,7 @@ def block(nu=0.3, friction=0.5, steps=1):
 
 
 def made(scene, cells=(4, 4, 2)):
-    return Problem(scene, box_body(cells))
+    return Problem.on_mesh(scene, box_body(cells))
 
 
 @pytest.fixture
@@ -100,7 +100,7 @@ def test_iterative_is_for_space_and_compressible_bodies():
     )
     for problem in (
         made(with_solver(block(nu=0.499), solver="iterative")),
-        Problem(with_solver(plane, solver="iterative"), box_body((4, 4), (1, 1))),
+        Problem.on_mesh(with_solver(plane, solver="iterative"), box_body((4, 4), (1, 1))),
     ):
         with pytest.raises(InputError, match="is for 3D models"):
             choose_solver(problem)

@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.contact.kinematics.jump import ContactKinematics, require_smooth
 from fenics_contact.contact.mortar.pairing import Pairing
@@ -25,7 +25,7 @@ class BodyKinematics(ContactKinematics):
     Args:
         trace: The slave's contact points, whose normals become the mean ones.
         opposite: The master's.
-        constrained: Dofs that supports hold (local indices, owned and ghost).
+        pairing: What faces what of the two.
         key: Where the scene describes the contact, for messages.
 
     Raises:
@@ -35,10 +35,11 @@ class BodyKinematics(ContactKinematics):
     faces_body: ClassVar[bool] = True
     pairing: Pairing
 
-    def __init__(self, trace: Trace, opposite: Trace, constrained: Integers, key: str) -> None:
+    def __init__(self, trace: Trace, opposite: Trace, pairing: Pairing, key: str) -> None:
         super().__init__(trace)
         self._opposite = opposite
-        self.pairing = Pairing(trace, opposite, constrained)
+        self.pairing = pairing
+        pairing.as_meshed()
         self._face()
         self._require_reached(
             self.reached,

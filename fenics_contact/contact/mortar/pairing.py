@@ -91,7 +91,7 @@ class Pairing:
                 for facets, trace in zip(self._surfaces, (self._slave, self._master), strict=True)
             )
         faced = on_root(self._comm, lambda: self._find(slave, master))
-        self._moved_master = master
+        self._moved_master, self._is_moved = master, displacement is not None
         surface = self._slave.surface
         self.blocks = faced.blocks
         self.normals = faced.normals[surface.numbers]
@@ -103,6 +103,11 @@ class Pairing:
         self.centre_normals = faced.centre_normals[mine]
         at_nodes = faced.gaps[surface.numbers][self._slave.numbers]
         self.gaps = np.concatenate([at_nodes, faced.centre_gaps[mine]])
+
+    def as_meshed(self) -> None:
+        """Find what faces what on the bodies as meshed, if it is of displaced ones; collective."""
+        if self._is_moved:
+            self.update()
 
     def _find(self, slave: FacetMesh, master: FacetMesh) -> _Faced:
         axisymmetric = self._slave.spaces.kinematics == "axisymmetric"

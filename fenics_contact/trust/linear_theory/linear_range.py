@@ -45,7 +45,7 @@ class LinearRange:
             and not contact.kinematics.faces_body
             and contact.kinematics.direction.any()
         ]
-        self._sides = [self._side(axis, at) for axis, at in problem.supports.flat_sides]
+        self._sides = [self._side(axis, at) for axis, at in problem.discrete.held.flat_sides]
 
     def of(self, solution: Solution) -> dict[str, dict[str, Any]]:
         """Of a load step, in whose state the model is; collective.

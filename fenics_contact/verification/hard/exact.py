@@ -139,7 +139,7 @@ class _Inequalities:
     """A discrete problem of contact with one obstacle."""
 
     def __init__(self, scene: Scene, body: Body) -> None:
-        problem = Problem(scene, body)
+        problem = Problem.on_mesh(scene, body)
         (contact,) = problem.contacts
         trace = contact.trace
         self.order = np.lexsort(np.round(trace.coordinates.T[1::-1] / trace.extent(), 9))

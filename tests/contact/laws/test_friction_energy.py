@@ -50,7 +50,7 @@ def pad(dimension, coefficient=0.4):
             ),
         ),
     )
-    return Problem(scene, box_body(cells))
+    return Problem.on_mesh(scene, box_body(cells))
 
 
 def set_state(problem, x):

@@ -22,7 +22,7 @@ def pad(dimension, kind="unilateral", degree=2, **keys):
         discretisation={"degree": degree},
         contact=(Contact(face, contact=kind, obstacle=Obstacle(gap=lambda x: 0.1 * x[0]), **keys),),
     )
-    return Problem(scene, box_body((3, 2, 2)[:dimension]))
+    return Problem.on_mesh(scene, box_body((3, 2, 2)[:dimension]))
 
 
 def set_state(problem, x):

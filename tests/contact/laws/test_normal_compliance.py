@@ -96,7 +96,7 @@ def test_residual_and_tangent_are_derivatives_of_the_energy(dimension, exponent)
         obstacle=Obstacle(gap=lambda x: 0.1 * x[0]),
         normal_law=law(exponent, lambda x: 3 + x[0]),
     )
-    contact = Problem(scene, box_body((3, 2, 2)[:dimension])).contacts[0]
+    contact = Problem.on_mesh(scene, box_body((3, 2, 2)[:dimension])).contacts[0]
     surface, energy = contact.trace.surface, fem.form(contact.normal.energy)
     points = surface.coordinates
     shift = np.stack([np.sin(3 * points[:, 0] + i) for i in range(dimension)], axis=1)

@@ -88,7 +88,7 @@ def torsion_pad(torque, force=0.0, cells=8, at=(0.5, 0.5)):
         load=(Load("z1", traction=(traction(0), traction(1), 0)),),
         contact=(Contact("z0", pressure=1, friction_coefficient=1),),
     )
-    return Problem(scene, box_body((cells, cells, 1)))
+    return Problem.on_mesh(scene, box_body((cells, cells, 1)))
 
 
 def clamped_block(force, cells=8):
@@ -101,7 +101,7 @@ def clamped_block(force, cells=8):
         load=(Load("x1", traction=force),),
         contact=(Contact("y0", friction_coefficient=0.0), *sides),
     )
-    return Problem(scene, box_body((cells, cells), (1, 1)))
+    return Problem.on_mesh(scene, box_body((cells, cells), (1, 1)))
 
 
 def test_a_block_that_turns_out_from_under_the_pressure_of_its_sides():
@@ -192,7 +192,7 @@ def pushed_tube(force):
         load=(Load("y0", traction=(0, force)),),
         contact=(Contact("x1", pressure=4, friction_coefficient=0.25),),
     )
-    return Problem(scene, body)
+    return Problem.on_mesh(scene, body)
 
 
 def pushed_half(force):
@@ -204,7 +204,7 @@ def pushed_half(force):
         load=(Load("y0", traction=(0, force)),),
         contact=(Contact("x1", pressure=4, friction_coefficient=0.25),),
     )
-    return Problem(scene, box_body((3, 4), (1, 1.5)))
+    return Problem.on_mesh(scene, box_body((3, 4), (1, 1.5)))
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def on_floor(load, coefficient=0.3, body=FLAT, support=(), **keys):
         ),
         **keys,
     )
-    return Problem(scene, body)
+    return Problem.on_mesh(scene, body)
 
 
 def weight(*force):
@@ -182,7 +182,7 @@ def sloped(slope, coefficient):
         load=(Load("upper", body_force=(slope * 5, -5)),),
         contact=(Contact("upper.y0", against="lower.y1", friction_coefficient=coefficient),),
     )
-    return Problem(scene, boxes(parts))
+    return Problem.on_mesh(scene, boxes(parts))
 
 
 def test_a_block_of_two_on_a_slope_at_its_angle_of_friction():
@@ -207,7 +207,7 @@ def test_bodies_in_a_pile_are_judged_together():
                 Contact("lower.y0", friction_coefficient=below),
             ),
         )
-        return Problem(scene, boxes(parts))
+        return Problem.on_mesh(scene, boxes(parts))
 
     assert share(pile(2.0, 0.2)) == pytest.approx(0.5, abs=1e-5)
     said = refusal(pile(4.1, 0.2))
@@ -289,9 +289,9 @@ def test_units_and_other_loads_in_balance_do_not_matter():
         squeeze = (Load("x0", traction=(1e4 * scale, 0)), Load("x1", traction=(-1e4 * scale, 0)))
         scene = on_floor((weight(1.5 * 0.99 * scale, -5 * scale), *squeeze)).scene
         scene = dataclasses.replace(scene, material=Material(1000 * scale, 0.3))
-        assert share(Problem(scene, FLAT)) == pytest.approx(0.99, rel=1e-4)
+        assert share(Problem.on_mesh(scene, FLAT)) == pytest.approx(0.99, rel=1e-4)
         heavier = (weight(1.5 * 1.01 * scale, -5 * scale), *squeeze)
-        refusal(Problem(dataclasses.replace(scene, load=heavier), FLAT))
+        refusal(Problem.on_mesh(dataclasses.replace(scene, load=heavier), FLAT))
 
 
 def test_in_space_degree_1_and_2_agree():

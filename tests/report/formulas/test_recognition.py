@@ -8,7 +8,7 @@ import pytest
 
 from fenics_contact import Contact, HalfSpace, Load, Material, MeshSource, Obstacle, Scene, Support
 from fenics_contact.analytic import contact as formulas
-from fenics_contact.body.supports import Supports, SymmetryPlane
+from fenics_contact.body.held_dofs import HeldDofs, SymmetryPlane
 from fenics_contact.report.formulas.recognition import recognise
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.scene.values import Profile
@@ -155,9 +155,9 @@ def test_plane_of_symmetry_far_from_the_origin():
     rows.numbers["x"] += place
     rows = ContactTable(rows.contact, rows.status, rows.numbers)
     scene = pressed("plane strain", obstacle=obstacle)
-    supports = object.__new__(Supports)  # its planes alone
-    supports.planes = [SymmetryPlane("left", 0, place)]
-    found = recognise(scene, result(10.0, symmetry=supports.symmetry), rows, None)
+    held = object.__new__(HeldDofs)  # its planes alone
+    held.planes = [SymmetryPlane("left", 0, place)]
+    found = recognise(scene, result(10.0, symmetry=held.symmetry), rows, None)
     assert found.hertz == formulas.line_contact(MODULUS, RADIUS, 20.0)
     tiny = Obstacle("parabola", 8e-6, force=1e-6, position=(3e-7, 0))
     rows = table(np.linspace(0, 1e-6, 81), closed=1e-7)

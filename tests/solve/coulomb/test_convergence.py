@@ -31,7 +31,7 @@ def block(coefficient=0.5, moved=(0.05, -0.01), **solver):
 
 @pytest.fixture
 def contact():
-    return Problem(block(), box_body((8, 4), (2, 1))).contacts[0]
+    return Problem.on_mesh(block(), box_body((8, 4), (2, 1))).contacts[0]
 
 
 def chattering(contact, monkeypatch, statuses, count):

@@ -64,7 +64,7 @@ def block(cells=8, cell=mesh.CellType.hexahedron):
 
 def solved(scene, body, kind=IterativeSystem):
     """The last solution, its Newton solver and its system, which is freed."""
-    problem = Problem(scene, body)
+    problem = Problem.on_mesh(scene, body)
     system = kind(problem, Timings())
     newton = Newton(problem, system, Timings())
     for number, time in enumerate(scene.steps.all_times):

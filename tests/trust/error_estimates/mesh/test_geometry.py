@@ -22,6 +22,7 @@ from fenics_contact import (
     Support,
     run,
 )
+from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, reference_nodes
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
@@ -212,14 +213,14 @@ def test_what_lies_between_straight_facets_and_the_curve(cell):
     scene = Scene(
         kinematics="3D" if dimension == 3 else "plane strain", material=Material(1000, 0.3)
     )
-    between, whole = missed(Spaces(scene, body))
+    between, whole = missed(Spaces(BodyDescription.of(scene), body))
     assert between == pytest.approx(0.75 * np.pi - whole, rel=0.2)
     assert between > 0.005 * whole
 
 
 def test_what_lies_between_quadratic_facets_and_the_curve():
     scene = half_disc(2)
-    between, whole = missed(Spaces(scene, load_body(scene.mesh, 2, COMM)))
+    between, whole = missed(Spaces(BodyDescription.of(scene), load_body(scene.mesh, 2, COMM)))
     true = 32 * np.pi - whole
     assert 0 < true < 1e-3 * whole
     assert 0.5 * true < between < 2 * true  # cells grow by 1.8 from one to the next

@@ -1,0 +1,95 @@
+"""What of a scene describes the body, apart from what is done to it.
+
+Mesh, materials, and which displacements and surfaces supports and contacts need: all that is
+computed from it holds for any laws, coefficients, obstacles, loads, values and load steps.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from fenics_contact.scene.material import Material
+from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.values import Kinematics, Value
+
+
+@dataclass(frozen=True)
+class HeldGroup:
+    """A group that a support holds.
+
+    Attributes:
+        on: Its name.
+        axes: Components of its displacement, such as ``("x", "y")``.
+    """
+
+    on: str
+    axes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class CandidateContact:
+    """A surface that may touch something.
+
+    Attributes:
+        on: Name of its group.
+        against: That of the surface opposite, None where a rigid obstacle stands, or nothing.
+        slave: Which of the two is to be the slave: ``auto``, ``on`` or ``against``.
+        label: Name in messages; no part of what the body is.
+    """
+
+    on: str
+    against: str | None
+    slave: str
+    label: str = field(compare=False)
+
+
+@dataclass(frozen=True)
+class BodyDescription:
+    """What spaces, stiffness, held dofs and contact surfaces follow from, besides the mesh.
+
+    Attributes:
+        kinematics: Kinematic model, such as ``plane strain``.
+        dimension: Displacement components.
+        thickness: Of plane models, None where it plays no part (length).
+        degree: Of the elements.
+        material: Of the parts.
+        held: What supports hold.
+        symmetry: Groups in planes of symmetry.
+        outer: Groups of the outer boundary of a piece of a half-space.
+        contacts: In scene order.
+    """
+
+    kinematics: Kinematics
+    dimension: int
+    thickness: Value | None
+    degree: int
+    material: tuple[Material, ...]
+    held: tuple[HeldGroup, ...]
+    symmetry: tuple[str, ...]
+    outer: tuple[str, ...]
+    contacts: tuple[CandidateContact, ...]
+
+    @classmethod
+    def of(cls, scene: Scene) -> BodyDescription:
+        """That of a scene."""
+        return cls(
+            kinematics=scene.kinematics,
+            dimension=scene.dimension,
+            thickness=scene.thickness,
+            degree=scene.discretisation.degree,
+            material=scene.material,
+            held=tuple(HeldGroup(each.on, tuple(each.displacement)) for each in scene.support),
+            symmetry=scene.symmetry,
+            outer=scene.half_space.on if scene.half_space else (),
+            contacts=tuple(
+                CandidateContact(each.on, each.against, each.slave, each.label)
+                for each in scene.contact
+            ),
+        )
+
+    def differences(self, other: BodyDescription) -> Sequence[str]:
+        """Names of what is not the same."""
+        names = (each.name for each in dataclasses.fields(self))
+        return [name for name in names if getattr(self, name) != getattr(other, name)]
