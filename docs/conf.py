@@ -76,33 +76,12 @@ autodoc_typehints = "signature"
 napoleon_use_ivar = True
 napoleon_use_rtype = False  # "The exit code: 0 …" is no type
 
-# Names in signatures that have no page here: those of other projects, whose pages are not asked, as
-# nothing is fetched; and, by name, those of modules that are not shown.
+# Names in signatures of other projects, whose pages are not asked, as nothing is fetched. Those of
+# modules that are not shown: docstrings.py.
 nitpick_ignore_regex = [
     (r"py:.*", r"(numpy|np|dolfinx|ufl|basix|petsc4py|PETSc|mpi4py|MPI|scipy|pydantic|NDArray).*"),
     (r"py:.*", r"(argparse|collections|pathlib|types)\..*"),
 ]
-_INNER = (
-    "solve.load_steps.accepted_step.Unknowns",
-    "solve.condensed.condensed_system.CondensedSystem",
-    "contact.contact_surface.ContactSurface",
-    "contact.laws.site.LawSite",
-    "results.point_arrays.PointArray",
-    "scene.normal_laws.NormalCompliance",
-    "contact.mortar.facet_mesh.FacetMesh",
-    "problem.problem.Problem",
-    "scene.quantity_names.QuantityNames",
-    "solve.newton.solution.Solution",
-    "body.spaces.Spaces",
-    "simulation.restart.state_file.SavedRun",
-    "simulation.restart.state_file.StateFile",
-    "body.supports.Supports",
-    "solve.systems.system.System",
-    "common.timings.Timings",
-    "contact.surface.trace.Trace",
-)
-nitpick_ignore = [("py:class", f"fenics_contact.{name}") for name in _INNER]
-
 _MATHJAX = "tex-svg-full.js"  # all of it in one file, fonts as well
 mathjax_path = f"mathjax/{_MATHJAX}"
 

@@ -1,14 +1,17 @@
 """Sphinx: docstrings of this package as autodoc shows them.
 
-Keys of scene classes are told in the words of the scene reference, not by their annotations.
+Keys of scene classes are told in the words of the scene reference, not by their annotations. A class
+that is in no page is named without a link; one that does not exist stays a warning.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import pkgutil
 import re
 from typing import Any
 
+from docutils import nodes
 from sphinx.application import Sphinx
 
 _LITERAL = re.compile(r"(``.*?``)")
@@ -19,6 +22,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("autodoc-process-signature", _signature)
     app.connect("autodoc-process-docstring", _add_keys)
     app.connect("autodoc-process-docstring", _escape)
+    app.connect("missing-reference", _inner_class)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
 
@@ -57,6 +61,20 @@ def _add_keys(
             takes = re.sub(r"`([^`]+)`", r"``\1``", key.accepts)
             lines.append(f":param {key.name}: {meaning}; {takes}")
         lines.append("")
+
+
+def _inner_class(
+    app: Sphinx, env: Any, node: nodes.Element, shown: nodes.TextElement
+) -> nodes.TextElement | None:
+    """The plain name of a class of this package that has no page."""
+    target = node.get("reftarget", "")
+    if node.get("reftype") != "class" or not target.startswith("fenics_contact."):
+        return None
+    try:
+        pkgutil.resolve_name(target)
+    except (ImportError, AttributeError):
+        return None
+    return shown
 
 
 def _escape(app: Sphinx, what: str, name: str, value: Any, options: Any, lines: list[str]) -> None:
