@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import ufl
@@ -29,6 +29,7 @@ from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.problem.acting_load import ActingLoad, kind_and_values
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.far_field import FarField
+from fenics_contact.problem.scalar_unknowns import Indentation, Resultant, ScalarUnknown
 from fenics_contact.problem.shared_reactions import SharedReactions
 from fenics_contact.scene.load_paths import KeyedPath
 from fenics_contact.scene.scene import Load, Scene
@@ -51,32 +52,6 @@ class Term:
     def integrals(self) -> list[str]:
         """Kind of integral of each compiled form, such as ``exterior_facet``."""
         return [kind for form in self.forms for kind in compat.integral_types(form)]
-
-
-@dataclass(frozen=True, eq=False)
-class ScalarUnknown:
-    """A number that is found together with the displacements.
-
-    Attributes:
-        contact: The contact that it belongs to.
-        kind: ``indentation`` of an obstacle that a force drives, or ``resultant``: a component
-            of the contact's force on the body, which the far field of a half-space follows.
-        direction: Unit vector that it is along, (components,).
-        column: Of a resultant: displacement of ``Problem.far_field.dofs`` over it.
-    """
-
-    contact: ContactSurface
-    kind: Literal["indentation", "resultant"]
-    direction: Array
-    column: Array | None = None
-
-    @property
-    def name(self) -> str:
-        """For results: what it is, where, and its direction unless that of the obstacle."""
-        name = f"{self.kind} at {self.contact.label}"
-        if self.direction is self.contact.kinematics.direction:
-            return name
-        return f"{name} along ({', '.join(f'{round(x, 3) + 0.0:g}' for x in self.direction)})"
 
 
 class Problem:
@@ -127,8 +102,8 @@ class Problem:
                     zip(scene.contact, discrete.sides, strict=True)
                 )
             ]
-            self.unknowns = [
-                ScalarUnknown(contact, "indentation", contact.kinematics.direction)
+            self.unknowns: list[ScalarUnknown] = [
+                Indentation(contact, contact.kinematics.direction)
                 for contact in self.contacts
                 if contact.floats
             ]
@@ -204,7 +179,7 @@ class Problem:
             resultants = list(far_field.sideways[number])
             if contact.force is None:
                 resultants.insert(0, (contact.kinematics.direction, far_field.columns[number]))
-            self.unknowns += [ScalarUnknown(contact, "resultant", *found) for found in resultants]
+            self.unknowns += [Resultant(contact, *found) for found in resultants]
         nothing = np.zeros(len(far_field.dofs))
         self.applied_supports.append(AppliedSupport(far_field.on, far_field.dofs, nothing))
         return far_field

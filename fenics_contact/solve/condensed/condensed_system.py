@@ -117,10 +117,10 @@ class CondensedSystem(System):
                 columns = self._far_loads[number][1][places][:, None]
                 motion[:, column] = far[:, column] = columns
             direction = np.resize(unknown.direction, len(places))[:, None]
-            if unknown.contact is surface.contact and unknown.kind == "indentation":
-                motion[:, column] = work[:, column] = -direction
-            elif unknown.contact is surface.contact:
-                work[:, column] = direction
+            if unknown.contact is surface.contact:
+                work[:, column] = -unknown.pushes * direction
+                if unknown.drives:
+                    motion[:, column] = -direction
         return ContactJump(surface, csr_matrix(far), csr_matrix(motion), csr_matrix(work))
 
     def _dense_tangent(self) -> ContactTangent | None:
@@ -133,8 +133,8 @@ class CondensedSystem(System):
             return None
         condensed = [self.variables.forces(load) for load in condensed]
         columns = -np.array(condensed).reshape(self.scalars, len(self.dofs.free)).T
-        resultant = [float(unknown.kind == "resultant") for unknown in self.problem.unknowns]
-        return ContactTangent(self.variables.stiffness(schur), columns, np.array(resultant))
+        own = np.array([unknown.own for unknown in self.problem.unknowns])
+        return ContactTangent(self.variables.stiffness(schur), columns, own)
 
     def _create_vectors(self) -> None:
         own = self._size if self._root else 0
@@ -256,10 +256,7 @@ class CondensedSystem(System):
         parts = [self._of_all(jump, force) for jump, force in zip(self._jumps, forces, strict=True)]
         if self._dense is None:
             return
-        driving = [
-            unknown.contact.force or 0.0 if unknown.kind == "indentation" else 0.0
-            for unknown in self.problem.unknowns
-        ]
+        driving = [unknown.force for unknown in self.problem.unknowns]
         left = self._dense.constant_part(np.array(state.array_r))
         left -= np.concatenate([self._condensed, driving])
         for jump, force in zip(self._jumps, parts, strict=True):

@@ -11,7 +11,8 @@ from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.problem.problem import Problem, ScalarUnknown
+from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.scalar_unknowns import ScalarUnknown
 from fenics_contact.solve.systems.contact_stiffness import Entries, SurfaceMatrix
 
 
@@ -129,9 +130,8 @@ class AddedTangents:
                 add_entries(tangent, at_rows, every, moved[number])
             if unknown.contact is not surface.contact:
                 continue
-            # Of an obstacle the row of m · r_c(u) − F = 0, of a resultant of R − m · r_c(u) = 0.
-            sign = -1.0 if unknown.kind == "indentation" else 1.0
-            along = sign * unknown.direction[rows % size]
+            # K_c is the derivative of −r_c.
+            along = -unknown.pushes * unknown.direction[rows % size]
             add_entries(tangent, every, at_columns, values * along)
             for other, by in enumerate(moved):
                 column = np.full(1, self._scalar_row(tangent, other), dtype=PETSc.IntType)

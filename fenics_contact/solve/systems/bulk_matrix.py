@@ -9,7 +9,8 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.problem.problem import Problem, ScalarUnknown
+from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.scalar_unknowns import ScalarUnknown
 from fenics_contact.solve.systems.bordered_tangent import AddedTangents, add_entries
 
 

@@ -15,7 +15,8 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
-from fenics_contact.problem.problem import Problem, ScalarUnknown
+from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.scalar_unknowns import ScalarUnknown
 
 
 class System(ABC):
@@ -134,12 +135,7 @@ class System(ABC):
 
     def starting_scalars(self) -> Array:
         """Where driven obstacles stand; no resultants yet."""
-        return np.array(
-            [
-                unknown.contact.kinematics.indentation if unknown.kind == "indentation" else 0.0
-                for unknown in self.problem.unknowns
-            ]
-        )
+        return np.array([unknown.start for unknown in self.problem.unknowns])
 
     def contact_forces(self, terms: str) -> list[Array]:
         """Forces on the body at the nodes of each surface, by a kind of term; collective."""
@@ -164,7 +160,7 @@ class System(ABC):
         driven = {
             unknown.contact: float(value)
             for unknown, value in zip(self.problem.unknowns, scalars, strict=True)
-            if unknown.kind == "indentation"
+            if unknown.drives
         }
         for contact, displacement in zip(self.problem.contacts, displacements, strict=True):
             if displacement is not None:
@@ -178,12 +174,6 @@ class System(ABC):
         return float(total(self.comm, own) @ unknown.direction)
 
     def scalar_imbalances(self, values: Array, forces: list[Array]) -> Array:
-        """m·r − F for an obstacle that a force F drives, R − m·r for a resultant R; collective."""
-        found = np.zeros(self.scalars)
-        for number, unknown in enumerate(self.problem.unknowns):
-            pushed = self.pushed(unknown, forces)
-            driven = unknown.kind == "indentation"
-            found[number] = (
-                pushed - (unknown.contact.force or 0.0) if driven else values[number] - pushed
-            )
-        return found
+        """What the equations of the scalar unknowns leave, (scalars,) (force); collective."""
+        pairs = zip(self.problem.unknowns, values, strict=True)
+        return np.array([u.imbalance(float(value), self.pushed(u, forces)) for u, value in pairs])
