@@ -16,9 +16,10 @@ import numpy as np
 from fenics_contact.common.arrays import AnyIntegers, Array, Flags
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised, reference_nodes
 
-# Cosine of the angle between neighbouring facets from which there is an edge between them; and
-# from which one says nothing of what the other misses.
-_EDGE = float(np.cos(np.pi / 4))
+# Cosine of the angle between neighbouring facets beyond which there is an edge between them; and
+# beyond which one says nothing of what the other misses. Eighths of a circle are common facets, and
+# their angle is no more: not round-off is to decide what they are.
+_EDGE = float(np.cos(np.pi / 4)) - 1e-9
 # Degree of the polynomials by the facets' order, of lines and of surfaces. Beside a triangle with
 # straight sides there are about twelve other nodes: enough for degree 2, which has its error.
 _DEGREES = {2: {1: 3, 2: 4}, 3: {1: 2, 2: 4}}

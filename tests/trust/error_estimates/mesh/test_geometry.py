@@ -189,6 +189,24 @@ def test_friction_beside_a_corner_where_the_next_node_nearly_slips():
     assert error < 1.5 * result.contacts[1]["errors"]["friction_force"]["total"]
 
 
+@pytest.mark.parametrize("cells", [4, 8])
+def test_facets_at_45_degrees_to_each_other_miss_the_same_wherever_they_stand(cells):
+    """The second neighbour's angle in quarters of a circle, the first one's in an octagon."""
+    whole = np.pi / 2 if cells == 4 else 2 * np.pi
+    missed = []
+    for start in np.linspace(0, 6, 40):
+        ends = start + whole * np.arange(cells + 1) / cells
+        places = np.stack([np.cos(ends), np.sin(ends)], axis=1)
+        geometry = np.stack([places[:-1], places[1:]], axis=1)
+        numbers = np.arange(2 * cells).reshape(-1, 2)
+        normals = np.repeat(geometry.mean(axis=1), 2, axis=0)
+        facets = FacetMesh("interval", 1, 1, geometry, numbers, normals)
+        missed.append(SmoothSurface(facets).offsets(np.arange(cells), np.full((cells, 1), 0.5)))
+    np.testing.assert_allclose(missed, missed[:1] * 40, rtol=1e-6)
+    sagitta = 1 - np.cos(whole / cells / 2)
+    np.testing.assert_allclose(missed[0], sagitta, rtol=0.5)
+
+
 def ring(cells, cell=None):
     """A quarter of a ring, radii 1 and 2, with straight cells; y0 is the inner side."""
     body = box_body(cells, (1, 1, 1), cell)
