@@ -97,9 +97,8 @@ def _conditions(scene: Scene) -> list[str]:
         on = f" on '{support.on}'" if support.label != support.on else ""
         lines.append(f"Support '{support.label}'{on}: {', '.join(held)}")
     for load in scene.load:
-        kinds = ("traction", "pressure", "body_force")
-        kind = next(kind for kind in kinds if getattr(load, kind) is not None)
-        lines.append(f"Load '{load.on}': {kind.replace('_', ' ')} {_given(getattr(load, kind))}")
+        value = _given(getattr(load, load.kind))
+        lines.append(f"Load '{load.on}': {load.kind.replace('_', ' ')} {value}")
     return lines
 
 

@@ -10,43 +10,34 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-import ufl
+from dolfinx import fem
 
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.probe_points import DisplacementPoints
 from fenics_contact.body.supports import AppliedSupport, Supports
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.surface.supports import SurfaceSupports
 from fenics_contact.mesh.tagged_mesh import Body, Group
-from fenics_contact.problem.acting_load import ActingLoad, kind_and_values
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.far_field import FarField
+from fenics_contact.problem.loads import given_loads
 from fenics_contact.problem.scalar_unknowns import Indentation, Resultant, ScalarUnknown
 from fenics_contact.problem.shared_reactions import SharedReactions
-from fenics_contact.scene.load_paths import KeyedPath
-from fenics_contact.scene.scene import Load, Scene
+from fenics_contact.scene.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """One energy term: its name, the forms compiled for it, and of a load its path and itself.
-
-    Attributes:
-        load: As it is where the path is 1.
-    """
+    """One energy term: its name, and the forms compiled for it."""
 
     name: str
-    forms: tuple[Any, ...]
-    path: Callable[[float], float] | None = None
-    load: ActingLoad | None = None
+    forms: tuple[fem.Form, ...]
 
     @property
     def integrals(self) -> list[str]:
@@ -73,6 +64,7 @@ class Problem:
         unknowns: Scalars that are found together with the displacements.
         far_field: The outer boundary of a half-space, or None.
         points: Where the displacement is a quantity.
+        loads: Those of the scene that are not zero.
         terms: The energy terms modelled.
         elastic: ½ a(·, ·): law, compiled forms, stress.
         load: Present nodal loads with the prescribed contact pressures, (nodes, components).
@@ -110,9 +102,11 @@ class Problem:
             self.far_field = self._place_far_field()
             self._refuse_held_contacts()
             self.points = DisplacementPoints(scene.point, self.spaces)
+            self.loads = given_loads(scene.load, self.spaces)
             self.terms = self._terms()
         with timings.phase("assemble"):
-            self._loads, self._pressures = self._assemble_loads(), self._assemble_pressures()
+            self._loads = [(self.spaces.assemble(load.form), load.path) for load in self.loads]
+            self._pressures = self._assemble_pressures()
             self.set_time(scene.steps.all_times[-1])
 
     @classmethod
@@ -162,8 +156,9 @@ class Problem:
 
     def is_loaded(self, group: Group) -> bool:
         """Whether a load acts on some of the facets of a group."""
-        loaded = [self.body.find(load.on) for load in self.scene.load if load.body_force is None]
-        return any(other and set(group.tags) & set(other.tags) for other in loaded)
+        loaded = [found for load in self.scene.load if (found := self.body.find(load.on))]
+        loaded = [other for other in loaded if other.dimension == group.dimension]
+        return any(set(group.tags) & set(other.tags) for other in loaded)
 
     def _place_far_field(self) -> FarField | None:
         """Hold the outer boundary of a half-space, by forces known or unknown."""
@@ -228,8 +223,7 @@ class Problem:
 
     def _terms(self) -> list[Term]:
         terms = [Term(self.elastic.name, self.elastic.forms)]
-        for number, load in enumerate(self.scene.load):
-            terms += self._load_term(number, load)
+        terms += [Term(load.name, (load.form,)) for load in self.loads]
         for contact in self.contacts:
             terms += [Term(contact.normal.name, (form,)) for form, _ in contact.normal.loads]
         for contact in self.contacts:
@@ -237,29 +231,6 @@ class Problem:
             if contact.floats:
                 terms.append(Term(f"force on the obstacle at {contact.label}", ()))
         return terms
-
-    def _load_term(self, number: int, load: Load) -> list[Term]:
-        """The term of a load, with its linear form; none where the load is zero."""
-        spaces = self.spaces
-        kind, values = kind_and_values(load)
-        key = f"load[{number}]"
-        if kind == "body_force":
-            group = self.body.group(load.on, f"{key}.on")
-            if group.dimension != self.body.dimension:
-                raise InputError(f"{key}.on = '{load.on}': a body_force needs a part of the body")
-        else:
-            group = self.body.boundary(load.on, f"{key}.on")
-        nodes = spaces.nodes(group)
-        nodal = np.stack(
-            [spaces.evaluate(v, nodes, f"{key}.{kind}[{i}]") for i, v in enumerate(values)], axis=1
-        )
-        if self.comm.allreduce(int(np.count_nonzero(nodal))) == 0:
-            return []
-        value = spaces.coefficient(nodal[:, 0] if kind == "pressure" else nodal, nodes)
-        acting = ActingLoad(kind, value, group, spaces, values, f"{key}.{kind}")
-        form = form_cache.form(acting.work(ufl.TestFunction(spaces.displacement_space)))
-        name = f"{kind.replace('_', ' ')} on {load.on}"
-        return [Term(name, (form,), KeyedPath(load.path, f"{key}.path"), acting)]
 
     def _assemble_pressures(self) -> list[tuple[Array, Callable[[float], float]]]:
         """Nodal forces of every contact pressure that is given, with their paths."""
@@ -270,12 +241,4 @@ class Problem:
             )
             for contact in self.contacts
             for form, path in contact.normal.loads
-        ]
-
-    def _assemble_loads(self) -> list[tuple[Array, Callable[[float], float]]]:
-        """Nodal forces of every load, with their paths."""
-        return [
-            (self.spaces.assemble(term.forms[0]), term.path)
-            for term in self.terms
-            if term.path is not None
         ]

@@ -163,6 +163,18 @@ class Load:
         if sum(kind is not None for kind in (self.traction, self.pressure, self.body_force)) != 1:
             raise ValueError("give exactly one of traction, pressure and body_force")
 
+    @property
+    def kind(self) -> str:
+        """The key that it is given by, such as ``traction``."""
+        kinds = ("traction", "pressure", "body_force")
+        return next(kind for kind in kinds if getattr(self, kind) is not None)
+
+    @property
+    def components(self) -> tuple[Value, ...]:
+        """What is given: one entry per axis, of a pressure one."""
+        value = getattr(self, self.kind)
+        return value if isinstance(value, tuple) else (value,)
+
 
 @scene_class
 class Point:

@@ -59,9 +59,7 @@ class LocalErrors:
         self._response = self._compile(test, self._error)
         self._on_contacts = [self._contact_forms(trace, test) for _, trace in self._traces()]
         self._loads = [
-            (form_cache.form(load.work(self._test)), path)
-            for term in problem.terms
-            if (load := term.load) is not None and (path := term.path) is not None
+            (form_cache.form(load.acting.work(self._test)), load.path) for load in problem.loads
         ]
 
     def solve(self, forces: BulkForces, time: float) -> None:

@@ -20,8 +20,8 @@ from dolfinx import fem
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
-from fenics_contact.problem.acting_load import ActingLoad
 from fenics_contact.problem.curved_sides import CurvedSides
+from fenics_contact.problem.loads import ActingLoad
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.mesh.missed_pressure import (
@@ -65,8 +65,7 @@ class MissedBody:
     def is_none(self) -> bool:
         """Whether nothing is missed."""
         problem = self._problem
-        loads = [term.load for term in problem.terms if term.load is not None]
-        functions = not all(load.is_constant for load in loads)
+        functions = not all(load.acting.is_constant for load in problem.loads)
         functions |= any(callable(contact.pressure) for contact in problem.scene.contact)
         return self._sides.offset is None and not functions
 
@@ -79,9 +78,8 @@ class MissedBody:
         """
         spaces, moved = self._problem.spaces, solution.displacement
         loads = np.zeros_like(moved)
-        for term in self._problem.terms:
-            if term.load is not None and term.path is not None:
-                loads += term.path(time) * self._of_load(term.load)
+        for load in self._problem.loads:
+            loads += load.path(time) * self._of_load(load.acting)
         for number in range(len(self._problem.contacts)):
             pressure = self.of_pressure(number, time)
             loads += 0.0 if pressure is None else pressure.nodal

@@ -18,8 +18,8 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.evaluate.contact_resultants import resultant
-from fenics_contact.problem.acting_load import ActingLoad
 from fenics_contact.problem.curved_sides import CurvedSides
+from fenics_contact.problem.loads import Pressure
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def missed_pressure(
     if given is None or not contact.normal.loads:
         return None
     is_curved = total(spaces.comm, int(sides.within(group).sum())) > 0
-    load = ActingLoad("pressure", None, group, spaces, (given,), "contact.pressure")
+    load = Pressure(None, group, spaces, (given,), "contact.pressure")
     if load.is_constant and not is_curved:
         return None
     load, test = load.as_given(), ufl.TestFunction(spaces.displacement_space)
