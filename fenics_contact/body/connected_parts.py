@@ -6,10 +6,9 @@ the vertices that ranks share, so that any partition gives the same parts.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from dolfinx import la
+from dolfinx import fem, la
+from dolfinx.mesh import Mesh
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
@@ -34,7 +33,7 @@ class Parts:
         space: Of the displacements.
     """
 
-    def __init__(self, body: Body, space: Any) -> None:
+    def __init__(self, body: Body, space: fem.FunctionSpace) -> None:
         self._comm = body.mesh.comm
         self._owned = space.dofmap.index_map.size_local
         of_cell, count = _parts_of_cells(body.mesh)
@@ -66,7 +65,7 @@ class Parts:
         return np.where(found > 0, found, 1.0)
 
 
-def _parts_of_cells(mesh: Any) -> tuple[Integers, int]:
+def _parts_of_cells(mesh: Mesh) -> tuple[Integers, int]:
     """Part of each cell of this rank (owned and ghost), and the number of parts; collective."""
     of_vertex, of_cell = _local_pieces(mesh)
     least = _least_inputs(mesh, of_cell)
@@ -88,7 +87,7 @@ def _parts_of_cells(mesh: Any) -> tuple[Integers, int]:
     return in_order[of_piece[first + of_cell]], count
 
 
-def _local_pieces(mesh: Any) -> tuple[Integers, Integers]:
+def _local_pieces(mesh: Mesh) -> tuple[Integers, Integers]:
     """Number of the connected piece of each vertex and each cell that this rank holds."""
     links = mesh.topology.connectivity(mesh.topology.dim, 0)
     index_map = mesh.topology.index_map(0)
@@ -102,7 +101,7 @@ def _local_pieces(mesh: Any) -> tuple[Integers, Integers]:
     return pieces[:vertices].astype(np.int64), pieces[vertices:].astype(np.int64)
 
 
-def _least_inputs(mesh: Any, of_cell: Integers) -> Integers:
+def _least_inputs(mesh: Mesh, of_cell: Integers) -> Integers:
     """Least number that a node of each piece of this rank had where the mesh was given."""
     least = np.full(int(of_cell.max(initial=-1)) + 1, np.iinfo(np.int64).max)
     inputs = compat.input_nodes(mesh)

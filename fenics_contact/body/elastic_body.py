@@ -13,12 +13,13 @@ only at first order.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import ufl
 from dolfinx import fem
+from dolfinx.mesh import Mesh
 from numpy.typing import NDArray
+from ufl.core.expr import Expr
 
 from fenics_contact.body import materials as material
 from fenics_contact.body.description import BodyDescription
@@ -42,10 +43,10 @@ class MixedForms:
         mean_stress: The second unknown, a dolfinx function (stress).
     """
 
-    gradient: Any
-    divergence: Any
-    compressibility: Any
-    mean_stress: Any
+    gradient: fem.Form
+    divergence: fem.Form
+    compressibility: fem.Form
+    mean_stress: fem.Function
 
 
 class ElasticBody:
@@ -58,7 +59,9 @@ class ElasticBody:
         reference_modulus: Largest stiffness of the body (stress).
     """
 
-    def __init__(self, description: BodyDescription, spaces: Spaces, displacement: Any) -> None:
+    def __init__(
+        self, description: BodyDescription, spaces: Spaces, displacement: fem.Function
+    ) -> None:
         self._spaces = spaces
         self._displacement = displacement
         elasticities = Elasticities(description, spaces)
@@ -88,19 +91,19 @@ class ElasticBody:
         return max((self._moduli[part] for part in reached), key=lambda found: found.reference)
 
     @property
-    def forms(self) -> tuple[Any, ...]:
+    def forms(self) -> tuple[fem.Form, ...]:
         """All compiled forms."""
         if self.mixed is None:
             return (self.stiffness,)
         mixed = self.mixed
         return (self.stiffness, mixed.gradient, mixed.divergence, mixed.compressibility)
 
-    def strain(self, displacement: Any) -> Any:
+    def strain(self, displacement: Expr) -> Expr:
         """Strain of a displacement, shape (3, 3)."""
         spaces = self._spaces
         return strain(displacement, spaces.kinematics, spaces.position, self.law)
 
-    def stress(self) -> Any:
+    def stress(self) -> Expr:
         """Cauchy stress of the solution as a UFL expression, shape (3, 3)."""
         e = self.strain(self._displacement)
         if self.mixed is None:
@@ -131,7 +134,7 @@ class ElasticBody:
         )
 
 
-def _cell_covariance(mesh: Any, s: Any, t: Any) -> Any:
+def _cell_covariance(mesh: Mesh, s: Expr, t: Expr) -> Expr:
     """Mean of (s − Πs)(t − Πt) over a simplex, s and t linear and Π the mean of the cell.
 
     By the covariance of the reference simplex's coordinates: constants drop out exactly,

@@ -8,23 +8,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol, TypeAlias
 
 import ufl
+from ufl.core.expr import Expr
 
 from fenics_contact.scene.values import VOIGT, Kinematics
+
+Coefficient: TypeAlias = Expr | float
 
 
 class Law(Protocol):
     """Hooke's law of a material."""
 
-    def stress(self, strain_tensor: Any) -> Any:
+    def stress(self, strain_tensor: Expr) -> Expr:
         """Cauchy stress (3, 3) of a strain (3, 3)."""
 
-    def thickness_strain(self, xx: Any, yy: Any, xy: Any) -> Any:
+    def thickness_strain(self, xx: Expr, yy: Expr, xy: Expr) -> Expr:
         """The e_zz that makes σ_zz vanish (plane stress), from the strains in the plane."""
 
-    def with_values(self, value_of: Callable[[Any], Any]) -> Law:
+    def with_values(self, value_of: Callable[[Coefficient], Coefficient]) -> Law:
         """The same law with other things, such as numbers, in place of its coefficients."""
 
 
@@ -37,35 +40,35 @@ class Isotropic:
         poissons_ratio: ν.
     """
 
-    youngs_modulus: Any
-    poissons_ratio: Any
+    youngs_modulus: Coefficient
+    poissons_ratio: Coefficient
 
     @property
-    def shear_modulus(self) -> Any:
+    def shear_modulus(self) -> Coefficient:
         """G = E / (2 (1 + ν))."""
         return self.youngs_modulus / (2 * (1 + self.poissons_ratio))
 
     @property
-    def bulk_modulus(self) -> Any:
+    def bulk_modulus(self) -> Coefficient:
         """K = E / (3 (1 − 2ν))."""
         return self.youngs_modulus / (3 * (1 - 2 * self.poissons_ratio))
 
-    def stress(self, strain_tensor: Any) -> Any:
+    def stress(self, strain_tensor: Expr) -> Expr:
         """Cauchy stress (3, 3) of a strain (3, 3)."""
         lame_lambda = self.bulk_modulus - 2 * self.shear_modulus / 3
         volumetric = lame_lambda * ufl.tr(strain_tensor) * ufl.Identity(3)
         return volumetric + 2 * self.shear_modulus * strain_tensor
 
-    def deviatoric_stress(self, strain_tensor: Any) -> Any:
+    def deviatoric_stress(self, strain_tensor: Expr) -> Expr:
         """2 G (e − tr(e)/3 1), shape (3, 3): the part that no volume change makes."""
         mean = ufl.tr(strain_tensor) / 3 * ufl.Identity(3)
         return 2 * self.shear_modulus * (strain_tensor - mean)
 
-    def thickness_strain(self, xx: Any, yy: Any, xy: Any) -> Any:
+    def thickness_strain(self, xx: Expr, yy: Expr, xy: Expr) -> Expr:
         """−ν/(1−ν) (e_xx + e_yy)."""
         return -self.poissons_ratio / (1 - self.poissons_ratio) * (xx + yy)
 
-    def with_values(self, value_of: Callable[[Any], Any]) -> Isotropic:
+    def with_values(self, value_of: Callable[[Coefficient], Coefficient]) -> Isotropic:
         """The same law of what a function makes of its coefficients."""
         return Isotropic(value_of(self.youngs_modulus), value_of(self.poissons_ratio))
 
@@ -78,11 +81,11 @@ class Anisotropic:
         entries: (row, column) of the 6 × 6 matrix → UFL coefficient; zeros are left out.
     """
 
-    entries: dict[tuple[int, int], Any]
+    entries: dict[tuple[int, int], Coefficient]
 
-    def stress(self, strain_tensor: Any) -> Any:
+    def stress(self, strain_tensor: Expr) -> Expr:
         """Cauchy stress (3, 3) of a strain (3, 3)."""
-        components: list[Any] = [0] * 6
+        components: list[Coefficient] = [0] * 6
         for (row, column), entry in self.entries.items():
             i, j = VOIGT[column]
             factor = 1 if i == j else 2  # e_ij and e_ji both count
@@ -90,25 +93,25 @@ class Anisotropic:
         xx, yy, zz, yz, xz, xy = components
         return ufl.as_tensor([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
-    def thickness_strain(self, xx: Any, yy: Any, xy: Any) -> Any:
+    def thickness_strain(self, xx: Expr, yy: Expr, xy: Expr) -> Expr:
         """−(E_zzxx e_xx + E_zzyy e_yy + 2 E_zzxy e_xy) / E_zzzz."""
         entry = self.entries.get
         in_plane = entry((2, 0), 0) * xx + entry((2, 1), 0) * yy + 2 * entry((2, 5), 0) * xy
         return -in_plane / self.entries[2, 2]
 
-    def with_values(self, value_of: Callable[[Any], Any]) -> Anisotropic:
+    def with_values(self, value_of: Callable[[Coefficient], Coefficient]) -> Anisotropic:
         """The same law of what a function makes of its coefficients."""
         return Anisotropic({place: value_of(entry) for place, entry in self.entries.items()})
 
 
-def measure_weight(kinematics: Kinematics, position: Any, thickness: Any = None) -> Any:
+def measure_weight(kinematics: Kinematics, position: Expr, thickness: Expr | None = None) -> Expr:
     """Factor of every integral: 2πr for a full revolution, a thickness, or 1."""
     if kinematics == "axisymmetric":
         return 2 * ufl.pi * position[0]
     return ufl.as_ufl(1.0) if thickness is None else thickness
 
 
-def strain(displacement: Any, kinematics: Kinematics, position: Any, law: Law) -> Any:
+def strain(displacement: Expr, kinematics: Kinematics, position: Expr, law: Law) -> Expr:
     """Infinitesimal strain, shape (3, 3).
 
     Out of plane: 0 (plane strain), the value that makes the stress vanish
@@ -117,7 +120,7 @@ def strain(displacement: Any, kinematics: Kinematics, position: Any, law: Law) -
     e = ufl.sym(ufl.grad(displacement))
     if kinematics == "3D":
         return e
-    out_of_plane: Any = 0
+    out_of_plane: Coefficient = 0
     if kinematics == "plane stress":
         out_of_plane = law.thickness_strain(e[0, 0], e[1, 1], e[0, 1])
     elif kinematics == "axisymmetric":
@@ -125,6 +128,8 @@ def strain(displacement: Any, kinematics: Kinematics, position: Any, law: Law) -
     return ufl.as_tensor([[e[0, 0], e[0, 1], 0], [e[1, 0], e[1, 1], 0], [0, 0, out_of_plane]])
 
 
-def strain_energy(strain_tensor: Any, stress_tensor: Any, weight: Any, measure: Any) -> Any:
+def strain_energy(
+    strain_tensor: Expr, stress_tensor: Expr, weight: Coefficient, measure: ufl.Measure
+) -> ufl.Form:
     """½ a(v, v) = ½ ∫ σ : e (paper, (2.1))."""
     return 0.5 * weight * ufl.inner(stress_tensor, strain_tensor) * measure

@@ -6,7 +6,7 @@ varies in space is interpolated in each cell, between points inside it.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from dolfinx import fem
@@ -16,7 +16,7 @@ from fenics_contact.body.elasticity import Anisotropic, Isotropic, Law
 from fenics_contact.body.reference_moduli import Moduli
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, raise_together, smallest
 from fenics_contact.scene.material import Material
@@ -69,7 +69,7 @@ class Elasticities:
             found.append(Moduli(stiffest, largest(comm, self._ratios[mine]), is_plane_stress))
         return found
 
-    def _choose_space(self) -> Any:
+    def _choose_space(self) -> fem.FunctionSpace:
         """Constants in each cell; or, where a value varies, of a degree that energies keep up with.
 
         Its nodes lie inside the cells, so that a jump between cells stays one.
@@ -94,7 +94,7 @@ class Elasticities:
         owner = np.full(index_map.size_local + index_map.num_ghosts, -1)
         error = None
         for number, (key, material) in enumerate(zip(self._keys, self.materials, strict=True)):
-            cells: Any = slice(None)
+            cells: AnyIntegers | slice = slice(None)
             if material.on:
                 group = body.group(material.on, f"{key}.on")
                 if group.dimension != body.dimension:
@@ -122,7 +122,7 @@ class Elasticities:
             found[mine] = self.spaces.evaluate_at(value, self._points[:, mine], key)
         return found
 
-    def _coefficient(self, values: Array) -> Any:
+    def _coefficient(self, values: Array) -> fem.Constant | fem.Function:
         """A constant where the values are all the same, else a function."""
         comm = self.spaces.comm
         least = smallest(comm, values)
@@ -220,14 +220,14 @@ def _eigenvalues(matrices: Array) -> Array:
     return np.linalg.eigvalsh(matrices * double[:, None] * double)
 
 
-def _values(material: Material) -> list[Any]:
+def _values(material: Material) -> list[Value | None]:
     """All the values that a material is given by."""
     if material.stiffness is not None:
         return [value for row in material.stiffness for value in row]
     return [material.youngs_modulus, material.poissons_ratio]
 
 
-def _stiffness(material: Material) -> Any:
+def _stiffness(material: Material) -> Sequence[Sequence[Value]]:
     """A material's 6 × 6 matrix of values; that of an isotropic one by Lamé's formula."""
     if material.stiffness is not None:
         return material.stiffness

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, NoReturn
+from typing import NamedTuple, NoReturn
 
 import numpy as np
+from basix.finite_element import FiniteElement
 from dolfinx import fem, geometry
+from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
 from fenics_contact.body.spaces import Spaces
@@ -135,7 +137,7 @@ def _cells_with(spaces: Spaces, at: Array) -> _Found:
 
 
 def _inside(
-    mesh: Any, corners: Array, at: Array, points: AnyIntegers, cells: AnyIntegers
+    mesh: Mesh, corners: Array, at: Array, points: AnyIntegers, cells: AnyIntegers
 ) -> _Found:
     """The pairs of points and cells near each other whose cell really holds the point."""
     least, most = corners.min(axis=1), corners.max(axis=1)
@@ -147,7 +149,7 @@ def _inside(
     return _Found(points[inside], cells[inside], references[inside])
 
 
-def _references_of(mesh: Any, corners: Array, places: Array) -> tuple[Array, Flags]:
+def _references_of(mesh: Mesh, corners: Array, places: Array) -> tuple[Array, Flags]:
     """Where points are on the reference cells, by Newton's method, and whether they are inside.
 
     Args:
@@ -180,7 +182,7 @@ def _references_of(mesh: Any, corners: Array, places: Array) -> tuple[Array, Fla
     return references, settled & (beyond <= _OUTSIDE)
 
 
-def _table(element: Any, derivatives: int, references: Array) -> Array:
+def _table(element: FiniteElement, derivatives: int, references: Array) -> Array:
     """Shape functions, and their slopes, at points: (1 or 1 + dimension, points, nodes)."""
     if len(references):
         return np.asarray(element.tabulate(derivatives, references))

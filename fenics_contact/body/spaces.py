@@ -6,12 +6,14 @@ code does not depend on tags: two contacts, or two scenes, share it.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 import ufl
 from dolfinx import fem, la
+from dolfinx.common import IndexMap
 from numpy.typing import NDArray
+from ufl.core.expr import Expr
 
 from fenics_contact.body.connected_parts import Parts
 from fenics_contact.body.description import BodyDescription
@@ -57,7 +59,7 @@ class Spaces:
         self.owned_nodes = self.displacement_space.dofmap.index_map.size_local
         self.parts = Parts(body, self.displacement_space)
         self.position = ufl.SpatialCoordinate(body.mesh)
-        self._scalar: tuple[Any, Integers] | None = None
+        self._scalar: tuple[fem.FunctionSpace, Integers] | None = None
         thickness = self._thickness(description)
         self.weight = measure_weight(description.kinematics, self.position, thickness)
         body.mesh.topology.create_connectivity(body.dimension - 1, body.dimension)
@@ -65,7 +67,7 @@ class Spaces:
         body.mesh.topology.create_connectivity(body.dimension, body.dimension)
 
     @property
-    def bulk(self) -> Any:
+    def bulk(self) -> ufl.Measure:
         """Measure of the whole body, exact for the stiffness of undistorted cells."""
         metadata = {"quadrature_degree": self.bulk_degree}
         return ufl.Measure("dx", domain=self.body.mesh, metadata=metadata)
@@ -91,7 +93,7 @@ class Spaces:
             return 1
         return self.degree if callable(self.thickness) else 0
 
-    def _thickness(self, description: BodyDescription) -> Any:
+    def _thickness(self, description: BodyDescription) -> Expr | float:
         """The scene's thickness as a coefficient, or None."""
         self.thickness = description.thickness
         if description.thickness is None:
@@ -105,13 +107,15 @@ class Spaces:
             )
         return self.coefficient(values, nodes)
 
-    def part(self, group: Group) -> Any:
+    def part(self, group: Group) -> ufl.Measure:
         """Measure of a group of cells."""
         cells = self.body.entities(group)
         owned = cells[cells < self.body.mesh.topology.index_map(self.body.dimension).size_local]
         return ufl.Measure("dx", domain=self.body.mesh, subdomain_data=[(1, owned)])(1)
 
-    def boundary(self, group: Group, metadata: dict[str, Any] | None = None) -> Any:
+    def boundary(
+        self, group: Group, metadata: Mapping[str, str | int] | None = None
+    ) -> ufl.Measure:
         """Measure of a group of boundary facets."""
         entities = compat.boundary_entities(self.body.mesh.topology, self.body.entities(group))
         return ufl.Measure(
@@ -153,7 +157,7 @@ class Spaces:
         raise_together(self.comm, error)
         return values
 
-    def coefficient(self, values: Array, nodes: NDArray[np.int32]) -> Any:
+    def coefficient(self, values: Array, nodes: NDArray[np.int32]) -> fem.Function:
         """Nodal values as a UFL coefficient: a constant where they are, else a function.
 
         Args:
@@ -174,7 +178,7 @@ class Spaces:
         function.x.array[scalar_of_node[nodes]] = values
         return function
 
-    def _scalar_space(self) -> tuple[Any, Integers]:
+    def _scalar_space(self) -> tuple[fem.FunctionSpace, Integers]:
         """The space of one component, and its dof at every node."""
         if self._scalar is None:
             space = fem.functionspace(self.body.mesh, ("Lagrange", self.degree))
@@ -187,7 +191,7 @@ class Spaces:
         """Contributions of all ranks added up at shared nodes, (nodes, columns); collective."""
         return summed_over_ranks(self.displacement_space.dofmap.index_map, nodal)
 
-    def assemble(self, form: Any) -> Array:
+    def assemble(self, form: fem.Form) -> Array:
         """A compiled linear form as nodal values, shape (nodes, components); collective."""
         vector = fem.assemble_vector(form)
         vector.scatter_reverse(la.InsertMode.add)
@@ -195,7 +199,7 @@ class Spaces:
         return np.asarray(vector.array.reshape(-1, self.components).copy())
 
 
-def summed_over_ranks(index_map: Any, nodal: Array) -> Array:
+def summed_over_ranks(index_map: IndexMap, nodal: Array) -> Array:
     """Contributions of all ranks, first axis nodes, added up at shared ones; collective."""
     vector = la.vector(index_map, int(np.prod(nodal.shape[1:])))
     vector.array[:] = nodal.reshape(-1)

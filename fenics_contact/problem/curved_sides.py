@@ -5,12 +5,11 @@ Straight cells have the nodes of a curved side on the curve, and chords between 
 
 from __future__ import annotations
 
-from typing import Any
-
 import basix
 import numpy as np
 import ufl
 from dolfinx import fem
+from ufl.core.expr import Expr
 
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
@@ -55,29 +54,29 @@ class CurvedSides:
         self.offset = offset if largest(spaces.comm, missed[curved]) > 0 else None
 
     @property
-    def slope(self) -> Any:
+    def slope(self) -> Expr:
         """Gradient of the offset along the sides, in UFL."""
         normal, gradient = self.normal, ufl.grad(self.offset)
         return gradient - ufl.dot(gradient, normal) * normal
 
     @property
-    def normal(self) -> Any:
+    def normal(self) -> Expr:
         """Outward, of the facets, in UFL."""
         return ufl.FacetNormal(self._spaces.body.mesh)
 
     @property
-    def widened(self) -> Any:
+    def widened(self) -> Expr:
         """By what share circles about the axis of revolution are longer on the curve; or 0."""
         if self._spaces.kinematics != "axisymmetric":
             return ufl.as_ufl(0.0)
         return self.offset * self.normal[0] / self._spaces.position[0]
 
     @property
-    def stretch(self) -> Any:
+    def stretch(self) -> Expr:
         """By what share the curve is longer than its facets, or larger, in UFL."""
         return ufl.dot(self.slope, self.slope) / 2 + self.widened
 
-    def measure(self, chosen: Flags) -> Any:
+    def measure(self, chosen: Flags) -> ufl.Measure:
         """Measure of some of ``facets``."""
         entities = self.facets[chosen].astype(np.int32).reshape(-1)
         return ufl.Measure("ds", self._spaces.body.mesh, subdomain_data=[(1, entities)])(1)

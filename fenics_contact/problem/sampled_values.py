@@ -12,6 +12,7 @@ from typing import Any
 import basix
 import numpy as np
 from dolfinx import fem
+from ufl.core.expr import Expr
 
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
@@ -25,7 +26,7 @@ _DEGREES = {2: 6, 3: 4}
 _ON_SIDE = 1e-9
 
 
-def sampled(spaces: Spaces, values: Sequence[Value], group: Group, key: str) -> Any:
+def sampled(spaces: Spaces, values: Sequence[Value], group: Group, key: str) -> Expr:
     """Values on a group, a dolfinx function of one or all components; collective.
 
     Args:

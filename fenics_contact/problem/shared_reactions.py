@@ -9,7 +9,6 @@ is shared evenly: it is what is not known of the parts.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import Any
 
 import numpy as np
 import ufl
@@ -22,7 +21,7 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import AppliedSupport
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest, total
 
 # Of what the stresses leave: as a part of it is shared, and the parts may be wrong in both ways.
@@ -72,7 +71,9 @@ class SharedReactions:
         ]
         self._axes = self._dofs % components
 
-    def _tractions(self, by_axis: Sequence[NDArray[np.int32]], elastic: ElasticBody) -> Any:
+    def _tractions(
+        self, by_axis: Sequence[NDArray[np.int32]], elastic: ElasticBody
+    ) -> fem.Function:
         """∫ (σ n)_i v_i over a support's facets, along the axes i that it holds."""
         spaces = self._spaces
         mesh, test = spaces.body.mesh, ufl.TestFunction(spaces.displacement_space)
@@ -148,7 +149,7 @@ class SharedReactions:
         parts *= self._holds
         return parts, needed[self._dofs] - parts.sum(axis=0)
 
-    def _summed(self, parts: Array, chosen: Any = slice(None)) -> Array:
+    def _summed(self, parts: Array, chosen: Flags | slice = slice(None)) -> Array:
         """Over dofs of all ranks by component, (rows, components); radial ones cancel."""
         axes, components = self._axes[chosen], self._spaces.components
         sums = [np.bincount(axes, row, components) for row in parts]

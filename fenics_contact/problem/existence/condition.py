@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NoEquilibriumError
@@ -139,7 +140,7 @@ def _beyond_friction(
     )
 
 
-def _friction_gram(comm: Any, points: tuple[Array, Array]) -> Array:
+def _friction_gram(comm: MPI.Intracomm, points: tuple[Array, Array]) -> Array:
     return np.asarray(total(comm, np.einsum("q,qci,qcj->ij", points[0], points[1], points[1])))
 
 

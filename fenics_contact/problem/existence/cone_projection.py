@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -40,7 +39,7 @@ class Ray:
     """
 
     along: Array
-    origin: Any
+    origin: int
 
 
 # For a unit direction: the ray that goes farthest along it for its length; None without any.

@@ -6,7 +6,7 @@ rank 0 has all of them. The bulk is factorised once, and solved for once a load 
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from petsc4py import PETSc
@@ -177,7 +177,7 @@ class CondensedSystem(System):
         for thing in (self.tangent, self.state, self.residual):
             thing.destroy()
 
-    def prepare(self, snes: Any) -> None:
+    def prepare(self, snes: PETSc.SNES) -> None:
         """Solve with the dense tangent."""
         preconditioner = snes.getKSP().getPC()
         preconditioner.setType("python")
@@ -211,7 +211,7 @@ class CondensedSystem(System):
         self.follow_loads()
         self.take(self.state)
 
-    def _values(self, state: Any) -> Array:
+    def _values(self, state: PETSc.Vec) -> Array:
         """All unknowns, on every rank; collective."""
         return np.asarray(self.comm.bcast(np.array(state.array_r) if self._root else None))
 
@@ -226,7 +226,7 @@ class CondensedSystem(System):
     def _scalars_of(self, values: Array) -> Array:
         return values[len(self.dofs.free) :]
 
-    def take(self, state: Any) -> None:
+    def take(self, state: PETSc.Vec) -> None:
         """A vector of unknowns into the jumps; collective."""
         values = self._values(state)
         at_surfaces = [
@@ -249,7 +249,7 @@ class CondensedSystem(System):
         ]
         self.move_contacts(at_surfaces, self._scalars_of(self._values(self.state)))
 
-    def balance(self, state: Any, residual: Any) -> None:
+    def balance(self, state: PETSc.Vec, residual: PETSc.Vec) -> None:
         """A y − b − Σ Lᵀ r_c; collective."""
         self.take(state)
         forces = self.all_contact_forces()
@@ -273,7 +273,7 @@ class CondensedSystem(System):
         parts = self.comm.gather(force[: surface.owned_nodes].reshape(-1))
         return np.zeros(0) if parts is None else np.concatenate(parts)
 
-    def linearise(self, state: Any) -> None:
+    def linearise(self, state: PETSc.Vec) -> None:
         """W = Σ Lᵀ K_c B; collective."""
         self.take(state)
         none = np.zeros(0, dtype=np.int64)
@@ -333,13 +333,13 @@ class _Operator:
     def __init__(self, dense: ContactTangent | None) -> None:
         self._dense = dense
 
-    def mult(self, matrix: Any, values: Any, result: Any) -> None:
+    def mult(self, matrix: PETSc.Mat, values: PETSc.Vec, result: PETSc.Vec) -> None:
         """M y."""
         if self._dense is not None:
             with result as array:
                 array[:] = self._dense.multiply(np.array(values.array_r))
 
-    def apply(self, preconditioner: Any, right: Any, solution: Any) -> None:
+    def apply(self, preconditioner: PETSc.PC, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         """M⁻¹ r."""
         if self._dense is not None:
             with solution as array:

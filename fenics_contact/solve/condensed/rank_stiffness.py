@@ -5,8 +5,6 @@ So each rank can condense its own cells, with solvers that know of no other rank
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
@@ -96,7 +94,7 @@ class LocalStiffness:
 class _Unknowns:
     """Numbers over all ranks of a space's dofs, and how many ranks' cells touch each."""
 
-    def __init__(self, space: Any) -> None:
+    def __init__(self, space: fem.FunctionSpace) -> None:
         dofmap, mesh = space.dofmap, space.mesh
         index_map, size = dofmap.index_map, dofmap.index_map_bs
         count = self.count(space) // size
@@ -110,13 +108,13 @@ class _Unknowns:
         self.total = index_map.size_global * size
 
     @staticmethod
-    def count(space: Any) -> int:
+    def count(space: fem.FunctionSpace) -> int:
         """Number of dofs that this rank knows of."""
         index_map = space.dofmap.index_map
         return int(index_map.size_local + index_map.num_ghosts) * int(space.dofmap.index_map_bs)
 
 
-def _local_matrix(form: Any) -> csr_matrix:
+def _local_matrix(form: fem.Form) -> csr_matrix:
     """A bilinear form over this rank's cells, between its own local dofs; collective."""
     test, trial = form.function_spaces
     if test.dofmap.index_map_bs == trial.dofmap.index_map_bs:
@@ -134,7 +132,7 @@ def _local_matrix(form: Any) -> csr_matrix:
     return found if found.shape == shape else found[: shape[0], : shape[1]]
 
 
-def _set(function: Any, dofs: Integers, values: Array) -> None:
+def _set(function: fem.Function, dofs: Integers, values: Array) -> None:
     """Values at this rank's dofs; those that only ghost cells touch come from their owners."""
     function.x.array[dofs] = values
     function.x.scatter_forward()

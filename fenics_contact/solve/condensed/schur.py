@@ -146,12 +146,12 @@ class LocalFactor:
         error: What went wrong on this rank, or None.
     """
 
-    def __init__(self, matrix: Any, held: Flags, kept: Integers, ordering: int) -> None:
+    def __init__(self, matrix: csr_matrix, held: Flags, kept: Integers, ordering: int) -> None:
         self.matrix = _without(matrix, held)
         self._kept = kept
-        self._preconditioner: Any = None
-        self._right: Any = None
-        self._solved: Any = None
+        self._preconditioner: PETSc.PC = None
+        self._right: PETSc.Vec = None
+        self._solved: PETSc.Vec = None
         self.error: FenicsContactError | None = None
         self._schur = np.zeros((len(kept), len(kept)))
         count = self.matrix.shape[0]
@@ -200,7 +200,7 @@ class LocalFactor:
             for thing in (self._preconditioner, self._right, self._solved):
                 thing.destroy()
 
-    def _ask_for_schur(self) -> Any:
+    def _ask_for_schur(self) -> PETSc.Mat:
         """Tell MUMPS which unknowns to condense onto; they are to live until it has."""
         rows = PETSc.IS().createGeneral(self._kept.tolist(), comm=PETSc.COMM_SELF)
         library = ctypes.CDLL(PETSc.__file__)
@@ -234,7 +234,7 @@ def _symmetric(schur: Array) -> Array:
     return np.asarray(np.tril(schur) + np.tril(schur, -1).T)
 
 
-def _without(matrix: Any, held: Flags) -> Any:
+def _without(matrix: csr_matrix, held: Flags) -> csr_matrix:
     """A sparse matrix with identity rows and columns where displacements are held."""
     found = csr_matrix((matrix.data.copy(), matrix.indices, matrix.indptr), shape=matrix.shape)
     found.data[held[found.indices]] = 0.0
@@ -244,7 +244,7 @@ def _without(matrix: Any, held: Flags) -> Any:
     return found
 
 
-def _lu(operator: Any) -> Any:
+def _lu(operator: PETSc.Mat) -> PETSc.PC:
     preconditioner = PETSc.PC().create(PETSc.COMM_SELF)
     preconditioner.setOperators(operator)
     # Of a symmetric matrix half the work; but with nested dissection LU runs faster (measured).

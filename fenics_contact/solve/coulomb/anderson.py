@@ -6,9 +6,8 @@ D. G. Anderson, J. ACM 12 (1965) 547-560; H. F. Walker and P. Ni, SIAM J. Numer.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
@@ -29,7 +28,7 @@ class Anderson:
         counted: Which entries of each array this rank counts.
     """
 
-    def __init__(self, comm: Any, counted: list[Flags]) -> None:
+    def __init__(self, comm: MPI.Intracomm, counted: list[Flags]) -> None:
         self._comm = comm
         self._counted = np.concatenate(counted)
         self._pairs: list[tuple[Array, Array]] = []

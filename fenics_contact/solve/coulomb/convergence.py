@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest
@@ -29,7 +28,7 @@ class OuterMonitor:
         comm: Communicator.
     """
 
-    def __init__(self, chatter: Chatter, comm: Any) -> None:
+    def __init__(self, chatter: Chatter, comm: MPI.Intracomm) -> None:
         self._chatter, self._comm = chatter, comm
         self.change = np.inf
         self._best, self._since = np.inf, 0

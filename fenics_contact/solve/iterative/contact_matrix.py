@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from petsc4py import PETSc
 
@@ -27,12 +25,12 @@ class ContactMatrix(AddedTangents):
         diagonal: That of the constrained rows in K once these are cleared (force/length).
     """
 
-    def __init__(self, problem: Problem, displacement: Any, diagonal: float) -> None:
+    def __init__(self, problem: Problem, displacement: PETSc.Mat, diagonal: float) -> None:
         super().__init__(problem, displacement)
         self._diagonal = diagonal
         own = self._owned + (self.scalars if problem.comm.rank == 0 else 0)
         sizes = (own, PETSc.DETERMINE)
-        self.matrix: Any = PETSc.Mat().createAIJ((sizes, sizes), comm=problem.comm)
+        self.matrix: PETSc.Mat = PETSc.Mat().createAIJ((sizes, sizes), comm=problem.comm)
         if self.scalars:
             self._place(displacement, self.matrix)
         constrained = problem.constrained[problem.constrained < self._owned]
@@ -46,7 +44,7 @@ class ContactMatrix(AddedTangents):
         self.matrix.setUp()
         add_entries(self.matrix, rows, columns, np.zeros(len(rows)))
         self.matrix.assemble()
-        keep: Any = PETSc.Mat.Option.KEEP_NONZERO_PATTERN
+        keep = PETSc.Mat.Option.KEEP_NONZERO_PATTERN
         self.matrix.setOption(keep, True)
 
     def _between_nodes(self, surface: SurfaceMatrix) -> Pairs:
@@ -79,14 +77,14 @@ class ContactMatrix(AddedTangents):
 
     def _scale_ties(self) -> None:
         """The rows u − U R = 0 stand in K with its own diagonal."""
-        scale: Any = self.matrix.createVecLeft()
+        scale = self.matrix.createVecLeft()
         scale.set(1.0)
         with scale as array:
             array[self._constrained - self.matrix.getOwnershipRange()[0]] = self._diagonal
         self.matrix.diagonalScale(scale, None)
         scale.destroy()
 
-    def magnitude(self, lengths: Any, result: Any) -> None:
+    def magnitude(self, lengths: PETSc.Vec, result: PETSc.Vec) -> None:
         """|K_c| times a vector; collective."""
         first, columns, values = self.matrix.getValuesCSR()
         absolute = PETSc.Mat().createAIJ(

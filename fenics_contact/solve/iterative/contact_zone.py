@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from dolfinx import la
 from petsc4py import PETSc
@@ -37,7 +35,7 @@ class ContactZone:
     def __init__(
         self,
         problem: Problem,
-        stiffness: Any,
+        stiffness: PETSc.Mat,
         contacts: ContactMatrix,
         nodes: Flags,
         springs: Array,
@@ -71,11 +69,11 @@ class ContactZone:
         for thing in (rows, every, inner, diagonal):
             thing.destroy()
 
-    def _indices(self, matrix: Any, local: Integers) -> Any:
+    def _indices(self, matrix: PETSc.Mat, local: Integers) -> PETSc.IS:
         rows = (matrix.getOwnershipRange()[0] + local).astype(PETSc.IntType)
         return PETSc.IS().createGeneral(rows, comm=matrix.comm)
 
-    def _create_factor(self) -> Any:
+    def _create_factor(self) -> PETSc.PC:
         factor = PETSc.PC().create(self._tangent.comm)
         factor.setOptionsPrefix(ZONE_PREFIX)
         factor.setOperators(self._tangent)
@@ -116,7 +114,7 @@ class ContactZone:
         self._stiffness.mult(self._right, self._solved)
         return np.array(self._solved.array_r)
 
-    def forces_of_body(self, displacement: Any) -> Array:
+    def forces_of_body(self, displacement: PETSc.Vec) -> Array:
         """K times displacements of the body, in the zone; collective."""
         self._rows.mult(displacement, self._image)
         found = np.zeros(len(self.places))
@@ -177,7 +175,7 @@ def free_dofs(problem: Problem, nodes: Flags) -> Integers:
     return np.setdiff1d(dofs.ravel(), problem.constrained)
 
 
-def _with_scalars(matrix: Any, own: int, scalars: int) -> Any:
+def _with_scalars(matrix: PETSc.Mat, own: int, scalars: int) -> PETSc.Mat:
     """A matrix with empty rows and columns for the scalars, last on rank 0; collective."""
     first, columns, values = matrix.getValuesCSR()
     start = matrix.getOwnershipRangesColumn()[1]

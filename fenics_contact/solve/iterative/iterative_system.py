@@ -8,7 +8,7 @@ step only has to carry smooth changes into the body.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from petsc4py import PETSc
@@ -155,7 +155,7 @@ class IterativeSystem(BodySystem):
         ):
             thing.destroy()
 
-    def prepare(self, snes: Any) -> None:
+    def prepare(self, snes: PETSc.SNES) -> None:
         """Newton's method with the zone settled before each step; multigrid inside."""
         snes.setType("python")
         snes.setPythonContext(EliminatingNewton(self))
@@ -163,14 +163,14 @@ class IterativeSystem(BodySystem):
         preconditioner.setType("python")
         preconditioner.setPythonContext(_Preconditioner(self))
 
-    def linearise(self, state: Any) -> None:
+    def linearise(self, state: PETSc.Vec) -> None:
         """K_c of a state; collective."""
         self.take(state)
         for contact in self.problem.contacts:
             contact.follow()
         self.contacts.linearise()
 
-    def internal_forces(self, state: Any, forces: Any) -> None:
+    def internal_forces(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
         """K u, also where supports hold; 0 in the scalars' rows; collective."""
         held = self._owned_constrained
         with self._inner as array:
@@ -194,7 +194,7 @@ class IterativeSystem(BodySystem):
         with self._outer as array:
             array -= self._springs * self._inner.array_r
 
-    def apply_tangent(self, vector: Any, result: Any) -> None:
+    def apply_tangent(self, vector: PETSc.Vec, result: PETSc.Vec) -> None:
         """(K + K_c) times a vector of all unknowns; collective."""
         self.contacts.matrix.mult(vector, result)
         with self._inner as array:
@@ -203,7 +203,7 @@ class IterativeSystem(BodySystem):
         with result as array:
             array[: self._owned_size] += self._outer.array_r
 
-    def precondition(self, right: Any, solution: Any) -> None:
+    def precondition(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         """A V-cycle in the body, then what it leaves in the zone; collective.
 
         It leaves no forces in the zone. So nothing as stiff as 1/ε₁ is in the residuals of a
@@ -223,7 +223,7 @@ class IterativeSystem(BodySystem):
             array[self.zone.places] += correction
         self.tie(solution)
 
-    def tie(self, change: Any) -> None:
+    def tie(self, change: PETSc.Vec) -> None:
         """Let constrained dofs change as the resultants say, or not at all; collective.
 
         Exactly, as the balance of forces does not see their rows.
@@ -240,7 +240,7 @@ class IterativeSystem(BodySystem):
         with change as array:
             array[held] = values[held]
 
-    def _forces_in_zone(self, solution: Any) -> Array:
+    def _forces_in_zone(self, solution: PETSc.Vec) -> Array:
         """(K + K_c) times displacements of ``_outer``, in the zone."""
         self.contacts.matrix.mult(solution, self._work)
         return np.asarray(
@@ -288,7 +288,7 @@ class _Tangent:
     def __init__(self, system: IterativeSystem) -> None:
         self._system = system
 
-    def mult(self, matrix: Any, vector: Any, result: Any) -> None:
+    def mult(self, matrix: PETSc.Mat, vector: PETSc.Vec, result: PETSc.Vec) -> None:
         self._system.apply_tangent(vector, result)
 
 
@@ -298,5 +298,5 @@ class _Preconditioner:
     def __init__(self, system: IterativeSystem) -> None:
         self._system = system
 
-    def apply(self, preconditioner: Any, right: Any, solution: Any) -> None:
+    def apply(self, preconditioner: PETSc.PC, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self._system.precondition(right, solution)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array
@@ -28,7 +26,7 @@ class Multigrid:
         rigid: Rigid motions at this rank's rows, (rows, modes): what coarse levels must keep.
     """
 
-    def __init__(self, matrix: Any, rigid: Array) -> None:
+    def __init__(self, matrix: PETSc.Mat, rigid: Array) -> None:
         self.setups = 0
         self.cycles = 0
         matrix.setOption(PETSc.Mat.Option.SPD, True)
@@ -42,7 +40,7 @@ class Multigrid:
         nearly_null.destroy()
         self._set_up(matrix)
 
-    def _set_up(self, matrix: Any) -> None:
+    def _set_up(self, matrix: PETSc.Mat) -> None:
         self._preconditioner = PETSc.PC().create(matrix.comm)
         self._preconditioner.setOptionsPrefix(BULK_PREFIX)
         self._preconditioner.setOperators(matrix)
@@ -58,7 +56,7 @@ class Multigrid:
                 options.delValue(BULK_PREFIX + name)
         self.setups += 1
 
-    def apply(self, right: Any, solution: Any) -> None:
+    def apply(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         """One V-cycle; collective."""
         self._preconditioner.apply(right, solution)
         self.cycles += 1
@@ -69,7 +67,7 @@ class Multigrid:
             thing.destroy()
 
 
-def _orthonormalise(vectors: list[Any]) -> None:
+def _orthonormalise(vectors: list[PETSc.Vec]) -> None:
     """By Gram and Schmidt, twice against round-off; the vectors are independent."""
     for number, vector in enumerate(vectors):
         for before in vectors[:number] * 2:

@@ -9,7 +9,7 @@ See X.-C. Cai and X. Li, SIAM J. Sci. Comput. 33 (2011) 746-762.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from petsc4py import PETSc
@@ -53,7 +53,7 @@ class EliminatingNewton:
             contact.is_one_sided or contact.friction.rubs for contact in system.problem.contacts
         )
 
-    def solve(self, snes: Any, right: Any, state: Any) -> None:
+    def solve(self, snes: PETSc.SNES, right: PETSc.Vec, state: PETSc.Vec) -> None:
         """Solve from a state; PETSc calls this."""
         searched = _is_searched(snes)
         self._tolerance = snes.getTolerances()[0]
@@ -85,7 +85,7 @@ class EliminatingNewton:
         step.destroy()
         left.destroy()
 
-    def _judge(self, snes: Any, number: int, residual: Any) -> int:
+    def _judge(self, snes: PETSc.SNES, number: int, residual: PETSc.Vec) -> int:
         norm = residual.norm()
         snes.setIterationNumber(number)
         snes.setFunctionNorm(norm)
@@ -101,7 +101,9 @@ class EliminatingNewton:
             return max(_FIRST_REST, last)
         return max(min(_FACTOR * (imbalance / before) ** _POWER, _FIRST_REST), last)
 
-    def _find_step(self, solver: Any, residual: Any, rest: float, step: Any, left: Any) -> bool:
+    def _find_step(
+        self, solver: PETSc.SNES, residual: PETSc.Vec, rest: float, step: PETSc.Vec, left: PETSc.Vec
+    ) -> bool:
         """−(K + K_c)⁻¹ r: exactly in the zone first, then everywhere; collective."""
         zone, tangent = self._system.zone, self._system.tangent
         if not zone.factorise():
@@ -124,7 +126,14 @@ class EliminatingNewton:
         self._ran_out = reason == -3
         return bool(np.isfinite(step.norm())) and (reason > 0 or self._ran_out)
 
-    def _advance(self, snes: Any, state: Any, residual: Any, step: Any, searched: bool) -> None:
+    def _advance(
+        self,
+        snes: PETSc.SNES,
+        state: PETSc.Vec,
+        residual: PETSc.Vec,
+        step: PETSc.Vec,
+        searched: bool,
+    ) -> None:
         """Go along the step, where searched for to where the energy is flat; collective."""
         slope = step.dot(residual)
         start = state.copy() if searched else None
@@ -140,7 +149,9 @@ class EliminatingNewton:
         if start is not None:
             start.destroy()
 
-    def _settle(self, snes: Any, state: Any, residual: Any, searched: bool) -> None:
+    def _settle(
+        self, snes: PETSc.SNES, state: PETSc.Vec, residual: PETSc.Vec, searched: bool
+    ) -> None:
         """Balance the forces in the zone, displacements outside held; collective.
 
         Needs the residual of the state, and leaves that of the new one.
@@ -177,7 +188,7 @@ class EliminatingNewton:
 class _Inside:
     """Forces in the zone as its displacements change, those outside held."""
 
-    def __init__(self, system: IterativeSystem, state: Any, left: Array) -> None:
+    def __init__(self, system: IterativeSystem, state: PETSc.Vec, left: Array) -> None:
         self._system, self._zone, self._state = system, system.zone, state
         self._start = state.array_r[self._zone.places].copy()
         self._fixed = left - system.contact_residual(state)[self._zone.places]
@@ -226,7 +237,7 @@ class _Inside:
         self._system.take(self._state)
 
 
-def _is_searched(snes: Any) -> bool:
+def _is_searched(snes: PETSc.SNES) -> bool:
     """Whether the line search asked for is one along the energy."""
     name = (snes.getOptionsPrefix() or "") + "snes_linesearch_type"
     return bool(PETSc.Options().getString(name, "basic") == "cp")

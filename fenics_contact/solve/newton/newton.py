@@ -164,7 +164,7 @@ class Newton:
         # A body that runs away overflows here and there: the force imbalance tells.
         with self.timings.phase("solve"), np.errstate(over="ignore", invalid="ignore"):
             log = _FactorisationLog()
-            snes: Any = PETSc.SNES().create(self.comm)
+            snes: PETSc.SNES = PETSc.SNES().create(self.comm)
             try:
                 self._set_up(snes)
                 snes.solve(None, self.system.state)
@@ -218,7 +218,7 @@ class Newton:
             array[:] = saved
         self.system.take(self.system.state)
 
-    def _set_up(self, snes: Any) -> None:
+    def _set_up(self, snes: PETSc.SNES) -> None:
         """Functions and options; what the user has set wins over our own."""
         system = self.system
         snes.setOptionsPrefix(PREFIX)
@@ -241,7 +241,7 @@ class Newton:
             snes.setLineSearchPreCheck(self._cut)
         snes.setConvergenceTest(self._converged)
 
-    def _cut(self, state: Any, step: Any) -> bool:
+    def _cut(self, state: PETSc.Vec, step: PETSc.Vec) -> bool:
         """Cut a Newton step (it is taken off the state) to where energy falls; collective."""
         tried, residual = state.duplicate(), self.system.residual.duplicate()
 
@@ -255,11 +255,13 @@ class Newton:
         residual.destroy()
         return True
 
-    def _set_residual(self, snes: Any, state: Any, residual: Any) -> None:
+    def _set_residual(self, snes: PETSc.SNES, state: PETSc.Vec, residual: PETSc.Vec) -> None:
         with self.timings.phase("assemble"):
             self.system.balance(state, residual)
 
-    def _set_tangent(self, snes: Any, state: Any, tangent: Any, preconditioner: Any) -> None:
+    def _set_tangent(
+        self, snes: PETSc.SNES, state: PETSc.Vec, tangent: PETSc.Mat, preconditioner: PETSc.Mat
+    ) -> None:
         with self.timings.phase("assemble"):
             self.system.linearise(state)
 
@@ -334,7 +336,9 @@ class Newton:
         for contact in self.problem.frictional:
             contact.friction.stick_all()
 
-    def _converged(self, snes: Any, iteration: int, norms: tuple[float, float, float]) -> Any:
+    def _converged(
+        self, snes: PETSc.SNES, iteration: int, norms: tuple[float, float, float]
+    ) -> Any:
         """Stop when the force imbalance is small against the forces, or is round-off.
 
         The 1-norm bounds the error of any resultant. PETSc's relative tolerance is

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fenics_contact.common.arrays import Array, Flags, Integers
@@ -41,7 +41,7 @@ class Chatter:
         comm: Communicator.
     """
 
-    def __init__(self, contacts: list[ContactSurface], comm: Any) -> None:
+    def __init__(self, contacts: list[ContactSurface], comm: MPI.Intracomm) -> None:
         self._contacts = [contact for contact in contacts if contact.is_one_sided]
         self._comm = comm
         self._iterates: list[list[_Iterate]] = []

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ScalarUnknown
 from fenics_contact.solve.systems.contact_stiffness import Entries, SurfaceMatrix
@@ -33,7 +32,7 @@ class AddedTangents:
         displacement: K of the displacements alone, before supports.
     """
 
-    def __init__(self, problem: Problem, displacement: Any) -> None:
+    def __init__(self, problem: Problem, displacement: PETSc.Mat) -> None:
         self._problem = problem
         self._unknowns = problem.unknowns
         self.scalars = len(self._unknowns)
@@ -41,16 +40,16 @@ class AddedTangents:
         self._owned = spaces.owned_nodes * spaces.components
         self.surfaces = [SurfaceMatrix(contact) for contact in problem.contacts]
         self._first = displacement.getOwnershipRange()[0]
-        self._column_of: Callable[[Any], Any] | None = None
+        self._column_of: Callable[[Integers], Integers] | None = None
         self._far_forces = [self._force_of_far_field(displacement, u) for u in self._unknowns]
         self._motions = [[self._motion(s, u) for u in self._unknowns] for s in self.surfaces]
 
-    def _place(self, displacement: Any, layout: Any) -> None:
+    def _place(self, displacement: PETSc.Mat, layout: PETSc.Mat) -> None:
         """Number displacements as a matrix of all unknowns does."""
         starts = displacement.getOwnershipRangesColumn()
         shifts = layout.getOwnershipRangesColumn()[:-1] - starts[:-1]
 
-        def column_of(columns: NDArray[np.int32]) -> Integers:
+        def column_of(columns: Integers) -> Integers:
             owners = np.searchsorted(starts, columns, side="right") - 1
             return np.asarray(columns + shifts[owners])
 
@@ -71,7 +70,7 @@ class AddedTangents:
             coupled = np.union1d(coupled, outer)
         return np.union1d(coupled, np.flatnonzero(self._far_forces[number]))
 
-    def _force_of_far_field(self, displacement: Any, unknown: ScalarUnknown) -> Array:
+    def _force_of_far_field(self, displacement: PETSc.Mat, unknown: ScalarUnknown) -> Array:
         """K u and −u of the outer boundary's displacement over a resultant, owned dofs."""
         result = np.zeros(self._owned)
         if unknown.column is None:
@@ -90,7 +89,7 @@ class AddedTangents:
         forces.destroy()
         return result
 
-    def add_contacts(self, tangent: Any) -> None:
+    def add_contacts(self, tangent: PETSc.Mat) -> None:
         """Add the tangents of all contacts' terms to a matrix of the size of K; collective."""
         for surface, motions in zip(self.surfaces, self._motions, strict=True):
             entries = surface.entries()
@@ -116,7 +115,7 @@ class AddedTangents:
         return motion
 
     def _add_borders(
-        self, tangent: Any, surface: SurfaceMatrix, motions: list[Array], entries: Entries
+        self, tangent: PETSc.Mat, surface: SurfaceMatrix, motions: list[Array], entries: Entries
     ) -> None:
         """Add to the scalars' rows and columns, from K_c between dofs of a surface; collective."""
         rows, columns, values = entries
@@ -138,7 +137,7 @@ class AddedTangents:
                 corner = [float(along @ by)]
                 tangent.setValues(scalar, column, corner, addv=PETSc.InsertMode.ADD_VALUES)
 
-    def add_far_field(self, tangent: Any) -> None:
+    def add_far_field(self, tangent: PETSc.Mat) -> None:
         """Add what resultants do to the body through its outer boundary; collective.
 
         Before the constrained rows are cleared, the forces on free dofs; the rows of the
@@ -158,7 +157,7 @@ class AddedTangents:
             if self._problem.comm.rank == 0:
                 tangent.setValues(scalar, scalar, [1.0], addv=PETSc.InsertMode.ADD_VALUES)
 
-    def tie_far_field(self, tangent: Any) -> None:
+    def tie_far_field(self, tangent: PETSc.Mat) -> None:
         """Set the rows u − U R = 0 of the outer boundary, after all were cleared; collective."""
         far_field = self._problem.far_field
         for number, unknown in enumerate(self._unknowns):
@@ -175,15 +174,15 @@ class AddedTangents:
         """Rows of displacements by their global numbers."""
         return dofs if self._column_of is None else self._column_of(dofs)
 
-    def _rows(self, tangent: Any, dofs: Integers) -> Any:
-        return (tangent.getOwnershipRange()[0] + dofs).astype(PETSc.IntType)
+    def _rows(self, tangent: PETSc.Mat, dofs: AnyIntegers) -> NDArray[np.int32]:
+        return np.asarray(tangent.getOwnershipRange()[0] + dofs, dtype=PETSc.IntType)
 
-    def _scalar_row(self, tangent: Any, number: int) -> int:
+    def _scalar_row(self, tangent: PETSc.Mat, number: int) -> int:
         """Global row of a scalar: the last ones of rank 0."""
         return int(tangent.getOwnershipRanges()[1]) - self.scalars + number
 
 
-def add_entries(matrix: Any, rows: Any, columns: Any, values: Array) -> None:
+def add_entries(matrix: PETSc.Mat, rows: AnyIntegers, columns: AnyIntegers, values: Array) -> None:
     """Add entries anywhere in a matrix whose pattern has them."""
     used, index = np.unique(rows, return_inverse=True)
     compact = coo_matrix((values, (index, columns)), shape=(len(used), matrix.getSize()[1])).tocsr()

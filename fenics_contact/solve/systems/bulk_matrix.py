@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
@@ -46,13 +45,13 @@ class LinearSystem(AddedTangents):
         """Free the matrix."""
         self.stiffness.destroy()
 
-    def _with_opposites(self, displacement: Any) -> Any:
+    def _with_opposites(self, displacement: PETSc.Mat) -> PETSc.Mat:
         """K with room for what couples bodies that touch each other; collective."""
         coupled = [s for s in self.surfaces if s.contact.kinematics.pairing is not None]
         if not coupled:
             return displacement
         sizes, first = displacement.getSizes(), self._first
-        room: Any = PETSc.Mat().createAIJ(sizes, comm=self._problem.comm)
+        room: PETSc.Mat = PETSc.Mat().createAIJ(sizes, comm=self._problem.comm)
         room.setUp()
         for surface in coupled:
             rows, columns = surface.pattern()
@@ -63,7 +62,7 @@ class LinearSystem(AddedTangents):
         displacement.destroy()
         return room
 
-    def _with_mean_stress(self, displacement: Any) -> list[list[Any]]:
+    def _with_mean_stress(self, displacement: PETSc.Mat) -> list[list[PETSc.Mat | None]]:
         mixed = self._mixed
         assert mixed is not None
         compressibility = assembled(mixed.compressibility)
@@ -71,7 +70,9 @@ class LinearSystem(AddedTangents):
         gradient, divergence = assembled(mixed.gradient), assembled(mixed.divergence)
         return [[displacement, gradient], [divergence, compressibility]]
 
-    def _with_scalars(self, blocks: list[list[Any]], displacement: Any) -> list[list[Any]]:
+    def _with_scalars(
+        self, blocks: list[list[PETSc.Mat | None]], displacement: PETSc.Mat
+    ) -> list[list[PETSc.Mat | None]]:
         """Empty rows and columns with room for all that a tangent may put there."""
         comm = self._problem.comm
         own = self.scalars if comm.rank == 0 else 0
@@ -89,10 +90,10 @@ class LinearSystem(AddedTangents):
         row.setPreallocationNNZ((widest, widest))
         corner = PETSc.Mat().createAIJ((sizes, sizes), comm=comm)
         corner.setPreallocationNNZ((self.scalars, self.scalars))
-        index: Any = np.arange(self.scalars, dtype=PETSc.IntType)
+        index = np.arange(self.scalars, dtype=PETSc.IntType)
         if own:
             for k, dofs in enumerate(gathered):
-                every: Any = dofs.astype(PETSc.IntType)
+                every = dofs.astype(PETSc.IntType)
                 row.setValues(index[k : k + 1], every, [0.0] * len(every))
             corner.setValues(index, index, [0.0] * self.scalars**2)
         for matrix in (row, corner):
@@ -101,19 +102,21 @@ class LinearSystem(AddedTangents):
         extended = [[*line, column] for line, column in zip(blocks, columns_of_lines, strict=True)]
         return [*extended, [row, *middle, corner]]
 
-    def _empty_columns(self, line: Any, sizes: tuple[int, int], local: list[Integers]) -> Any:
+    def _empty_columns(
+        self, line: PETSc.Mat, sizes: tuple[int, int], local: list[Integers]
+    ) -> PETSc.Mat:
         """A matrix of the scalars' columns beside a block, with room in some of its rows."""
         columns = PETSc.Mat().createAIJ((line.getSizes()[0], sizes), comm=self._problem.comm)
         columns.setPreallocationNNZ((self.scalars, self.scalars))
         first = line.getOwnershipRange()[0]
         for k, dofs in enumerate(local):
-            rows: Any = (first + dofs).astype(PETSc.IntType)
-            number: Any = np.full(1, k, dtype=PETSc.IntType)
+            rows = (first + dofs).astype(PETSc.IntType)
+            number = np.full(1, k, dtype=PETSc.IntType)
             columns.setValues(rows, number, [0.0] * len(rows))
         columns.assemble()
         return columns
 
-    def _volume_of_far_field(self, divergence: Any, unknown: ScalarUnknown) -> Array:
+    def _volume_of_far_field(self, divergence: PETSc.Mat, unknown: ScalarUnknown) -> Array:
         """What a resultant's far field adds to the rows of the mean stress, owned ones."""
         moved, volumes = divergence.createVecs()
         far_field = self._problem.far_field
@@ -127,17 +130,17 @@ class LinearSystem(AddedTangents):
         volumes.destroy()
         return found
 
-    def add_far_field(self, tangent: Any) -> None:
+    def add_far_field(self, tangent: PETSc.Mat) -> None:
         """The same, with the rows of the mean stress; collective."""
         super().add_far_field(tangent)
         add = PETSc.InsertMode.ADD_VALUES
         for number, volume in enumerate(self._far_volumes):
             rows = np.flatnonzero(volume)
-            scalar: Any = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
+            scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
             places = self._rows(tangent, self._owned + rows)
             tangent.setValues(places, scalar, volume[rows], addv=add)
 
-    def take_mean_stress(self, state: Any) -> None:
+    def take_mean_stress(self, state: PETSc.Vec) -> None:
         """The mean stress of a state into its function, where there is one."""
         if self._mixed is None:
             return
@@ -145,7 +148,7 @@ class LinearSystem(AddedTangents):
         function.x.array[: own.stop - own.start] = state.array_r[own]
         function.x.scatter_forward()
 
-    def set_mean_stress(self, state: Any) -> None:
+    def set_mean_stress(self, state: PETSc.Vec) -> None:
         """The mean stress of its function into a state, where there is one."""
         if self._mixed is None:
             return
@@ -162,7 +165,7 @@ class LinearSystem(AddedTangents):
         return slice(self._owned, self._owned + owned)
 
 
-def assembled(form: Any) -> Any:
+def assembled(form: fem.Form) -> PETSc.Mat:
     """The matrix of a compiled form; collective."""
     matrix = fem_petsc.assemble_matrix(form)
     matrix.assemble()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from dolfinx import fem
 
@@ -25,7 +23,7 @@ class SurfaceMatrix:
     def __init__(self, contact: ContactSurface) -> None:
         self.contact = contact
         self._surface = contact.trace.surface
-        self._assembled: dict[Any, AssembledForm] = {}
+        self._assembled: dict[fem.Form, AssembledForm] = {}
         self.dofs = self._surface.dofs
 
     def entries(self) -> Entries:
@@ -120,7 +118,7 @@ class AssembledForm:
         columns: Likewise.
     """
 
-    def __init__(self, form: Any, surface: SurfaceSpace) -> None:
+    def __init__(self, form: fem.Form, surface: SurfaceSpace) -> None:
         self._form = form
         self._matrix = fem.create_matrix(form)
         self._matrix.data[:] = np.arange(len(self._matrix.data))

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any
 
 import numpy as np
 from dolfinx import fem
+from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest, total
@@ -17,7 +17,7 @@ from fenics_contact.solve.systems.system import System
 class BodySystem(System):
     """Balance of forces on every free displacement; the attributes are those of ``System``."""
 
-    _work: Any  # a vector of unknowns to work in
+    _work: PETSc.Vec  # a vector of unknowns to work in
 
     def __init__(self, problem: Problem) -> None:
         super().__init__(problem)
@@ -28,7 +28,7 @@ class BodySystem(System):
         self._reactions = 0.0
 
     @abstractmethod
-    def internal_forces(self, state: Any, forces: Any) -> None:
+    def internal_forces(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
         """K u, also where supports hold; 0 in the scalars' rows; collective."""
 
     @property
@@ -63,7 +63,7 @@ class BodySystem(System):
     def pair_anew(self) -> None:
         """Tangents see it by themselves."""
 
-    def take(self, state: Any) -> None:
+    def take(self, state: PETSc.Vec) -> None:
         """A vector of unknowns into the displacement function and the jumps; collective."""
         function = self.problem.displacement.x
         function.array[: self._owned_size] = state.array_r[: self._owned_size]
@@ -79,7 +79,7 @@ class BodySystem(System):
         array = self.problem.displacement.x.array
         return np.asarray(array.reshape(-1, self.problem.spaces.components))
 
-    def balance(self, state: Any, residual: Any) -> None:
+    def balance(self, state: PETSc.Vec, residual: PETSc.Vec) -> None:
         """K u − f − r_c(u), and the scalars' rows; collective."""
         self.take(state)
         self.internal_forces(state, residual)
@@ -91,7 +91,7 @@ class BodySystem(System):
             array[self._owned_constrained] = 0.0  # they hold their values exactly
         self._reactions = float(total(self.comm, held))
 
-    def contact_residual(self, state: Any) -> Array:
+    def contact_residual(self, state: PETSc.Vec) -> Array:
         """−r_c(u) and the scalars' rows at the jumps last taken, rows of this rank; collective."""
         forces = self.all_contact_forces()
         imbalances = self.scalar_imbalances(self.scalar_values(state), forces)

@@ -6,7 +6,7 @@ the contacts' terms to a copy of it, and factorises that.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from petsc4py import PETSc
@@ -45,10 +45,10 @@ class FullSystem(BodySystem):
         for thing in (self.tangent, self.state, self.residual, self._work):
             thing.destroy()
 
-    def prepare(self, snes: Any) -> None:
+    def prepare(self, snes: PETSc.SNES) -> None:
         """Nothing: the options say it all."""
 
-    def linearise(self, state: Any) -> None:
+    def linearise(self, state: PETSc.Vec) -> None:
         """Add the contacts' tangents to a copy of K; collective."""
         self.take(state)
         tangent = self.tangent
@@ -83,7 +83,7 @@ class FullSystem(BodySystem):
         """Start from the mean stress that its function has."""
         self._system.set_mean_stress(self.state)
 
-    def internal_forces(self, state: Any, forces: Any) -> None:
+    def internal_forces(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
         """K u and what a mean stress adds; collective."""
         self._system.stiffness.mult(state, forces)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from petsc4py import PETSc
 
 from fenics_contact.common.errors import FenicsContactError, MachineError, NotConvergedError
 from fenics_contact.common.failures import LESS_MEMORY
@@ -13,7 +13,7 @@ _NO_MEMORY = (-5, -7, -13, -19, -22)  # could not be had, or is more than ICNTL(
 _SMALL_WORKSPACE = (-8, -9, -14, -15, -17, -20)  # pivots took more than was foreseen
 
 
-def failure(factor: Any) -> FenicsContactError | None:
+def failure(factor: PETSc.Mat) -> FenicsContactError | None:
     """What went wrong in a factorisation, or None; the same on every rank that has a part of it.
 
     Args:
@@ -36,7 +36,7 @@ def failure(factor: Any) -> FenicsContactError | None:
     )
 
 
-def failure_of(preconditioner: Any) -> FenicsContactError | None:
+def failure_of(preconditioner: PETSc.PC) -> FenicsContactError | None:
     """The same of a preconditioner, None where it is not one of MUMPS."""
     if preconditioner.getType() not in ("lu", "cholesky"):
         return None

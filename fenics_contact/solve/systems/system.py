@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
+from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
@@ -38,9 +39,9 @@ class System(ABC):
     name: ClassVar[str]
     options: ClassVar[dict[str, Any]]
     first_way: ClassVar[str] = "campos"
-    state: Any
-    residual: Any
-    tangent: Any
+    state: PETSc.Vec
+    residual: PETSc.Vec
+    tangent: PETSc.Mat
     factorisations: int
 
     def __init__(self, problem: Problem) -> None:
@@ -59,15 +60,15 @@ class System(ABC):
         """Bring supports and loads of the state to their present values; collective."""
 
     @abstractmethod
-    def take(self, state: Any) -> None:
+    def take(self, state: PETSc.Vec) -> None:
         """A vector of unknowns into the contacts' jumps; collective."""
 
     @abstractmethod
-    def balance(self, state: Any, residual: Any) -> None:
+    def balance(self, state: PETSc.Vec, residual: PETSc.Vec) -> None:
         """The force imbalance of a state; collective."""
 
     @abstractmethod
-    def linearise(self, state: Any) -> None:
+    def linearise(self, state: PETSc.Vec) -> None:
         """Set the tangent to that of a state; collective."""
 
     @abstractmethod
@@ -95,7 +96,7 @@ class System(ABC):
         """Free PETSc's objects: factors hold communicators, of which there are few."""
 
     @abstractmethod
-    def prepare(self, snes: Any) -> None:
+    def prepare(self, snes: PETSc.SNES) -> None:
         """Set whatever the linear solver needs beside its options."""
 
     @property
@@ -117,7 +118,7 @@ class System(ABC):
         """Number of scalar unknowns."""
         return len(self.problem.unknowns)
 
-    def scalar_values(self, state: Any) -> Array:
+    def scalar_values(self, state: PETSc.Vec) -> Array:
         """Values of the scalar unknowns, on every rank; collective."""
         if not self.scalars:
             return np.zeros(0)
