@@ -189,6 +189,11 @@ class Problem:
             contact.supports = SurfaceSupports(contact.trace, self.constrained)
         self.set_time(self.scene.steps.last)
 
+    def stick_all(self) -> None:
+        """Take every contact point to stick, for a solve to begin with."""
+        for contact in self.frictional:
+            contact.friction.stick_all()
+
     def set_time(self, time: float) -> None:
         """Bring loads, supports and obstacles to a pseudo-time; collective."""
         self.pressure_load = np.zeros((len(self.spaces.coordinates), self.spaces.components))

@@ -51,10 +51,10 @@ def solve_step(newton: Newton) -> Solution:
     try:
         return _solve_step(newton)
     except NotConvergedError as error:
-        if not newton.paired_anew:
+        if not newton.begin.paired_anew:
             raise
         logger.info("%s; next: from the start, with what faces what now", error)
-        newton.start()
+        newton.begin.anew()
         return _solve_step(newton)
 
 
@@ -126,7 +126,7 @@ class _Strategies:
         """The ways that `auto` tries, the most promising one first."""
         # The answer of the last load step is near enough for Newton's method; between two bodies
         # it took fewer steps than the loop in all that was measured.
-        at_once = self.newton.continues or self.problem.between_bodies
+        at_once = self.newton.begin.continues or self.problem.between_bodies
         first = "monolithic" if at_once else self.newton.system.first_way
         order = sorted(_WORDS, key=lambda way: way != first)
         if RigidMotions(self.problem).count > 0:

@@ -194,24 +194,24 @@ class LoadSteps:
         newton, problem = self.newton, self.problem
         if self.last is None:
             problem.set_time(time)
-            newton.start()
+            newton.begin.anew()
             if predicted is not None:
                 self._place(predicted)
-                newton.continue_start()
+                newton.begin.from_last_step()
             return
         if not self._has_moved_on:
             imbalance = self.last.solution.imbalance_limit
             for contact in problem.contacts:
                 contact.accept()
                 follow_pressure(contact, imbalance)  # a guess of what the next step needs
-            newton.pair_anew(self.last.unknowns.displacement)
+            newton.begin.pair_anew(self.last.unknowns.displacement)
             self._has_moved_on = True
         problem.set_time(time)
         if predicted is not None:
             self._place(predicted)
-            if newton.is_out_of_touch():  # an obstacle that turns leaves the straight line
+            if newton.begin.is_out_of_touch():  # an obstacle that turns leaves the straight line
                 self._place(self.last.unknowns)
-        newton.continue_start()
+        newton.begin.from_last_step()
 
     def _prediction(self, time: float) -> Unknowns | None:
         """Where the last two steps lead to, if no load path turns on the way.
@@ -271,7 +271,7 @@ class LoadSteps:
         """Take the contacts back to what is kept of them, and their pairing; collective."""
         pairs = list(zip(self.problem.contacts, memories, strict=True))
         if any([recall_pairing(contact, memory) for contact, memory in pairs]):
-            self.newton.follow_pairing()
+            self.newton.begin.follow_pairing()
         for contact, memory in pairs:
             recall(contact, memory)
 
@@ -279,7 +279,7 @@ class LoadSteps:
         mixed = self.problem.elastic.mixed
         if mixed is not None:
             mixed.mean_stress.x.array[:] = unknowns.mean_stress
-        self.newton.place(unknowns.displacement, unknowns.scalars)
+        self.newton.begin.at(unknowns.displacement, unknowns.scalars)
 
 
 def solve(

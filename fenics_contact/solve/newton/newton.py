@@ -12,13 +12,12 @@ from petsc4py import PETSc
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import MachineError, NotConvergedError, StoppedError
 from fenics_contact.common.failures import original
-from fenics_contact.common.parallel import largest
 from fenics_contact.common.petsc_options import PREFIX
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.noise import round_off
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.rigid_motions import RigidMotions
 from fenics_contact.solve.line_search import share_of_step
+from fenics_contact.solve.newton.beginning import Beginning
 from fenics_contact.solve.newton.failure import (
     GIVEN_UP,
     NO_SOLVE,
@@ -28,7 +27,6 @@ from fenics_contact.solve.newton.failure import (
     not_converged,
     runaway,
 )
-from fenics_contact.solve.newton.initial_guess import starting_point
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.newton.status_cycling import Chatter
 from fenics_contact.solve.systems import mumps
@@ -56,10 +54,6 @@ THOROUGH_SEARCH = dict(FULL_STEPS)
 # floor grows with |u|, and a body that runs away must not pass for an answer.
 _LARGEST_FLOOR = 1e-6
 
-# Slip over the size of a contact from which two bodies are paired anew: it moves the pressure by
-# about as much.
-_SLID = 1e-3
-
 # Steps without progress in which a search is taken to follow round-off.
 _PATIENCE = 3
 
@@ -73,8 +67,7 @@ class Newton:
     Attributes:
         imbalances: Force imbalance before every Newton step and at the end, of all solves (force).
         steps: Newton steps of all solves.
-        continues: Whether the present solve starts from an answer of the load step before.
-        paired_anew: Whether it was found anew what faces what since the last load step.
+        begin: Where the next solve begins.
         limit: Imbalance that the last solve accepted as converged (force).
         stopped: Whether this rank was asked to stop; asked before every Newton step.
     """
@@ -86,9 +79,8 @@ class Newton:
         self.comm = problem.comm
         self.imbalances: list[float] = []
         self.steps = 0
-        self.continues = False
         self.limit = 0.0
-        self.paired_anew = False
+        self.begin = Beginning(problem, system, timings)
         self._hopeless: Callable[[], bool] | None = None
         self._chatter = Chatter(problem.contacts, problem.comm)
         self.stopped: Callable[[], bool] = lambda: False
@@ -147,7 +139,7 @@ class Newton:
             else:
                 self._search = THOROUGH_SEARCH
                 self.restore(start)
-                self._stick_all()
+                self.problem.stick_all()
             self._solve()
 
     @property
@@ -269,72 +261,6 @@ class Newton:
         """Count steps and note imbalances anew, for another load step."""
         self.imbalances.clear()
         self.steps = 0
-
-    def start(self) -> None:
-        """Nothing has slipped, supports stand at their values, loose parts touch; collective."""
-        self.continues = False
-        displacement, indentations = starting_point(self.problem)
-        for contact, indentation in zip(self.problem.contacts, indentations, strict=True):
-            contact.kinematics.move(contact.kinematics.relative(displacement), indentation)
-        self.system.begin(displacement)
-        self._stick_all()
-
-    def place(self, displacement: Array, scalars: Array) -> None:
-        """Take a state, at the present loads; collective.
-
-        Args:
-            displacement: At the body's nodes of this rank, (nodes, components) (length).
-            scalars: Values of the scalar unknowns.
-        """
-        self.system.begin(displacement)
-        self.system.set_scalars(scalars)
-        self.system.set_mean_stress()
-        self.system.follow_supports()
-
-    def continue_start(self) -> None:
-        """From the state of the last load step, supports at their new values; collective.
-
-        What only contact holds, and nothing touches, is brought into contact as at the start; so
-        are bodies that were paired anew, of which none may be touched then.
-        """
-        is_doubtful = self.paired_anew or self.is_out_of_touch()
-        if is_doubtful and RigidMotions(self.problem).count > 0:
-            self.start()
-            return
-        self.continues = True
-        self.system.follow_supports()
-        self._stick_all()
-
-    def pair_anew(self, displacement: Array) -> None:
-        """Follow bodies that slid along each other in the last load step; collective.
-
-        Args:
-            displacement: That of the step, at the body's nodes of this rank (length).
-        """
-        slid = [c for c in self.problem.contacts if c.slid_share() > _SLID]
-        self.paired_anew = bool(slid)
-        for contact in slid:
-            logger.debug("  '%s': finding anew what faces what", contact.label)
-            contact.pair_anew(displacement)
-        if slid:
-            self.follow_pairing()
-
-    def follow_pairing(self) -> None:
-        """Take what faces what as the contacts know it now; collective."""
-        with self.timings.phase("assemble"):
-            self.system.pair_anew()
-
-    def is_out_of_touch(self) -> bool:
-        """Whether nothing presses on an obstacle that a force drives, or nowhere; collective."""
-        pushing = [contact for contact in self.problem.contacts if contact.is_one_sided]
-        touched = [largest(self.comm, contact.pressure()) > 0 for contact in pushing]
-        loose = [contact.floats for contact in pushing]
-        apart = any(f and not t for f, t in zip(loose, touched, strict=True))
-        return apart or (bool(pushing) and not any(touched))
-
-    def _stick_all(self) -> None:
-        for contact in self.problem.frictional:
-            contact.friction.stick_all()
 
     def _converged(
         self, snes: PETSc.SNES, iteration: int, norms: tuple[float, float, float]

@@ -143,7 +143,7 @@ def _sharper(load_steps: LoadSteps, measure: Measure) -> Quantities | None:
     assert load_steps.last is not None
     newton = load_steps.newton
     begin_at_answer(load_steps)
-    newton.continue_start()
+    newton.begin.from_last_step()
     try:
         try:
             solution = newton_again(
@@ -167,7 +167,7 @@ def _one_more_pass(load_steps: LoadSteps, measure: Measure) -> Quantities | None
     """Of contact and friction with the bound of the answer's pressure; collective."""
     newton = load_steps.newton
     begin_at_answer(load_steps)
-    newton.continue_start()
+    newton.begin.from_last_step()
     try:
         for contact in load_steps.problem.coulomb:
             contact.friction.set_bound(contact.friction.bound_of(contact.pressure()))

@@ -47,7 +47,7 @@ def last_step_again(load_steps: LoadSteps, measure: Measure, change: Change) -> 
         for way in ways:
             begin_at_answer(load_steps)
             change(load_steps.problem)
-            newton.continue_start()
+            newton.begin.from_last_step()
             try:
                 return measure(way())
             except NotConvergedError as error:
@@ -90,7 +90,7 @@ def begin_at_answer(load_steps: LoadSteps) -> None:
     """Go to the answer, to be solved again from there; collective."""
     load_steps.go_back()
     load_steps.newton.forget()
-    load_steps.newton.paired_anew = False
+    load_steps.newton.begin.paired_anew = False
 
 
 def newton_again(load_steps: LoadSteps, tolerance: float | None = None) -> Solution:

@@ -70,7 +70,7 @@ def solved(scene, body, kind=IterativeSystem):
     for number, time in enumerate(scene.steps.all_times):
         problem.set_time(time)
         newton.forget()
-        newton.start() if number == 0 else newton.continue_start()
+        newton.begin.anew() if number == 0 else newton.begin.from_last_step()
         solution = solve_step(newton)
         for contact in problem.contacts:
             contact.accept()

@@ -1,0 +1,100 @@
+"""Where Newton's method begins a solve: at the start of all, or where the last load step ended."""
+
+from __future__ import annotations
+
+import logging
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import largest
+from fenics_contact.common.timings import Timings
+from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.rigid_motions import RigidMotions
+from fenics_contact.solve.newton.initial_guess import starting_point
+from fenics_contact.solve.systems.system import System
+
+logger = logging.getLogger(__name__)
+
+# Slip over the size of a contact from which two bodies are paired anew: it moves the pressure by
+# about as much.
+_SLID = 1e-3
+
+
+class Beginning:
+    """The state that a solve begins from.
+
+    Attributes:
+        continues: Whether it is an answer of the load step before.
+        paired_anew: Whether it was found anew what faces what since the last load step.
+
+    Args:
+        problem: The problem.
+        system: Its unknowns.
+        timings: Seconds so far.
+    """
+
+    def __init__(self, problem: Problem, system: System, timings: Timings) -> None:
+        self._problem, self._system, self._timings = problem, system, timings
+        self.continues = False
+        self.paired_anew = False
+
+    def anew(self) -> None:
+        """Nothing has slipped, supports stand at their values, loose parts touch; collective."""
+        self.continues = False
+        displacement, indentations = starting_point(self._problem)
+        for contact, indentation in zip(self._problem.contacts, indentations, strict=True):
+            contact.kinematics.move(contact.kinematics.relative(displacement), indentation)
+        self._system.begin(displacement)
+        self._problem.stick_all()
+
+    def at(self, displacement: Array, scalars: Array) -> None:
+        """Take a state, at the present loads; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components) (length).
+            scalars: Values of the scalar unknowns.
+        """
+        self._system.begin(displacement)
+        self._system.set_scalars(scalars)
+        self._system.set_mean_stress()
+        self._system.follow_supports()
+
+    def from_last_step(self) -> None:
+        """From the state of the last load step, supports at their new values; collective.
+
+        What only contact holds, and nothing touches, is brought into contact as at the start; so
+        are bodies that were paired anew, of which none may be touched then.
+        """
+        is_doubtful = self.paired_anew or self.is_out_of_touch()
+        if is_doubtful and RigidMotions(self._problem).count > 0:
+            self.anew()
+            return
+        self.continues = True
+        self._system.follow_supports()
+        self._problem.stick_all()
+
+    def pair_anew(self, displacement: Array) -> None:
+        """Follow bodies that slid along each other in the last load step; collective.
+
+        Args:
+            displacement: That of the step, at the body's nodes of this rank (length).
+        """
+        slid = [c for c in self._problem.contacts if c.slid_share() > _SLID]
+        self.paired_anew = bool(slid)
+        for contact in slid:
+            logger.debug("  '%s': finding anew what faces what", contact.label)
+            contact.pair_anew(displacement)
+        if slid:
+            self.follow_pairing()
+
+    def follow_pairing(self) -> None:
+        """Take what faces what as the contacts know it now; collective."""
+        with self._timings.phase("assemble"):
+            self._system.pair_anew()
+
+    def is_out_of_touch(self) -> bool:
+        """Whether nothing presses on an obstacle that a force drives, or nowhere; collective."""
+        pushing = [contact for contact in self._problem.contacts if contact.is_one_sided]
+        touched = [largest(self._problem.comm, contact.pressure()) > 0 for contact in pushing]
+        loose = [contact.floats for contact in pushing]
+        apart = any(f and not t for f, t in zip(loose, touched, strict=True))
+        return apart or (bool(pushing) and not any(touched))
