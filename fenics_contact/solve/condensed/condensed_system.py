@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 from petsc4py import PETSc
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, hstack
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.timings import Timings
@@ -27,7 +27,9 @@ from fenics_contact.solve.systems.system import System
 
 
 class CondensedSystem(System):
-    """Balance A y − b − Σ Lᵀ r_c(B y + c), with A the Schur complement and the scalars' rows.
+    """Balance A y − b − Qᵀ Σ Lᵀ r_c(B Q y + c), A the Schur complement and the scalars' rows.
+
+    Q y are the unknowns y, and the derived jumps after them.
 
     Attributes:
         stiffness: That of each rank's cells.
@@ -105,14 +107,15 @@ class CondensedSystem(System):
 
     def _jump(self, surface: SurfaceMatrix) -> ContactJump:
         places = self.dofs.places(surface.dofs)
-        points = self.variables.jump(surface)
-        points.resize(len(places), self._size)
+        points, count = self.variables.jump(surface), self.variables.count
+        none = csr_matrix((len(places), self.scalars))
+        points = csr_matrix(hstack([points[:, :count], none, points[:, count:]]))
         if not self.scalars:
             return ContactJump(surface, points, points, points)
         motion, work = points.tolil(), points.tolil()
         far = motion.copy()
         for number, unknown in enumerate(self.problem.unknowns):
-            column = len(self.dofs.free) + number
+            column = count + number
             if unknown.column is not None:
                 columns = self._far_loads[number][1][places][:, None]
                 motion[:, column] = far[:, column] = columns
@@ -134,7 +137,8 @@ class CondensedSystem(System):
         condensed = [self.variables.forces(load) for load in condensed]
         columns = -np.array(condensed).reshape(self.scalars, len(self.dofs.free)).T
         own = np.array([unknown.own for unknown in self.problem.unknowns])
-        return ContactTangent(self.variables.stiffness(schur), columns, own)
+        variables = self.variables
+        return ContactTangent(variables.stiffness(schur), columns, own, variables.derived)
 
     def _create_vectors(self) -> None:
         own = self._size if self._root else 0
@@ -163,11 +167,11 @@ class CondensedSystem(System):
             For forces across, and along each way; None where only contact holds a body, and on
             ranks that have no part of the tangent.
         """
-        jump = self._jumps[number]
-        compliance = None if self._dense is None else self._dense.compliance
-        if jump is None or compliance is None:
+        jump, dense = self._jumps[number], self._dense
+        compliance = None if dense is None else dense.compliance
+        if jump is None or dense is None or compliance is None:
             return None
-        unknowns = jump.relative[:, : len(compliance)]
+        unknowns = jump.relative[:, dense.compliant]
         moved = (across @ unknowns) @ compliance
         return moved @ (across @ unknowns).T, [moved @ (way @ unknowns).T for way in ways]
 
@@ -238,7 +242,8 @@ class CondensedSystem(System):
     def _relative(self, jump: ContactJump, held: Array, values: Array) -> Array:
         """Displacements relative to a body opposite, at this rank's nodes of a surface."""
         surface = jump.surface.contact.trace.surface
-        found = jump.relative @ values + held
+        derived = self.variables.derived @ values[: self.variables.count]
+        found = jump.relative @ np.concatenate([values, derived]) + held
         return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
 
     def _take_others(self, displacement: Array) -> None:
@@ -261,7 +266,7 @@ class CondensedSystem(System):
         left -= np.concatenate([self._condensed, driving])
         for jump, force in zip(self._jumps, parts, strict=True):
             if jump is not None:
-                left -= jump.work.T @ force
+                left -= self._dense.onto_unknowns(jump.work.T @ force)
         with residual as array:
             array[:] = left
 

@@ -13,7 +13,9 @@ from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 
 @dataclass(frozen=True, eq=False)
 class ContactJump:
-    """The jump w = B y + c of one contact over the unknowns y; rows are dofs of its surface.
+    """The jump w = B (y, z) + c of one contact; rows are dofs of its surface.
+
+    Columns are the unknowns y, then the derived jumps z.
 
     Attributes:
         surface: Tangent in the jump.

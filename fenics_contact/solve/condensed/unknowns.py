@@ -3,6 +3,10 @@
 Where a slave surface faces a master, its displacement is u = w + P u' with the jump w. With w as
 the unknown a contact of two bodies has its tangent where that of a rigid obstacle has it, at the
 points that touch, and couples no two dofs more; the bulk's part takes P once.
+
+A dof of a slave that supports hold has no unknown for its jump, nor has one of two contacts that
+share it, but for the first. Such jumps are *derived*: z = R y, one row of R each. R is full, so
+its rows are never multiplied out into the tangent (``ContactTangent``).
 """
 
 from __future__ import annotations
@@ -11,31 +15,40 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_matrix, identity
+from scipy.sparse import csr_matrix
 
-from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.contact.mortar.pairing import Pairing
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 
 
 @dataclass(frozen=True, eq=False)
 class _Block:
-    """A part of T − 1: free displacements of masters that a slave's are measured from.
+    """A part of P between free dofs: displacements that a slave's are measured from.
 
     Attributes:
-        slaves: Numbers among the free contact dofs.
+        rows: Dofs of the slave's surface, by their numbers there.
+        slaves: Their numbers among the unknowns.
         masters: Likewise.
         projection: P, (slaves, masters).
     """
 
+    rows: Integers
     slaves: Integers
     masters: Integers
     projection: Array
 
+    def of_rows(self, chosen: Flags) -> _Block:
+        """That of some dofs of the slave's surface, (dofs,)."""
+        kept = chosen[self.rows]
+        return _Block(self.rows[kept], self.slaves[kept], self.masters, self.projection[kept])
+
 
 class ContactVariables:
-    """u = T y of the free contact dofs; T is 1 but for the rows of slaves.
+    """u = T y of the free contact dofs; T is 1 but for the rows whose unknown is a jump.
+
+    A master's dof may be another contact's slave: T is then a product, in an order in which the
+    displacements that a jump is measured from come first.
 
     Args:
         dofs: The contact dofs.
@@ -43,120 +56,193 @@ class ContactVariables:
 
     Attributes:
         count: Number of unknowns.
+        derived: R, (derived jumps, unknowns): the jumps that are no unknowns.
     """
 
     def __init__(self, dofs: ContactDofs, surfaces: Sequence[SurfaceMatrix]) -> None:
         self._dofs = dofs
         self.count = len(dofs.free)
         self._unknown_of = np.cumsum(dofs.is_free) - 1
-        self._blocks: list[_Block] = []
-        self._as_jumps: list[SurfaceMatrix] = []
-        self._relatives = {surface: self._relative(surface) for surface in surfaces}
-        slaves, masters = np.zeros((2, len(dofs.numbers)), dtype=bool)
+        self._places = {surface: dofs.places(surface.dofs) for surface in surfaces}
+        self._blocks = {surface: self._blocks_of(surface) for surface in surfaces}
+        jumps = self._choose_jumps(surfaces)
+        self._transform = [
+            block.of_rows(jumps[surface])
+            for surface in _dependencies_first(self._before(jumps))
+            for block in self._blocks[surface]
+        ]
+        is_jump = np.zeros(self.count, dtype=bool)
+        for block in self._transform:
+            is_jump[block.slaves] = True
+        self._units: dict[SurfaceMatrix, tuple[Integers, Integers]] = {}
+        rows = [np.zeros((0, self.count))]
+        self._first_derived: dict[SurfaceMatrix, tuple[Integers, int]] = {}
+        derived = 0
         for surface in surfaces:
-            pairing = surface.contact.kinematics.pairing
-            if pairing is None:
-                continue
-            slave, master = dofs.places(surface.dofs), dofs.places(pairing.dofs)
-            # A dof that is a slave here and a master there keeps its displacement as the unknown;
-            # it may be both in one contact, as at the tip of a slit.
-            both = np.isin(slave, master) | (slaves | masters)[slave]
-            if both.any() or slaves[master].any():
-                continue
-            slaves[slave] = masters[master] = True
-            self._as_jumps.append(surface)
-            self._blocks += self._blocks_of(pairing, slave, master)
+            unit, others = self._rows(surface, jumps[surface], is_jump)
+            self._units[surface] = unit, self._unknown_of[self._places[surface][unit]]
+            self._first_derived[surface] = others, derived
+            rows.append(self._transformed(self._relative(surface, others)))
+            derived += len(others)
+        self.derived = np.concatenate(rows)
 
-    def _blocks_of(self, pairing: Pairing, slave: Integers, master: Integers) -> list[_Block]:
+    def _blocks_of(self, surface: SurfaceMatrix) -> list[_Block]:
+        """P of a contact by components, at all slaves; of those that are held without unknowns."""
+        pairing = surface.contact.kinematics.pairing
+        if pairing is None:
+            return []
         size, free = len(pairing.blocks), self._dofs.is_free
+        slave, master = self._places[surface], self._dofs.places(pairing.dofs)
         found = []
         for axis, block in enumerate(pairing.blocks):
-            mine, others = slave[axis::size], master[axis::size]
-            part = block[np.ix_(free[mine], free[others])]
-            slaves, masters = (self._unknown_of[dofs[free[dofs]]] for dofs in (mine, others))
-            found.append(_Block(slaves, masters, part))
+            others = master[axis::size]
+            columns = np.flatnonzero(free[others])
+            rows = np.arange(axis, len(slave), size)
+            slaves = np.where(free[slave[rows]], self._unknown_of[slave[rows]], -1)
+            masters = self._unknown_of[others[columns]]
+            found.append(_Block(rows, slaves, masters, block[:, columns]))
         return found
+
+    def _choose_jumps(self, surfaces: Sequence[SurfaceMatrix]) -> dict[SurfaceMatrix, Flags]:
+        """Of every surface which dofs have the jump as their unknown.
+
+        Free slaves that no contact before has claimed, unless what the jump is measured from
+        followed from the jump itself.
+        """
+        chosen: dict[SurfaceMatrix, Flags] = {}
+        claimed = np.zeros(self.count, dtype=bool)
+        for surface in surfaces:
+            chosen[surface] = np.zeros(len(surface.dofs), dtype=bool)
+            if not self._blocks[surface]:
+                continue
+            barred = claimed.copy()
+            for other in self._all_before(surface, chosen):
+                barred[self._masters(other)] = True
+            places = self._places[surface]
+            free = self._dofs.is_free[places]
+            chosen[surface][free] = ~barred[self._unknown_of[places[free]]]
+            claimed[self._unknown_of[places[chosen[surface]]]] = True
+        return chosen
+
+    def _masters(self, surface: SurfaceMatrix) -> Integers:
+        """The unknowns that jumps of a contact are measured from."""
+        none = np.zeros(0, dtype=np.int64)
+        return np.concatenate([none, *(block.masters for block in self._blocks[surface])])
+
+    def _before(
+        self, jumps: dict[SurfaceMatrix, Flags]
+    ) -> dict[SurfaceMatrix, list[SurfaceMatrix]]:
+        """Of every contact those whose slaves' displacements its own jumps are measured from."""
+        slaves = {
+            surface: self._unknown_of[self._places[surface][chosen]]
+            for surface, chosen in jumps.items()
+        }
+        return {
+            surface: [
+                other
+                for other, found in slaves.items()
+                if other is not surface and np.isin(found, self._masters(surface)).any()
+            ]
+            for surface in jumps
+        }
+
+    def _all_before(
+        self, surface: SurfaceMatrix, jumps: dict[SurfaceMatrix, Flags]
+    ) -> list[SurfaceMatrix]:
+        """A contact and all that its jumps follow from, if ``jumps`` are chosen so far."""
+        before, found = self._before(jumps), [surface]
+        for one in found:  # grows meanwhile
+            found += [other for other in before[one] if other not in found]
+        return found
+
+    def _rows(
+        self, surface: SurfaceMatrix, jumps: Flags, is_jump: Flags
+    ) -> tuple[Integers, Integers]:
+        """Dofs of a surface whose jump is an unknown; and those whose jump is derived.
+
+        Those that are held, and measured from nothing that moves, are neither.
+        """
+        places = self._places[surface]
+        free = self._dofs.is_free[places]
+        measured = np.zeros(len(places), dtype=bool)  # from displacements that are free
+        for block in self._blocks[surface]:
+            measured[block.rows] = block.projection.any(axis=1)
+        unknown = np.where(free, self._unknown_of[places], 0)
+        own = free & ~measured & ~is_jump[unknown] if self.count else free
+        unit = jumps | own
+        return np.flatnonzero(unit), np.flatnonzero(~unit & (free | measured))
+
+    def _relative(self, surface: SurfaceMatrix, rows: Integers) -> Array:
+        """U − P u' of some dofs of a surface over the free contact dofs, (rows, dofs)."""
+        places = self._places[surface][rows]
+        found = np.zeros((len(rows), self.count))
+        own = np.flatnonzero(self._dofs.is_free[places])
+        found[own, self._unknown_of[places[own]]] = 1.0
+        for block in self._blocks[surface]:
+            mine, of_block = np.isin(rows, block.rows), np.isin(block.rows, rows)
+            found[np.ix_(mine, block.masters)] -= block.projection[of_block]
+        return found
+
+    def _transformed(self, rows: Array) -> Array:
+        """X T of rows over displacements, (rows, unknowns); in place."""
+        for block in reversed(self._transform):
+            rows[:, block.masters] += rows[:, block.slaves] @ block.projection
+        return rows
 
     def stiffness(self, schur: Array) -> Array:
         """Tᵀ S T."""
-        if not self._blocks:
+        if not self._transform:
             return schur
-        found = schur.copy()
-        for block in self._blocks:
-            found[:, block.masters] += found[:, block.slaves] @ block.projection
-        for block in self._blocks:
+        found = self._transformed(schur.copy())
+        for block in reversed(self._transform):
             found[block.masters] += block.projection.T @ found[block.slaves]
         return found
 
     def forces(self, forces: Array) -> Array:
         """Tᵀ f."""
-        found = forces.copy()
-        for block in self._blocks:
-            found[block.masters] += forces[block.slaves] @ block.projection
-        return found
+        return np.asarray(self._transformed(forces.copy()[None])[0])
 
     def displacements(self, unknowns: Array) -> Array:
         """T y."""
         found = unknowns.copy()
-        for block in self._blocks:
-            found[block.slaves] += block.projection @ unknowns[block.masters]
+        for block in self._transform:
+            found[block.slaves] += block.projection @ found[block.masters]
         return found
 
     def unknowns(self, displacements: Array) -> Array:
         """T⁻¹ u."""
         found = displacements.copy()
-        for block in self._blocks:
+        for block in self._transform:
             found[block.slaves] -= block.projection @ displacements[block.masters]
         return found
 
     def jump(self, surface: SurfaceMatrix) -> csr_matrix:
-        """Displacements of a surface relative to what is opposite, over the unknowns."""
-        free = np.flatnonzero(self._dofs.is_free)
-        over_free = csr_matrix(self._relatives[surface][:, free])
-        if surface in self._as_jumps:
-            return self._with_unit_rows(surface, over_free)
-        return over_free @ self._transform() if self._blocks else over_free
-
-    def _with_unit_rows(self, surface: SurfaceMatrix, over_free: csr_matrix) -> csr_matrix:
-        """The rows of free slaves are y itself, and exactly so."""
-        places = self._dofs.places(surface.dofs)
-        free = np.flatnonzero(self._dofs.is_free[places])
-        keeps = np.ones(len(places))
-        keeps[free] = 0.0
-        unit = csr_matrix(
-            (np.ones(len(free)), (free, self._unknown_of[places[free]])), shape=over_free.shape
-        )
-        others = csr_matrix(over_free.multiply(keeps[:, None]))
-        others.eliminate_zeros()
-        return csr_matrix(others + unit)
+        """Jumps at the dofs of a surface over (y, z), (dofs, unknowns + derived jumps)."""
+        unit, unknown = self._units[surface]
+        others, first = self._first_derived[surface]
+        rows = np.concatenate([unit, others])
+        columns = np.concatenate([unknown, self.count + first + np.arange(len(others))])
+        shape = (len(surface.dofs), self.count + len(self.derived))
+        return csr_matrix((np.ones(len(rows)), (rows, columns)), shape=shape)
 
     def held_part(self, surface: SurfaceMatrix, held: Array) -> Array:
         """What held displacements, given at all contact dofs, add to ``jump``."""
-        return np.asarray(self._relatives[surface] @ held)
-
-    def _relative(self, surface: SurfaceMatrix) -> csr_matrix:
-        """U − P u' of a surface over all contact dofs."""
-        places = self._dofs.places(surface.dofs)
-        shape = (len(places), len(self._dofs.numbers))
-        own = csr_matrix((np.ones(len(places)), (np.arange(len(places)), places)), shape=shape)
+        found = held[self._places[surface]].copy()
         pairing = surface.contact.kinematics.pairing
-        if pairing is None:
-            return own
-        master, size = self._dofs.places(pairing.dofs), len(pairing.blocks)
-        entries: list[tuple[Array, Integers, Integers]] = []
-        for axis, block in enumerate(pairing.blocks):
-            rows, columns = np.nonzero(block)
-            there = master[columns * size + axis]
-            entries.append((block[rows, columns], rows * size + axis, there))
-        values, *numbers = (np.concatenate(part) for part in zip(*entries, strict=True))
-        return csr_matrix(own - csr_matrix((values, tuple(numbers)), shape=shape))
+        if pairing is not None:
+            size, opposite = len(pairing.blocks), held[self._dofs.places(pairing.dofs)]
+            for axis, block in enumerate(pairing.blocks):
+                found[axis::size] -= block @ opposite[axis::size]
+        return found
 
-    def _transform(self) -> csr_matrix:
-        """T, sparse."""
-        found = csr_matrix(identity(self.count))
-        for block in self._blocks:
-            rows, columns = np.nonzero(block.projection)
-            places = (block.slaves[rows], block.masters[columns])
-            entries = (block.projection[rows, columns], places)
-            found = found + csr_matrix(entries, shape=found.shape)
-        return csr_matrix(found)
+
+def _dependencies_first(
+    before: dict[SurfaceMatrix, list[SurfaceMatrix]],
+) -> list[SurfaceMatrix]:
+    """The contacts in an order in which those that others follow from come first."""
+    order: list[SurfaceMatrix] = []
+    while len(order) < len(before):
+        order += [
+            one for one in before if one not in order and all(b in order for b in before[one])
+        ]
+    return order

@@ -31,6 +31,7 @@ from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import ContactTangent
 from tests.scenes import box_body, with_solver
+from tests.solve.same_answer import require_same, solved
 
 COMM = MPI.COMM_WORLD
 TRIANGLE, TETRAHEDRON = mesh.CellType.triangle, mesh.CellType.tetrahedron
@@ -125,49 +126,6 @@ SCENES["two contacts"] = dataclasses.replace(
         Contact("y0", friction_coefficient=0.3, name="floor"),
     ),
 )
-LENGTHS = {"indentation", "max_slip", "max_penetration", "max_displacement"}
-
-
-def solved(scene, body, solver):
-    made = Run(with_solver(scene, solver=solver), COMM, body)
-    result = made.solve()
-    assert result.converged, result.verdict
-    assert result.passed, result.verdict
-    assert result.model["solver"] == solver
-    return made, result
-
-
-def require_same(scene, body, tolerance=1e-8):
-    full, by_full = solved(scene, body, "full")
-    condensed, by_condensed = solved(scene, body, "condensed")
-    size = COMM.allreduce(np.abs(full.solution.displacement).max(initial=0), op=MPI.MAX)
-    difference = np.abs(full.solution.displacement - condensed.solution.displacement)
-    assert COMM.allreduce(difference.max(initial=0), op=MPI.MAX) <= tolerance * size
-    peak = by_full.quantities["max_contact_pressure"]
-    # Newton's method stops at the round-off of the forces, so that pressures differ by as much.
-    imbalance = full.solution.imbalance_limit + condensed.solution.imbalance_limit
-    largest = 0.0  # of these differences
-    for number, contact in enumerate(full.problem.contacts):
-        mine, theirs = (made.solution.states[number] for made in (condensed, full))
-        area = float(contact.trace.integral(np.ones(len(contact.trace.weights))))
-        each = area / COMM.allreduce(int(contact.trace.owned.sum()))
-        largest = max(largest, imbalance / each)
-        for name in ("contact_pressure", "friction_traction"):
-            off = np.abs(getattr(mine, name) - getattr(theirs, name)).max(initial=0)
-            assert off <= tolerance * peak + imbalance / each
-    for name, value in by_full.quantities.items():
-        if value is None:
-            assert by_condensed.quantities[name] is None, name
-            continue
-        scale = np.abs(value).max(initial=0) if np.ndim(value) else abs(value)
-        scale = max(scale, size if name in LENGTHS else 0)
-        if name == "friction_force":
-            scale = max(scale, by_full.quantities["pressure_integral"])
-        allowed = tolerance * scale + (largest if name == "max_contact_pressure" else 0)
-        assert by_condensed.quantities[name] == pytest.approx(value, rel=tolerance, abs=allowed), (
-            name
-        )
-    return condensed
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -327,7 +285,7 @@ def test_tangent_against_a_plain_solve(free, stiffness):
     random = np.random.default_rng(2)
     root = random.normal(size=(12, 12 - free))
     schur, columns = root @ root.T, random.normal(size=(12, 1))
-    tangent = ContactTangent(schur, columns, np.array([1.0]))
+    tangent = ContactTangent(schur, columns, np.array([1.0]), np.zeros((0, 12)))
     whole = np.zeros((13, 13))
     whole[:12, :12], whole[:12, 12:], whole[12, 12] = schur, columns, 1.0
     for active in (range(4), range(12), range(5, 9)):
@@ -343,7 +301,7 @@ def test_tangent_against_a_plain_solve(free, stiffness):
 
 
 def test_singular_tangent_is_no_number_instead_of_a_wrong_one():
-    tangent = ContactTangent(np.diag([1.0, 0.0]), np.zeros((2, 0)), np.zeros(0))
+    tangent = ContactTangent(np.diag([1.0, 0.0]), np.zeros((2, 0)), np.zeros(0), np.zeros((0, 2)))
     tangent.set(*find(np.zeros((2, 2))))
     assert np.isnan(tangent.solve(np.ones(2))).all()
 
