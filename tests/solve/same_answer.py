@@ -38,6 +38,7 @@ def require_same(scene, body, tolerance=1e-8):
         for name in ("contact_pressure", "friction_traction"):
             off = np.abs(getattr(mine, name) - getattr(theirs, name)).max(initial=0)
             assert off <= tolerance * peak + imbalance / each
+    supports = COMM.bcast(by_full.supports)  # the root has them
     for name, value in by_full.quantities.items():
         if value is None:
             assert by_condensed.quantities[name] is None, name
@@ -45,7 +46,7 @@ def require_same(scene, body, tolerance=1e-8):
         scale = np.abs(value).max(initial=0) if np.ndim(value) else abs(value)
         scale = max(scale, size if name in LENGTHS else 0)
         if name == "reaction":  # of all supports: next to nothing where no loads act
-            scale = max(np.abs(support["reaction"]).max() for support in by_full.supports)
+            scale = np.abs([support["reaction"] for support in supports]).max(initial=0)
         if name == "friction_force":
             scale = max(scale, by_full.quantities["pressure_integral"])
         allowed = tolerance * scale + (largest if name == "max_contact_pressure" else 0)
