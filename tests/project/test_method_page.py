@@ -121,3 +121,17 @@ def test_every_inequality_has_a_test(page):
     for name in proven:
         found = " ".join(row[2] for row in rows(page) if name in numbers(row[0]))
         assert "](../tests/" in found, name
+
+
+def test_files_that_the_page_names_exist():
+    text = PAGE.read_text(encoding="utf-8")
+    folders = (ROOT / "fenics_contact", ROOT / "tests")
+    files = {path.as_posix() for folder in folders for path in folder.rglob("*.py")}
+    named = set(re.findall(r"`([a-z_/]+\.py)`", text))
+    assert len(named) > 8
+    assert [name for name in named if not any(file.endswith("/" + name) for file in files)] == []
+    # In brackets after a statement stands the file that it lives in, or a key of a scene.
+    modules = {file.rsplit("/", 1)[1].removesuffix(".py") for file in files}
+    brackets = set(re.findall(r"\(`([a-z_]+)`\)", text)) - {"against"}
+    assert len(brackets) > 8
+    assert brackets - modules == {"uniqueness"}  # a folder
