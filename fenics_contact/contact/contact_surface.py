@@ -121,6 +121,11 @@ class ContactSurface:
         return self.friction.depends_on_pressure
 
     @property
+    def checks(self) -> tuple[str, ...]:
+        """Names of the checks that its laws claim."""
+        return (*self.normal.checks, *self.friction.checks)
+
+    @property
     def terms(self) -> list[NormalLaw | FrictionLaw]:
         """The laws whose forces follow the jump."""
         laws: tuple[NormalLaw | FrictionLaw, ...] = (self.normal, self.friction)

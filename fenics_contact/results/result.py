@@ -71,7 +71,7 @@ class Check:
         limit: What a right solution keeps.
         contact: The contact that comes nearest to failing; empty where it is of the whole.
         place: The point there, undeformed, (3,) (length); empty where it is of no point.
-        kind: Which of several comparisons it is, by its name in ``check_words``.
+        kind: Which of several comparisons it is, by its name in ``check_messages``.
         part: The connected part of the body that it is of.
         parts: The check of every part, where there are several.
 

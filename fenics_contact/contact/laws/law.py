@@ -17,6 +17,7 @@ class ContactLaw:
     Attributes:
         kind: As scenes and results name it.
         model: What it models, in words.
+        checks: Names of the checks of ``trust/checks/run_checks.py`` that judge it.
         state: Arrays at the points that it keeps from load step to load step, its attributes.
         name: What is modelled where, for results.
 
@@ -26,6 +27,7 @@ class ContactLaw:
 
     kind: ClassVar[str] = ""
     model: ClassVar[str] = ""
+    checks: ClassVar[tuple[str, ...]] = ()
     state: ClassVar[tuple[PointArray, ...]] = ()
 
     def __init__(self, site: LawSite) -> None:

@@ -6,6 +6,8 @@ compliance of 1 % more changes contact forces by 1 % at most.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fenics_contact.common.arrays import Flags
@@ -27,7 +29,9 @@ _LARGEST_IN_CELL = 0.1
 _SLIP_ROUND_OFF = 20.0
 
 
-def penetration_depth(forces: BulkForces, contacts: list[ComparedPressures]) -> Check | None:
+def penetration_depth(
+    forces: BulkForces, contacts: list[ComparedPressures], numbers: Sequence[int]
+) -> Check | None:
     """Deepest penetration of one-sided contacts, against two lengths; collective.
 
     - p L/E*, what the peak pressure p that the bulk needs closes over the size L of the area
@@ -36,13 +40,17 @@ def penetration_depth(forces: BulkForces, contacts: list[ComparedPressures]) -> 
 
     Of glue, ∫ |σ n| |w| against ∫ |σ n|² L/E*, with the forces that the bulk needs.
 
-    Left out are foundations, whose depth is what is asked for, and nodes that supports hold
-    across the surface (of glue, in any direction).
+    Left out are nodes that supports hold across the surface (of glue, in any direction).
+
+    Args:
+        forces: Of a solution.
+        contacts: What is compared of those that push. No foundations: their depth is asked for.
+        numbers: Of all contacts that are asked, glue among them.
     """
-    worst = _glue(forces)
+    worst = _glue(forces, numbers)
     for compared in contacts:
         contact, state = compared.contact, compared.state
-        if not (contact.has_penalty and compared.tells):
+        if not compared.tells:
             continue
         counted = contact.trace.owned.copy()
         counted[: len(contact.nodes)] &= contact.supports.free_across
@@ -63,15 +71,14 @@ def penetration_depth(forces: BulkForces, contacts: list[ComparedPressures]) -> 
     return worst
 
 
-def _glue(forces: BulkForces) -> Check | None:
+def _glue(forces: BulkForces, numbers: Sequence[int]) -> Check | None:
     """How far glue gives way, over what the bodies do; collective."""
     worst: Check | None = None
     comm = forces.problem.comm
     free = forces.problem.free.all(axis=1)
-    for number, contact in enumerate(forces.problem.contacts):
-        if not contact.normal.sticks:
-            continue
-        if not carries_more_than(contact, forces.imbalance):
+    for number in numbers:
+        contact = forces.problem.contacts[number]
+        if not contact.normal.sticks or not carries_more_than(contact, forces.imbalance):
             continue
         state, nodes = forces.solution.states[number], slice(0, len(contact.nodes))
         counted = contact.owned_nodes & free[contact.nodes] & np.isfinite(state.gap[nodes])

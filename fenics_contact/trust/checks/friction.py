@@ -1,8 +1,11 @@
-"""Checks of friction: nodal forces that the bulk needs against the friction law."""
+"""Checks of friction: nodal forces that the bulk needs against the friction law.
+
+And of the loop on the pressure: the bound that friction was solved with is that found.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +14,14 @@ import numpy as np
 from fenics_contact.common.arrays import Array, Words
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.contact.state import OPEN
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import TRACE, Place, nearer_to_failing, worst_of
+
+# Of the tolerance of the loop, which ends when the last pass changes pressures by less.
+_LOOP_SAFETY = 10.0
 
 
 def recovered_friction(forces: BulkForces, number: int) -> Array:
@@ -174,3 +181,32 @@ def dissipation(contacts: list[ComparedFriction]) -> Check | None:
         return total(compared.comm, compared.share @ power) / longest, ()
 
     return _worst([contact for contact in contacts if contact.across <= TRACE], given)
+
+
+def outer_loop(forces: BulkForces, contacts: Sequence[int]) -> Check | None:
+    """G of the friction that was solved against μ p of the pressure that came out; collective.
+
+    Over the largest μ p, where it depends on a pressure that is not known. No other check sees a
+    loop that ended too early: friction would be within a bound that is larger than it should be, or
+    obey one that is smaller.
+
+    Args:
+        forces: Of a solution.
+        contacts: Numbers of the contacts that are asked.
+    """
+    problem, solution = forces.problem, forces.solution
+    worst: Check | None = None
+    limit = TRACE + _LOOP_SAFETY * problem.scene.solver.outer_tolerance
+    for number in contacts:
+        contact = problem.contacts[number]
+        if not contact.is_coulomb:
+            continue
+        wanted = contact.friction.bound_of(solution.states[number].contact_pressure)
+        peak = largest(problem.comm, wanted)
+        if peak <= 0 or not carries_more_than(contact, forces.imbalance):
+            continue
+        owned = contact.trace.owned
+        off = np.abs(solution.friction_bound[number] - wanted)[owned]
+        value, place = worst_of(problem.comm, off, contact.trace.coordinates[owned])
+        worst = nearer_to_failing(worst, Check(value / peak, limit, contact.label, place))
+    return worst

@@ -131,11 +131,16 @@ def tension(contacts: list[ComparedPressures]) -> Check | None:
 
 
 def penetration(forces: BulkForces, contacts: list[ComparedPressures]) -> Check | None:
-    """Energy in penalties over that in the body: the share by which contact forces are off."""
+    """Energy in penalties over that in the body: the share by which contact forces are off.
+
+    Args:
+        forces: Of a solution.
+        contacts: Those whose springs stand for no give at all: no depth is asked for.
+    """
     sunk, pushing = 0.0, False
     for compared in contacts:
         contact, energy = compared.contact, compared.state.penalty_energy
-        if compared.tells and contact.has_penalty:  # whose depth is asked for
+        if compared.tells:
             sunk, pushing = sunk + float(contact.trace.integral(energy)), True
     if not pushing:
         return None

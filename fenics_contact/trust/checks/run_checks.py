@@ -2,33 +2,34 @@
 
 None asks a contact law for its own forces: the forces compared come from the bulk,
 as nodal reactions (K u − f) or as boundary stress, so a wrong solution fails.
+
+Some judge a solution whatever the laws of its contacts are. The others judge laws: each law of a
+contact claims those that judge it, by their names in ``OF_LAWS``, and they see the contacts of
+these laws alone. A new check is a line there, and its words in ``results/check_messages.py``.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import reduce
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 
-import numpy as np
-import ufl
-from dolfinx import fem
-
-from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.parallel import largest, total
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
-from fenics_contact.trust.checks.comparison import balance, nearer_to_failing
+from fenics_contact.trust.checks.boundary_stress import boundary_stress
 from fenics_contact.trust.checks.compliance import penetration_depth, stick_creep
+from fenics_contact.trust.checks.equilibrium import equilibrium, stabilisation
 from fenics_contact.trust.checks.friction import (
+    ComparedFriction,
     compared_friction,
     dissipation,
     friction_cone,
     friction_law,
+    outer_loop,
 )
 from fenics_contact.trust.checks.normal import (
+    ComparedPressures,
     compared_pressures,
     complementarity,
     contact_law,
@@ -36,21 +37,88 @@ from fenics_contact.trust.checks.normal import (
     pressure_recovery,
     tension,
 )
-from fenics_contact.trust.checks.outer_loop_check import outer_loop
-from fenics_contact.trust.checks.pair_checks import action_and_reaction
-from fenics_contact.trust.checks.resultants import resultant
+from fenics_contact.trust.checks.resultants import action_and_reaction, resultant
 
-# Boundary stress against reactions: first order in the size h of the cells behind the facets,
-# whose stress it is (corners and the stick-slip edge cap the order). Over 320 random scenes, from
-# 2 facets up and with cells deeper than wide, the difference was at most 2.1 h/L with degree 1 and
-# .58 h/L with degree 2; over the facets' size it came to 4.5 and 1.3.
-_STRESS_OVER_SIZE = {1: 5.0, 2: 1.5}
-# A limit that a body without any stress would keep is none: half, or this share of what such a
-# body has where that is more.
-_LARGEST_STRESS_LIMIT = 0.5
-_OF_NO_STRESS = 0.8
-# What holds a motion that nothing pushes: of the forces applied.
-_NO_FORCE = 1e-9
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """What all checks of a solution look at.
+
+    Attributes:
+        forces: That the bulk needs.
+        reactions: Nodal support reactions, (nodes, components) (force).
+        steps: Load steps taken.
+    """
+
+    forces: BulkForces
+    reactions: Array
+    steps: int
+
+    @cached_property
+    def friction(self) -> list[ComparedFriction]:
+        """What is compared where there is friction; collective."""
+        return compared_friction(self.forces)
+
+    @cached_property
+    def pressures(self) -> list[ComparedPressures]:
+        """What is compared of contacts that push; collective."""
+        return compared_pressures(self.forces)
+
+
+class Claimed:
+    """What a check of laws sees of a solution: the contacts whose laws claim it.
+
+    Args:
+        name: Of the check.
+        solved: The solution.
+
+    Attributes:
+        forces: That the bulk needs.
+        steps: Load steps taken.
+        numbers: Of these contacts, in scene order.
+    """
+
+    def __init__(self, name: str, solved: Solved) -> None:
+        self._name, self._solved = name, solved
+        self.forces, self.steps = solved.forces, solved.steps
+        contacts = enumerate(solved.forces.problem.contacts)
+        self.numbers = [number for number, contact in contacts if name in contact.checks]
+
+    @property
+    def friction(self) -> list[ComparedFriction]:
+        """What is compared of those with friction; collective."""
+        found = self._solved.friction if self.numbers else []
+        return [compared for compared in found if self._name in compared.contact.checks]
+
+    @property
+    def pressures(self) -> list[ComparedPressures]:
+        """What is compared of those that push; collective."""
+        found = self._solved.pressures if self.numbers else []
+        return [compared for compared in found if self._name in compared.contact.checks]
+
+
+# In the order of results and reports. First those that no law is asked for.
+OF_EVERY_SOLUTION: Mapping[str, Callable[[Solved], Check | None]] = {
+    "equilibrium": lambda solved: equilibrium(solved.forces, solved.reactions),
+    "resultant": lambda solved: resultant(solved.forces),
+    "stabilisation": lambda solved: stabilisation(solved.forces),
+    "action_and_reaction": lambda solved: action_and_reaction(solved.forces),
+    "boundary_stress": lambda solved: boundary_stress(solved.forces),
+}
+# Then those that laws claim.
+OF_LAWS: Mapping[str, Callable[[Claimed], Check | None]] = {
+    "friction_cone": lambda of: friction_cone(of.friction),
+    "friction_law": lambda of: friction_law(of.friction),
+    "outer_loop": lambda of: outer_loop(of.forces, of.numbers),
+    "dissipation": lambda of: dissipation(of.friction),
+    "stick_creep": lambda of: stick_creep(of.friction, of.steps),
+    "contact_law": lambda of: contact_law(of.pressures),
+    "complementarity": lambda of: complementarity(of.pressures),
+    "tension": lambda of: tension(of.pressures),
+    "penetration": lambda of: penetration(of.forces, of.pressures),
+    "penetration_depth": lambda of: penetration_depth(of.forces, of.pressures, of.numbers),
+    "pressure_recovery": lambda of: pressure_recovery(of.forces, of.pressures),
+}
 
 
 def run_checks(forces: BulkForces, reactions: Array, steps: int = 1) -> dict[str, Check]:
@@ -63,6 +131,9 @@ def run_checks(forces: BulkForces, reactions: Array, steps: int = 1) -> dict[str
         forces: Of a solution.
         reactions: Nodal support reactions, shape (nodes, components) (force).
         steps: Load steps taken.
+
+    Raises:
+        ValueError: A law claims a check that there is not.
     """
     found = all_checks(forces, reactions, steps)
     return {name: check for name, check in found.items() if check is not None}
@@ -70,131 +141,10 @@ def run_checks(forces: BulkForces, reactions: Array, steps: int = 1) -> dict[str
 
 def all_checks(forces: BulkForces, reactions: Array, steps: int) -> dict[str, Check | None]:
     """As ``run_checks``, with None for those that find nothing to compare; collective."""
-    friction, pressures = compared_friction(forces), compared_pressures(forces)
-    return {
-        "equilibrium": equilibrium(forces, reactions),
-        "resultant": resultant(forces),
-        "stabilisation": _stabilisation(forces),
-        "action_and_reaction": action_and_reaction(forces),
-        "boundary_stress": boundary_stress(forces),
-        "friction_cone": friction_cone(friction),
-        "friction_law": friction_law(friction),
-        "outer_loop": outer_loop(forces),
-        "dissipation": dissipation(friction),
-        "stick_creep": stick_creep(friction, steps),
-        "contact_law": contact_law(pressures),
-        "complementarity": complementarity(pressures),
-        "tension": tension(pressures),
-        "penetration": penetration(forces, pressures),
-        "penetration_depth": penetration_depth(forces, pressures),
-        "pressure_recovery": pressure_recovery(forces, pressures),
-    }
-
-
-def equilibrium(forces: BulkForces, reactions: Array) -> Check:
-    """Resultants and moments of loads, support reactions and contact forces add up to zero.
-
-    In every part of the body by itself, relative to the sum of its nodal forces; the part
-    nearest to failing counts, and where there are several, each is told. The reactions come
-    from the bulk, which balances itself, so whatever a wrong solution leaves on free nodes
-    shows here.
-    """
-    spaces = forces.problem.spaces
-    parts, owned = spaces.parts, spaces.owned_nodes
-    applied = (forces.problem.load + reactions + forces.contacts)[:owned]
-    vectors = np.zeros((owned, 3))
-    vectors[:, : spaces.components] = applied
-    if spaces.kinematics == "axisymmetric":  # radial nodal forces balance around the ring
-        left = np.abs(parts.sums(applied[:, 1]))
-    else:
-        resultants = vectors.copy()
-        if spaces.degree < spaces.geometry_order:
-            # Straight shape functions on curved cells cannot turn rigidly: what turns the bulk's
-            # own forces is not balanced, by an error of the discretisation, and taken off.
-            vectors[:, : spaces.components] -= forces.solution.internal_force[:owned]
-        moments = np.cross(parts.arms[:owned], vectors) / parts.sizes[parts.of_node[:owned], None]
-        left = np.linalg.norm(parts.sums(np.hstack([resultants, moments])), axis=1)
-    carried = parts.sums(np.abs(applied).sum(axis=1))
-    imbalance = forces.imbalance
-    found = [
-        balance(value, sum_of_forces, imbalance, part=name)
-        for name, value, sum_of_forces in zip(parts.names, left, carried, strict=True)
-    ]
-    worst = reduce(nearer_to_failing, found)  # a body has at least one part
-    return replace(worst, parts=tuple(found)) if len(found) > 1 else worst
-
-
-def boundary_stress(forces: BulkForces) -> Check | None:
-    """∫ σ(u) n over each contact against its pressure and friction resultants.
-
-    Relative to ∫ (p + g + mean stress of the body): where the contact carries little,
-    the error of the stress is still that of the body's. First order in the cell size.
-    Left out are contacts that loads act on as well, and axes along which supports hold
-    the contact: their forces are in σ n, too.
-    """
-    problem = forces.problem
-    spaces = problem.spaces
-    stress_vector = _boundary_traction(problem)
-    test = ufl.TestFunction(spaces.displacement_space)
-    typical = _mean_stress(forces)
-    worst: Check | None = None
-    for number, contact in enumerate(problem.contacts):
-        axes = ~contact.supports.held_axes()
-        if problem.is_loaded(contact.sides.group) or not axes.any():
-            continue
-        measure = spaces.boundary(contact.sides.group)
-        nodal = spaces.assemble(
-            form_cache.form(spaces.weight * ufl.dot(stress_vector, test) * measure)
-        )
-        found = total(problem.comm, nodal[: spaces.owned_nodes].sum(axis=0))
-        state = forces.solution.states[number]
-        traction = state.friction_traction - state.contact_pressure[:, None] * contact.trace.normals
-        given = contact.trace.integral(traction)
-        carried = np.abs(state.contact_pressure) + contact.friction_bound
-        limit = _STRESS_OVER_SIZE[spaces.degree] * contact.trace.relative_cell_size()
-        if limit > _LARGEST_STRESS_LIMIT and contact.is_one_sided:
-            continue  # it may touch in a single point of so coarse a surface
-        resultant = float(np.linalg.norm(given[axes]))
-        without_stress = resultant / (float(contact.trace.integral(carried)) or 1.0)
-        most = max(_LARGEST_STRESS_LIMIT, _OF_NO_STRESS * without_stress)
-        unit = float(contact.trace.integral(carried + typical)) or 1.0
-        left = 2 * forces.solution.imbalance_limit / unit  # of a body that has been unloaded, all
-        check = Check(
-            float(np.linalg.norm((found - given)[axes]) / unit),
-            min(limit, most) + left,
-            contact.label,
-        )
-        worst = nearer_to_failing(worst, check)
-    return worst
-
-
-def _boundary_traction(problem: Problem) -> Any:
-    """σ n on the boundary, as a UFL vector."""
-    size = problem.spaces.components
-    cauchy = problem.elastic.stress()
-    normal = ufl.FacetNormal(problem.body.mesh)
-    return ufl.as_vector([sum(cauchy[i, j] * normal[j] for j in range(size)) for i in range(size)])
-
-
-def _mean_stress(forces: BulkForces) -> float:
-    """Root mean square stress of the body, √(E a(u, u) / volume), E the largest stiffness."""
-    problem, spaces = forces.problem, forces.problem.spaces
-    energy = 2 * forces.strain_energy
-    volume = total(problem.comm, fem.assemble_scalar(form_cache.form(spaces.weight * spaces.bulk)))
-    return float(np.sqrt(max(energy, 0.0) * problem.elastic.reference_modulus / volume))
-
-
-def _stabilisation(forces: BulkForces) -> Check | None:
-    """Largest force where motions that nothing resists are held, over all forces applied.
-
-    It vanishes, but for what is left out of balance elsewhere, whose lever is no longer.
-    """
-    problem = forces.problem
-    if not problem.stabilisation:
-        return None
-    held = np.concatenate([support.dofs for support in problem.stabilisation])
-    owned = problem.spaces.owned_nodes
-    applied = np.abs(problem.load[:owned]).sum() + np.abs(forces.contacts[:owned]).sum()
-    size = total(problem.comm, float(applied)) or 1.0
-    value = largest(problem.comm, np.abs(forces.unbalanced.reshape(-1)[held])) / size
-    return Check(value, _NO_FORCE + 2 * forces.solution.imbalance_limit / size)
+    for contact in forces.problem.contacts:
+        unknown = sorted({*contact.checks} - {*OF_LAWS})
+        if unknown:
+            raise ValueError(f"a law of '{contact.label}' claims checks that are none: {unknown}")
+    solved = Solved(forces, reactions, steps)
+    every = {name: check(solved) for name, check in OF_EVERY_SOLUTION.items()}
+    return every | {name: check(Claimed(name, solved)) for name, check in OF_LAWS.items()}

@@ -43,6 +43,9 @@ class RegularisedFriction(FrictionLaw):
     model: ClassVar[str] = "regularised friction"
     rubs: ClassVar[bool] = True
     carries_shear: ClassVar[bool] = True
+    checks: ClassVar[tuple[str, ...]] = (
+        *("friction_cone", "friction_law", "outer_loop", "dissipation", "stick_creep"),
+    )
 
     def __init__(self, site: LawSite, normal: NormalLaw, coefficient: Array) -> None:
         super().__init__(site, normal, coefficient)

@@ -43,6 +43,9 @@ class SpringLaw(NormalLaw):
     """
 
     pushes_only: ClassVar[bool] = True
+    checks: ClassVar[tuple[str, ...]] = (
+        *("contact_law", "complementarity", "tension", "pressure_recovery"),
+    )
 
     def __init__(self, site: LawSite) -> None:
         super().__init__(site)
@@ -176,6 +179,7 @@ class PenaltyLaw(SpringLaw):
     """A law whose springs stand for no give at all: their stiffness is 1/ε₁."""
 
     has_penalty: ClassVar[bool] = True
+    checks: ClassVar[tuple[str, ...]] = (*SpringLaw.checks, "penetration", "penetration_depth")
 
     def __init__(self, site: LawSite) -> None:
         self._penalty = self.penalty_parameter(site)
