@@ -30,6 +30,7 @@ from fenics_contact.problem.acting_load import ActingLoad, kind_and_values
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.far_field import FarField
 from fenics_contact.problem.shared_reactions import SharedReactions
+from fenics_contact.results.point_arrays import of_several_contacts
 from fenics_contact.scene.load_paths import KeyedPath
 from fenics_contact.scene.scene import Load, Scene
 
@@ -95,6 +96,7 @@ class Problem:
         constrained: Dofs that these hold, sorted (local indices, owned and ghost).
         prescribed: Their present displacements, but for unknown resultants' part (length).
         contacts: In scene order.
+        own_arrays: What their laws keep of their own at the points, and results have.
         unknowns: Scalars that are found together with the displacements.
         far_field: The outer boundary of a half-space, or None.
         points: Where the displacement is a quantity.
@@ -127,6 +129,8 @@ class Problem:
                     zip(scene.contact, discrete.sides, strict=True)
                 )
             ]
+            own_arrays = [array for contact in self.contacts for array in contact.own_arrays]
+            self.own_arrays = of_several_contacts(own_arrays)
             self.unknowns = [
                 ScalarUnknown(contact, "indentation", contact.kinematics.direction)
                 for contact in self.contacts

@@ -121,6 +121,8 @@ class ContactPoints:
         slip: Tangential displacement relative to the obstacle, (points, 3) (length).
         status: OPEN, STICK or SLIP.
         weights: Area that each point stands for.
+        own: What the laws of contacts keep of their own, by name, (points,) or (points, 3); not a
+            number at the points of contacts whose laws do not.
     """
 
     contact: Integers
@@ -132,6 +134,7 @@ class ContactPoints:
     slip: Array
     status: Words
     weights: Array
+    own: Mapping[str, Array] = field(default_factory=dict)
 
     def of(self, contact: int) -> Flags:
         """Which rows belong to a contact.

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.contact.state import ContactState
 from fenics_contact.results.point_arrays import PointArray
 
 
@@ -19,6 +21,7 @@ class ContactLaw:
         model: What it models, in words.
         checks: Names of the checks of ``trust/checks/run_checks.py`` that judge it.
         state: Arrays at the points that it keeps from load step to load step, its attributes.
+            They are saved, gone back to, restarted, written and drawn by what is said here.
         name: What is modelled where, for results.
 
     Args:
@@ -52,3 +55,29 @@ class ContactLaw:
     def kept(self) -> dict[str, Array]:
         """The arrays of ``state`` as they are, by name."""
         return {array.name: getattr(self, array.name).copy() for array in self.state}
+
+    def recall(self, at_points: Mapping[str, Array]) -> None:
+        """Take back the arrays of ``state``, whatever has been tried since.
+
+        Args:
+            at_points: As they were remembered, among others.
+        """
+        for array in self.state:
+            setattr(self, array.name, at_points[array.name].copy())
+
+    def at_step_end(self, state: ContactState) -> dict[str, Array]:
+        """The arrays of ``state`` that a load step changes, as they are at its end, by name.
+
+        Args:
+            state: What happens at the points then. The law's own arrays are those of its begin.
+        """
+        return {}
+
+    def advance(self, state: ContactState) -> None:
+        """A load step is done: keep its arrays as they are at its end.
+
+        Args:
+            state: As of ``at_step_end``.
+        """
+        for name, values in self.at_step_end(state).items():
+            setattr(self, name, values)

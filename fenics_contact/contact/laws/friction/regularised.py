@@ -53,15 +53,14 @@ class RegularisedFriction(FrictionLaw):
         self._trace, self._jump = trace, jump
         surface = trace.surface
         count = len(trace.weights)
-        self._reference = np.zeros((count, surface.components))
-        self._accepted = trace.function(self._reference) if self.follows_path else None
+        self._accepted = trace.function(self.reference) if self.follows_path else None
         slipped = jump if self._accepted is None else jump - self._accepted.ufl
         self._bound = trace.function(self.bound)
         self._epsilon = fem.Constant(surface.mesh, 1.0)
         self._chosen, self._left = 1.0, 1.0
         self._share = fem.Constant(surface.mesh, 1.0)
-        self._slip = np.zeros_like(self._reference)
-        self._dual = np.zeros_like(self._reference)
+        self._slip = np.zeros_like(self.reference)
+        self._dual = np.zeros_like(self.reference)
         self._direction = trace.function(self._dual)
         # Not 0 anywhere: it divides, also where the weight is 0.
         self._length = trace.function(np.ones(count), empty=1.0)
@@ -215,7 +214,7 @@ class RegularisedFriction(FrictionLaw):
         """
         if self.mode not in ("law", "coupled"):
             return
-        slip = slip - self._reference
+        slip = slip - self.reference
         lengths, directions = self._lengths_and_directions()
         lengthening = np.einsum("ij,ij->i", directions, slip - self._slip)
         dual = (slip - self._dual * lengthening[:, None]) / lengths[:, None]
@@ -226,13 +225,8 @@ class RegularisedFriction(FrictionLaw):
     def accept(self, slip: Array) -> None:
         """A load step is done: from now on slip counts from here, if the law is incremental."""
         if self._accepted is not None:
-            self._reference = slip
+            self.reference = slip
             self._accepted.set(slip)
-
-    @property
-    def reference(self) -> Array:
-        """The slip that counts as none, at the points, (points, components) (length)."""
-        return self._reference
 
     def recall_scale(self, epsilon: float, is_scaled: bool) -> None:
         """Use an ε that was used before."""
@@ -245,14 +239,15 @@ class RegularisedFriction(FrictionLaw):
         Args:
             at_points: As ``remember`` gave them, among others.
         """
+        super().recall(at_points)
         self.mode = "law"
         self.set_share(1.0)
-        self.set_bound(at_points["bound"])
-        self.accept(at_points["reference"])
+        self.set_bound(self.bound)
+        self.accept(self.reference)
 
     def counted(self, slip: Array) -> Array:
         """The slip that the law sees: since the start, or since the last accepted step."""
-        return slip - self._reference
+        return slip - self.reference
 
     def set_status(self, sticks: Flags, directions: Array, bound: Array) -> None:
         """Springs g/ε on points that stick, tractions −g × direction on those that slip."""

@@ -82,8 +82,7 @@ class NormalLaw(ContactLaw):
             at_points: As ``remember`` gave them, among others.
         """
         self.release()
-        for array in self.state:
-            setattr(self, array.name, at_points[array.name].copy())
+        super().recall(at_points)
 
     def release(self) -> None:
         """Follow the jump again."""
