@@ -75,7 +75,7 @@ class Pairing:
         held = np.zeros(slave.spaces.coordinates.shape[0] * slave.spaces.components, dtype=bool)
         held[constrained] = True
         at_nodes = held.reshape(-1, slave.spaces.components)[slave.all_nodes]
-        self._mirrored = slave.surface.gathered(slave.in_planes() & at_nodes)
+        self._mirrored = slave.surface.gathered(slave.symmetry.in_planes() & at_nodes)
         self.update()
 
     def update(self, displacement: Array | None = None) -> None:
@@ -94,8 +94,7 @@ class Pairing:
         self._moved_master, self._is_moved = master, displacement is not None
         surface = self._slave.surface
         self.blocks = faced.blocks
-        self.normals = faced.normals[surface.numbers]
-        self._slave.mirror(self.normals)
+        self.normals = self._slave.symmetry.mirrored(faced.normals[surface.numbers])
         counts = self._comm.allgather(len(surface.facet_nodes))
         first = sum(counts[: self._comm.rank])
         mine = slice(first, first + counts[self._comm.rank])
