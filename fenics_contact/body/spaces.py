@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx import fem, la
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fenics_contact.body.connected_parts import Parts
@@ -39,7 +40,7 @@ class Spaces:
 
     def __init__(self, description: BodyDescription, body: Body) -> None:
         self.body = body
-        self.comm = body.mesh.comm
+        self.comm: MPI.Comm = body.mesh.comm
         self.kinematics = description.kinematics
         self.degree = description.degree
         if body.dimension != description.dimension:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
+from fenics_contact.body.forms import CompiledForm
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import ContactState
@@ -38,12 +39,12 @@ class ContactLaw:
         self.name = f"{self.model} on {site.contact.label}"
 
     @property
-    def forms(self) -> tuple[Any, ...]:
+    def forms(self) -> tuple[CompiledForm, ...]:
         """Compiled forms of the forces that follow the jump; none where nothing does."""
         return ()
 
     @property
-    def tangents(self) -> tuple[Any, ...]:
+    def tangents(self) -> tuple[CompiledForm, ...]:
         """Forms of the tangent in the present mode."""
         return ()
 

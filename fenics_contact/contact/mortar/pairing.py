@@ -10,13 +10,13 @@ gives. Both surfaces are gathered on every rank; they are small beside the bodie
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.common.arrays import Array, Flags, Integers, Kind
 from fenics_contact.common.parallel import on_root
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
 from fenics_contact.contact.mortar.integrals import integrate, projection
@@ -206,6 +206,6 @@ def gathered(trace: Trace) -> FacetMesh:
     )
 
 
-def _joined(comm: Any, rows: NDArray[Any]) -> NDArray[Any]:
+def _joined(comm: MPI.Comm, rows: NDArray[Kind]) -> NDArray[Kind]:
     """Rows of all ranks; collective."""
     return np.concatenate(comm.allgather(rows))

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import gather_rows, largest, smallest, total
@@ -56,7 +56,7 @@ class ComparedPressures:
     tells: bool
 
     @property
-    def comm(self) -> Any:
+    def comm(self) -> MPI.Comm:
         """Communicator."""
         return self.contact.spaces.comm
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import ufl
 from dolfinx import fem
 
+from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags, Words
 from fenics_contact.common.parallel import largest
@@ -25,6 +26,7 @@ from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import OPEN, SLIP, STICK
+from fenics_contact.contact.surface.trace_function import TraceFunction
 
 # Of g / |u_T|: what tangents keep along the slip. A body of which all points slip, under loads just
 # below those that friction can hold, would be moved so far by a Newton step that rounding ends it.
@@ -87,19 +89,19 @@ class RegularisedFriction(FrictionLaw):
             self.set_scale(float(given))
 
     @property
-    def forms(self) -> tuple[Any, ...]:
+    def forms(self) -> tuple[CompiledForm, ...]:
         """The compiled forms that every solve needs."""
         return (self.residual, self.tangent)
 
     @property
-    def tangents(self) -> tuple[Any, ...]:
+    def tangents(self) -> tuple[CompiledForm, ...]:
         """Forms of the tangent in the present mode."""
         if self.mode == "coupled":
             return (self.tangent, self._coupling)
         return (self.tangent,) if self.mode in ("law", "status") else ()
 
     @cached_property
-    def _coupling(self) -> Any:
+    def _coupling(self) -> CompiledForm:
         """Derivative of the bound μ p in the jump, the direction held; compiled when asked."""
         trace = self._trace
         coefficient = self._share * trace.coefficient(self.coefficient)
@@ -114,12 +116,12 @@ class RegularisedFriction(FrictionLaw):
         return form_cache.form(ufl.derivative(residual, self._jump))
 
     @cached_property
-    def _springs(self) -> Any:
+    def _springs(self) -> CompiledForm:
         """∫ g/ε w_T · v_T, compiled when asked."""
         return form_cache.form(self._modified)
 
     @cached_property
-    def _tractions(self) -> tuple[Any, Any]:
+    def _tractions(self) -> tuple[TraceFunction, CompiledForm]:
         """Tractions at the points and ∫ τ · v_T, compiled when asked."""
         trace = self._trace
         function = trace.function(np.zeros_like(self._slip))
@@ -294,6 +296,6 @@ class RegularisedFriction(FrictionLaw):
         self._length.set(self._lengths_and_directions()[0])
 
 
-def _density(slip: Any, bound: Any, epsilon: Any) -> Any:
+def _density(slip: Expr, bound: Expr, epsilon: Expr) -> Expr:
     """The density g φ_ε in UFL (energy/area)."""
     return bound * smoothed_norm(slip, epsilon)
