@@ -15,8 +15,8 @@ from fenics_contact.evaluate.contact_radii import radii
 from fenics_contact.evaluate.contact_resultants import resultant, resultants
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
+from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.point_arrays import WRITTEN
-from fenics_contact.results.result import ContactPoints
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 from fenics_contact.solve.newton.solution import Solution
 

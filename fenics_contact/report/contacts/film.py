@@ -231,8 +231,8 @@ class _Map:
             panel.set_ylim(points[:, 1].min(), points[:, 1].max())
 
     def _zones(self, panel: Any, status: Words) -> None:
-        draw_status(panel, self._surface.points, status, self._film.contact["law"])
-        entries = [panel.plot([], [], **mark.look)[0] for mark in marks(self._film.contact["law"])]
+        draw_status(panel, self._surface.points, status, self._film.contact)
+        entries = [panel.plot([], [], **mark.look)[0] for mark in marks(self._film.contact)]
         above = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.99), "ncols": 3}
         panel.legend(handles=entries, handletextpad=0.1, **above)
 

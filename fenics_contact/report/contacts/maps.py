@@ -141,7 +141,7 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> Pictur
 
 def _status(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) -> None:
     """Points by their status, and their slip."""
-    draw_status(panel, surface.points, surface.rows.status, contact["law"])
+    draw_status(panel, surface.points, surface.rows.status, contact)
     panel.legend(loc="lower left", bbox_to_anchor=(-0.05, 1.0), ncols=3, handletextpad=0.1)
     slip = surface.rows.vectors("slip_x", "slip_y", "slip_z")[:, surface.axes]
     slides = surface.arrows[surface.rows.status[surface.arrows] == "SLIP"]
@@ -149,17 +149,17 @@ def _status(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) 
         panel.quiver(*surface.points[slides].T, *slip[slides].T, color="black", width=0.006)
 
 
-def draw_status(panel: Any, points: Array, status: Words, law: str) -> None:
+def draw_status(panel: Any, points: Array, status: Words, contact: dict[str, Any]) -> None:
     """Points in the colours of their status.
 
     Args:
         panel: Matplotlib's axes.
         points: On the map, shape (points, 2).
         status: Of each.
-        law: The friction law.
+        contact: The contact's entry in ``result.json``.
     """
     size = float(np.clip(70 / np.sqrt(len(status)), 1.2, 6))
-    for mark in marks(law):
+    for mark in marks(contact):
         mine = np.isin(status, mark.status)
         if mine.any():
             is_open = mark.status == ("OPEN",)

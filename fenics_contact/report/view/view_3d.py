@@ -19,7 +19,7 @@ from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.report.page.templates import render
 from fenics_contact.report.view.revolved import revolved
 from fenics_contact.report.view.surface import Surface, boundary, surface_of
-from fenics_contact.results.contact_answers import carries_shear, own_arrays
+from fenics_contact.results.contact_answers import own_arrays
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.point_arrays import PointArray, of_several_contacts
 
@@ -110,8 +110,7 @@ def _own(body: Any, result: dict[str, Any]) -> Iterator[tuple[PointArray, Array]
 
 def _kinds(result: dict[str, Any]) -> tuple[Mark, ...]:
     """States of contact points: open, stick and slip, or without any friction open and closed."""
-    frictional = any(carries_shear(contact) for contact in result["contacts"])
-    *closed, still_open = marks("static" if frictional else "none")
+    *closed, still_open = marks(*result["contacts"])
     return still_open, *closed
 
 

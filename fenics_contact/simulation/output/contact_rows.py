@@ -10,9 +10,9 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.results.contact_answers import own_arrays
+from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.contact_table import CSV_HEADER
 from fenics_contact.results.point_arrays import WRITTEN, of_several_contacts
-from fenics_contact.results.result import ContactPoints
 
 
 def contact_rows(points: ContactPoints, contacts: Sequence[Mapping[str, Any]]) -> list[list[str]]:
