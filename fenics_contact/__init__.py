@@ -23,7 +23,8 @@ if TYPE_CHECKING:
         NotConvergedError,
     )
     from fenics_contact.mesh.tagged_mesh import Body, Group
-    from fenics_contact.results.result import Check, ContactPoints, Result
+    from fenics_contact.results.contact_points import ContactPoints
+    from fenics_contact.results.result import Check, Result
     from fenics_contact.scene.accuracy import Accuracy
     from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
     from fenics_contact.scene.material import Material
@@ -79,7 +80,8 @@ _MODULES = {
         "NotConvergedError",
     ),
     "mesh.tagged_mesh": ("Body", "Group"),
-    "results.result": ("Check", "ContactPoints", "Result"),
+    "results.contact_points": ("ContactPoints",),
+    "results.result": ("Check", "Result"),
     "scene.scene": ("Discretisation", "Load", "MeshSource", "Point", "Scene", "Support"),
     "scene.accuracy": ("Accuracy",),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),

@@ -19,11 +19,11 @@ import ufl
 from dolfinx import fem
 from dolfinx.mesh import Mesh
 from numpy.typing import NDArray
-from ufl.core.expr import Expr
 
 from fenics_contact.body import materials as material
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import Isotropic, strain, strain_energy
+from fenics_contact.body.forms import Expr
 from fenics_contact.body.materials import Elasticities
 from fenics_contact.body.reference_moduli import Moduli
 from fenics_contact.body.spaces import Spaces

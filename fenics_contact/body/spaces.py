@@ -12,12 +12,13 @@ import numpy as np
 import ufl
 from dolfinx import fem, la
 from dolfinx.common import IndexMap
+from mpi4py import MPI
 from numpy.typing import NDArray
-from ufl.core.expr import Expr
 
 from fenics_contact.body.connected_parts import Parts
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import measure_weight
+from fenics_contact.body.forms import Expr
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import FenicsContactError, InputError
@@ -41,7 +42,7 @@ class Spaces:
 
     def __init__(self, description: BodyDescription, body: Body) -> None:
         self.body = body
-        self.comm = body.mesh.comm
+        self.comm: MPI.Comm = body.mesh.comm
         self.kinematics = description.kinematics
         self.degree = description.degree
         if body.dimension != description.dimension:

@@ -5,6 +5,8 @@ One object per ``[[contact]]``.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from fenics_contact.body.elastic_body import ElasticBody
@@ -23,6 +25,7 @@ from fenics_contact.contact.parameters import ContactScales
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.supports import SurfaceSupports
+from fenics_contact.results.point_arrays import of_one_contact
 from fenics_contact.scene.contact import Contact, Obstacle
 
 
@@ -56,6 +59,7 @@ class ContactSurface:
         last_step: What is kept of the last load step.
         normal: The law across it.
         friction: The law along it.
+        own_arrays: What these keep of their own at the points, and results have.
     """
 
     def __init__(
@@ -86,6 +90,7 @@ class ContactSurface:
         self.parameters = named.parameters(contact)
         self.normal: NormalLaw = acting_law(contact)(site)
         self.friction: FrictionLaw = friction_law(site, self.normal)
+        self.own_arrays = of_one_contact(self.normal.state, self.friction.state)
         before = self.kinematics.gap
         if self.is_one_sided:  # where they overlap at first, pressure pushes the overlap out
             before = np.maximum(before, 0.0)
@@ -178,6 +183,8 @@ class ContactSurface:
         """A load step is done: slip counts from here where the law is incremental; collective."""
         state = self.state()
         self.last_step.advance(state, self.kinematics.gap, self._work_in_step(state))
+        self.normal.advance(state)
+        self.friction.advance(state)
         self.friction.accept(state.slip)
 
     def _work_in_step(self, state: ContactState) -> float:
@@ -260,7 +267,7 @@ class ContactSurface:
         pressure = self.normal.pressure(jump)
         bound = self.friction.present_bound(pressure)
         closed = self.normal.is_closed(pressure)
-        return ContactState(
+        state = ContactState(
             gap=0.0 - self.normal.depth(jump),
             contact_pressure=pressure,
             friction_traction=self.normal.traction(jump) + self.friction.traction(slip),
@@ -268,6 +275,14 @@ class ContactSurface:
             status=self.friction.status(closed, self.friction.counted(slip), bound),
             penalty_energy=self.normal.stored(jump),
         )
+        return replace(state, own=self._own(state)) if self.own_arrays else state
+
+    def _own(self, state: ContactState) -> dict[str, Array]:
+        """What its laws keep of their own, at the end of the present step, by name."""
+        every: dict[str, Array] = {}
+        for law in (self.normal, self.friction):
+            every |= law.kept() | law.at_step_end(state)
+        return {array.name: every[array.name] for array in self.own_arrays}
 
     def _at_rest(self) -> ContactState:
         """Of the body as it is meshed, without any load: what touches sticks, if it is rough."""

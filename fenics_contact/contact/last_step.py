@@ -28,7 +28,8 @@ class LastStep:
         self.state = at_rest
         self.gap = gap
         self.dissipated, self.left_open = 0.0, 0.0
-        self._names = [field.name for field in fields(at_rest)]
+        # What laws keep of their own, they remember themselves.
+        self._names = [field.name for field in fields(at_rest) if field.name != "own"]
 
     def changed(self, state: ContactState) -> Flags:
         """At which points the status changed in the step, if only in between, as in slip back."""

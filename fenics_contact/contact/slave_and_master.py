@@ -98,11 +98,11 @@ class ContactSides:
         Returns:
             None where that vector is short, as on surfaces that wrap around.
         """
-        left_out = self.trace.cut_axes()
-        inward = -self.on_sign * self.trace.mean_normal
+        left_out = self.trace.symmetry.cut_axes()
+        inward = -self.on_sign * self.trace.averaged.mean
         if self.opposite is not None:
-            left_out += self.opposite.cut_axes()
-            inward = inward + self.on_sign * self.opposite.mean_normal
+            left_out += self.opposite.symmetry.cut_axes()
+            inward = inward + self.on_sign * self.opposite.averaged.mean
         inward = np.array(inward if given is None else given)
         inward[left_out] = 0.0
         length = float(np.linalg.norm(inward))

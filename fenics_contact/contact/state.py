@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from fenics_contact.common.arrays import Array, Words
 
@@ -20,6 +21,7 @@ class ContactState:
         slip: Tangential displacement relative to the obstacle, (points, components) (length).
         status: OPEN, STICK or SLIP.
         penalty_energy: Of penalty or foundation (energy/area).
+        own: What the laws of the contact keep of their own and results have, by name.
     """
 
     gap: Array
@@ -28,3 +30,4 @@ class ContactState:
     slip: Array
     status: Words
     penalty_energy: Array
+    own: Mapping[str, Array] = field(default_factory=dict)

@@ -6,8 +6,6 @@ so that the choice of slave changes nothing.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from fenics_contact.body.spaces import Spaces
@@ -61,7 +59,7 @@ def resultant(spaces: Spaces, forces: Array) -> Array:
         spaces: Those of the body.
         forces: At points, (points, components) (force).
     """
-    summed: Any = total(spaces.comm, forces.sum(axis=0))
+    summed: Array = total(spaces.comm, forces.sum(axis=0))
     if spaces.kinematics == "axisymmetric":
         summed[0] = 0.0
     return np.asarray(summed)

@@ -15,8 +15,8 @@ from fenics_contact.evaluate.contact_radii import radii
 from fenics_contact.evaluate.contact_resultants import resultant, resultants
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
+from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.point_arrays import WRITTEN
-from fenics_contact.results.result import ContactPoints
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 from fenics_contact.solve.newton.solution import Solution
 
@@ -175,21 +175,27 @@ def _of_the_only(contacts: list[dict[str, Any]]) -> dict[str, Any]:
 def contact_points(problem: Problem, solution: Solution) -> ContactPoints:
     """All contact points on every rank; only contact data is gathered."""
     rows = [_rows(number, problem, solution) for number in range(len(problem.contacts))]
-    widths = [2, 3, 3, *(len(array.columns) for array in WRITTEN), 1]
+    written = (*WRITTEN, *problem.own_arrays)
+    widths = [2, 3, 3, *(len(array.columns) for array in written), 1]
     table = np.concatenate(rows) if rows else np.zeros((0, sum(widths)))
     table = gather_rows(problem.comm, table)
     size = np.abs(table[:, 2:5]).max(initial=np.finfo(float).tiny)
     order = np.lexsort((*np.round(table[:, [4, 3, 2]] / size, 9).T, table[:, 0]))
     table = table[order]
     codes, coordinates, normals, *arrays, weights = np.split(table, np.cumsum(widths)[:-1], axis=1)
-    found = zip(WRITTEN, arrays, strict=True)
+    found = {
+        array.name: part if array.is_vector else part[:, 0]
+        for array, part in zip(written, arrays, strict=True)
+    }
+    own = {array.name: found.pop(array.name) for array in problem.own_arrays}
     return ContactPoints(
         contact=codes[:, 0].astype(np.int64),
         status=np.array([OPEN, STICK, SLIP])[codes[:, 1].astype(int)],
         coordinates=coordinates,
         normals=normals,
         weights=weights[:, 0],
-        **{array.name: part if array.is_vector else part[:, 0] for array, part in found},
+        **found,
+        own=own,
     )
 
 
@@ -198,15 +204,22 @@ def _rows(number: int, problem: Problem, solution: Solution) -> Array:
     trace = problem.contacts[number].trace
     state = solution.states[number]
     status = np.select([state.status == OPEN, state.status == STICK], [0.0, 1.0], 2.0)
+    none = np.full(len(status), np.nan)
+    own = [
+        state.own.get(array.name, np.stack([none] * len(array.columns), axis=1))
+        for array in problem.own_arrays
+    ]
     columns = [
         np.full((len(status), 1), float(number)),
         status[:, None],
         trace.coordinates,
         _three(trace.normals),
         *(
-            _three(values) if array.is_vector else values[:, None]
-            for array in WRITTEN
-            for values in [getattr(state, array.name)]
+            _three(values) if array.is_vector else values.reshape(-1, 1)
+            for array, values in [
+                *((array, getattr(state, array.name)) for array in WRITTEN),
+                *zip(problem.own_arrays, own, strict=True),
+            ]
         ),
         trace.weights[:, None],
     ]

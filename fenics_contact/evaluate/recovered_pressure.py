@@ -6,14 +6,12 @@ needs at the nodes (K u − f along the normal).
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from dolfinx import fem
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.surface.space import SurfaceSpace
 
@@ -47,7 +45,7 @@ def traction_of(surface: SurfaceSpace, forces: Array) -> Array:
     return surface.scattered_scalars(found)
 
 
-def _mass(surface: SurfaceSpace) -> tuple[Any, Any, Array]:
+def _mass(surface: SurfaceSpace) -> tuple[Integers, Integers, Array]:
     """∫ N_i N_j over the surface: global rows and columns, and values, of owned nodes."""
     space = surface.scalar_space
     matrix = fem.assemble_matrix(surface.mass)

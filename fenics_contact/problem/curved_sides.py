@@ -9,8 +9,8 @@ import basix
 import numpy as np
 import ufl
 from dolfinx import fem
-from ufl.core.expr import Expr
 
+from fenics_contact.body.forms import Expr
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import AnyIntegers, Array, Flags

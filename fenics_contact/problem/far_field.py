@@ -18,6 +18,7 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import gather_rows, largest, smallest
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.surface.facet_sizes import relative_facet_size
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.scene.scene import Scene
 
@@ -226,7 +227,7 @@ class FarField:
     ) -> None:
         """The force acts on the contact surface, and well inside the outer boundary."""
         spaces, comm = self._spaces, self._spaces.comm
-        facet = contact.trace.relative_facet_size() * contact.trace.extent()
+        facet = relative_facet_size(contact.trace.surface) * contact.trace.extent()
         outer = spaces.coordinates[self.dofs // spaces.components]
         distance = smallest(comm, np.linalg.norm(outer - foot, axis=1))
         lowest, highest = points.min(axis=0) - facet, points.max(axis=0) + facet

@@ -10,8 +10,8 @@ from typing import Self
 import numpy as np
 import ufl
 from dolfinx import fem
-from ufl.core.expr import Expr
 
+from fenics_contact.body.forms import Expr
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array

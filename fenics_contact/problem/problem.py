@@ -29,6 +29,7 @@ from fenics_contact.problem.far_field import FarField
 from fenics_contact.problem.loads import given_loads
 from fenics_contact.problem.scalar_unknowns import Indentation, Resultant, ScalarUnknown
 from fenics_contact.problem.shared_reactions import SharedReactions
+from fenics_contact.results.point_arrays import of_several_contacts
 from fenics_contact.scene.scene import Scene
 
 
@@ -61,6 +62,7 @@ class Problem:
         constrained: Dofs that these hold, sorted (local indices, owned and ghost).
         prescribed: Their present displacements, but for unknown resultants' part (length).
         contacts: In scene order.
+        own_arrays: What their laws keep of their own at the points, and results have.
         unknowns: Scalars that are found together with the displacements.
         far_field: The outer boundary of a half-space, or None.
         points: Where the displacement is a quantity.
@@ -94,6 +96,8 @@ class Problem:
                     zip(scene.contact, discrete.sides, strict=True)
                 )
             ]
+            own_arrays = [array for contact in self.contacts for array in contact.own_arrays]
+            self.own_arrays = of_several_contacts(own_arrays)
             self.unknowns: list[ScalarUnknown] = [
                 Indentation(contact, contact.kinematics.direction)
                 for contact in self.contacts

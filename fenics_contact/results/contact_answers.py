@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from fenics_contact.results.point_arrays import PointArray
+
 
 def pressure_is_given(contact: Mapping[str, Any]) -> bool:
     """Whether the pressure is the scene's, and nothing of it is found.
@@ -35,6 +37,15 @@ def carries_shear(contact: Mapping[str, Any]) -> bool:
         contact: As of ``pressure_is_given``.
     """
     return bool(_answers(contact).get("carries_shear", contact["law"] != "none"))
+
+
+def own_arrays(contact: Mapping[str, Any]) -> tuple[PointArray, ...]:
+    """What the laws keep of their own at the points, and files and pictures have.
+
+    Args:
+        contact: As of ``pressure_is_given``.
+    """
+    return tuple(PointArray.from_dict(found) for found in contact.get("arrays", []))
 
 
 def _answers(contact: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -13,12 +13,15 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.results.point_arrays import WRITTEN
 
+# Of every run; what laws keep of their own stands behind.
 CSV_HEADER = [
     *("contact", "x", "y", "z", "nx", "ny", "nz"),
     *(column for array in WRITTEN for column in array.columns),
     "status",
 ]
 _STATUS = ("OPEN", "STICK", "SLIP")
+_TEXTS = ("contact", "status")
+_STATUS_AT = CSV_HEADER.index("status")
 
 
 @dataclass(frozen=True)
@@ -46,16 +49,17 @@ class ContactTable:
             with path.open(newline="", encoding="utf-8") as file:
                 head, *rows = list(csv.reader(file)) or [[]]
             _require_whole(head, rows)
-            numbers = np.array([[float(cell) for cell in row[1:-1]] for row in rows])
+            places = [place for place, name in enumerate(head) if name not in _TEXTS]
+            numbers = np.array([[float(row[place]) for place in places] for row in rows])
         except OSError as error:
             raise InputError(f"{path}: cannot be read: {error.strerror}") from None
         except (ValueError, csv.Error) as error:
             raise InputError(f"{path}: damaged: {error}; make the run again") from None
-        columns = numbers.reshape(len(rows), len(CSV_HEADER) - 2).T
+        columns = numbers.reshape(len(rows), len(places)).T
         return cls(
             contact=np.array([one_line(row[0]) for row in rows], dtype=str),
-            status=np.array([row[-1] for row in rows], dtype=str),
-            numbers=dict(zip(CSV_HEADER[1:-1], columns, strict=True)),
+            status=np.array([row[_STATUS_AT] for row in rows], dtype=str),
+            numbers=dict(zip((head[place] for place in places), columns, strict=True)),
         )
 
     @property
@@ -83,8 +87,8 @@ def _require_whole(head: list[str], rows: list[list[str]]) -> None:
     Raises:
         ValueError: They are not.
     """
-    if head != CSV_HEADER:
+    if head[: len(CSV_HEADER)] != CSV_HEADER:
         raise ValueError("its first line does not name the columns")
     for number, row in enumerate(rows, start=2):
-        if len(row) != len(CSV_HEADER) or row[-1] not in _STATUS:
+        if len(row) != len(head) or row[_STATUS_AT] not in _STATUS:
             raise ValueError(f"line {number} is not whole")

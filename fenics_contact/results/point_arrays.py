@@ -1,8 +1,13 @@
-"""The arrays at contact points: one list, from which they are kept, gathered and written."""
+"""The arrays at contact points: one list, from which they are kept, gathered, written and drawn.
+
+Those of every contact are here; what a law keeps of its own, it declares (``ContactLaw.state``).
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -10,28 +15,89 @@ class PointArray:
     """A named array at the contact points.
 
     Attributes:
-        name: Of the attribute that it is, where points are.
+        name: Of the attribute that it is, where points are; of the field in ``fields.pvd``.
         unit: Such as ``length``.
         is_vector: Whether it is (points, components), not (points,).
-        columns: Of ``contact.csv``, three of a vector; none of what is not written there.
+        column: Its name in ``contact.csv``; by default the same.
+        is_written: Whether results have it.
     """
 
     name: str
     unit: str
     is_vector: bool = False
-    columns: tuple[str, ...] = ()
+    column: str = ""
+    is_written: bool = True
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Of ``contact.csv``: one, three of a vector, none of what is not written."""
+        if not self.is_written:
+            return ()
+        column = self.column or self.name
+        return tuple(f"{column}_{axis}" for axis in "xyz") if self.is_vector else (column,)
 
-def _vector(name: str, unit: str, column: str) -> PointArray:
-    return PointArray(name, unit, True, tuple(f"{column}_{axis}" for axis in "xyz"))
+    @property
+    def words(self) -> str:
+        """What pictures call it."""
+        return self.name.replace("_", " ")
+
+    def as_dict(self) -> dict[str, Any]:
+        """For ``result.json``; ``from_dict`` reads it."""
+        column = self.column or self.name
+        return {"name": self.name, "unit": self.unit, "is_vector": self.is_vector, "column": column}
+
+    @classmethod
+    def from_dict(cls, found: Mapping[str, Any]) -> PointArray:
+        """From ``as_dict``."""
+        return cls(**found)
 
 
 # Numbers of ``ContactState``, beside the status.
 AT_POINTS = (
-    PointArray("gap", "length", columns=("gap",)),
-    PointArray("contact_pressure", "stress", columns=("contact_pressure",)),
-    _vector("friction_traction", "stress", "traction"),
-    _vector("slip", "length", "slip"),
-    PointArray("penalty_energy", "energy/area"),
+    PointArray("gap", "length"),
+    PointArray("contact_pressure", "stress"),
+    PointArray("friction_traction", "stress", is_vector=True, column="traction"),
+    PointArray("slip", "length", is_vector=True),
+    PointArray("penalty_energy", "energy/area", is_written=False),
 )
-WRITTEN = tuple(array for array in AT_POINTS if array.columns)
+WRITTEN = tuple(array for array in AT_POINTS if array.is_written)
+# Other names of columns, of fields and of what is saved with a load step.
+_TAKEN = {
+    *("contact", "x", "y", "z", "nx", "ny", "nz", "status", "traction"),
+    *("displacement", "stress", "reaction_pressure", "obstacle_gap"),
+}
+
+
+def of_one_contact(*declared: Iterable[PointArray]) -> tuple[PointArray, ...]:
+    """The arrays that the laws of a contact declare and results have.
+
+    Args:
+        declared: Of each law.
+
+    Raises:
+        ValueError: A name is another array's already.
+    """
+    arrays = [array for state in declared for array in state]
+    taken = {*_TAKEN, *(array.name for array in AT_POINTS)}
+    for array in arrays:
+        names = {array.name, array.column or array.name}
+        if names & taken:
+            raise ValueError(f"a law declares the array '{array.name}', a name that is taken")
+        taken |= names
+    return tuple(array for array in arrays if array.is_written)
+
+
+def of_several_contacts(arrays: Iterable[PointArray]) -> tuple[PointArray, ...]:
+    """Each array once that laws of several contacts declare.
+
+    Args:
+        arrays: Of all contacts.
+
+    Raises:
+        ValueError: Two of the same name are not the same.
+    """
+    found: dict[str, PointArray] = {}
+    for array in arrays:
+        if found.setdefault(array.name, array) != array:
+            raise ValueError(f"two laws declare the array '{array.name}' differently")
+    return tuple(found.values())

@@ -6,11 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
-from fenics_contact.common.arrays import Array, Flags, Integers, Words
 from fenics_contact.common.errors import StoppedError
 from fenics_contact.results.contact_answers import carries_shear, pressure_is_given
+from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 
 # Those that have a true value to be apart from; others count points, or say how a run went.
@@ -105,44 +103,6 @@ class Check:
             where = {**said, "place": list(self.place)}
             found |= {key: value for key, value in where.items() if value}
         return found
-
-
-@dataclass(frozen=True, eq=False)
-class ContactPoints:
-    """All contact points, sorted by contact and coordinates; arrays of one row a point.
-
-    Attributes:
-        contact: Number of the contact, in scene order.
-        coordinates: Undeformed, shape (points, 3) (length).
-        normals: Outward unit normals of the body, (points, 3).
-        gap: Normal distance to the obstacle, > 0 open (length).
-        contact_pressure: ≥ 0 (stress).
-        friction_traction: Tangential traction on the body, (points, 3) (stress).
-        slip: Tangential displacement relative to the obstacle, (points, 3) (length).
-        status: OPEN, STICK or SLIP.
-        weights: Area that each point stands for.
-    """
-
-    contact: Integers
-    coordinates: Array
-    normals: Array
-    gap: Array
-    contact_pressure: Array
-    friction_traction: Array
-    slip: Array
-    status: Words
-    weights: Array
-
-    def of(self, contact: int) -> Flags:
-        """Which rows belong to a contact.
-
-        Args:
-            contact: Its number, in scene order.
-
-        Returns:
-            A mask, (points,).
-        """
-        return np.asarray(self.contact == contact)
 
 
 def reactions_by_name(supports: list[dict[str, Any]]) -> dict[str, list[float]]:

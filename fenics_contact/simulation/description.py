@@ -40,6 +40,12 @@ def answers_of(contact: ContactSurface) -> dict[str, bool]:
     }
 
 
+def arrays_of(contact: ContactSurface) -> dict[str, list[dict[str, Any]]]:
+    """What its laws keep of their own at the points, if anything, as ``results`` read it."""
+    found = [array.as_dict() for array in contact.own_arrays]
+    return {"arrays": found} if found else {}
+
+
 def regularisation_of(contact: ContactSurface) -> dict[str, float]:
     """The ε of a load step; none where it follows from pressures to come."""
     is_open = contact.is_coulomb and not contact.friction.is_scaled

@@ -33,6 +33,7 @@ from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation import verdict
 from fenics_contact.simulation.description import (
     answers_of,
+    arrays_of,
     parameters_of,
     regularisation_of,
     sides_of,
@@ -292,6 +293,7 @@ class Run:
                 "answers": answers_of(contact),
                 **sides_of(contact),
                 "parameters": parameters_of(contact),
+                **arrays_of(contact),
                 **self.others.limit(contact.label),
                 "quantities": found,
                 **self.budget.of_contact(number),

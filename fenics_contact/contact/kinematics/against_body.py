@@ -16,6 +16,7 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.contact.kinematics.jump import ContactKinematics, require_smooth
 from fenics_contact.contact.mortar.pairing import Pairing
+from fenics_contact.contact.surface.facet_sizes import relative_facet_size
 from fenics_contact.contact.surface.trace import Trace
 
 
@@ -52,7 +53,7 @@ class BodyKinematics(ContactKinematics):
         self.trace.turn(pairing.normals, pairing.centre_normals)
         counts = self.trace.count(pairing.shares)
         gap = np.where(counts, pairing.gaps, np.inf)
-        self.gap = self.without_round_off(gap, self.trace.farthest())
+        self.gap = self.without_round_off(gap, self.trace.surface.farthest())
         self._first_jump = self.jump_at_points()
 
     def require_one_sided(self, key: str) -> None:
@@ -90,7 +91,7 @@ class BodyKinematics(ContactKinematics):
         comm, points = self._spaces.comm, self.trace.coordinates[closed].T
         slip = self.tangential(self.jump_at_points() - self._first_jump)[closed]
         extent = np.linalg.norm([largest(comm, x) - smallest(comm, x) for x in points])
-        facet = self.trace.relative_facet_size() * self.trace.extent()
+        facet = relative_facet_size(self.trace.surface) * self.trace.extent()
         return largest(comm, np.linalg.norm(slip, axis=1)) / max(float(extent), facet)
 
     @property

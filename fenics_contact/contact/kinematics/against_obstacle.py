@@ -46,7 +46,7 @@ class ObstacleKinematics(ContactKinematics):
         except InputError as caught:
             error = caught
         raise_together(comm, error)
-        self._size = trace.farthest() + self._obstacle.size
+        self._size = trace.surface.farthest() + self._obstacle.size
         self.stand()
         self._require_in_its_way(self.reached, key)
 

@@ -257,7 +257,7 @@ def require_smooth(trace: Trace, key: str) -> None:
     Raises:
         InputError: On every rank.
     """
-    corner = trace.sharp_corner()
+    corner = trace.averaged.sharp_corner()
     if corner is not None:
         where = ", ".join(f"{x:.4g}" for x in corner[: trace.spaces.components])
         raise InputError(

@@ -6,11 +6,12 @@ the undeformed surface. Points whose normal misses the obstacle have an infinite
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import ufl
 
+from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.scene.contact import Obstacle
@@ -71,7 +72,7 @@ class RigidObstacle:
         """Largest of the lengths that place it (length)."""
         return float(np.linalg.norm(self._apex)) + (self._obstacle.radius or 0.0)
 
-    def gap(self, points: Array, normals: Array, position: Any) -> Array:
+    def gap(self, points: Array, normals: Array, position: Expr) -> Array:
         """Gap s along the normals, before the obstacle is driven, shape (points,) (length).
 
         Args:
@@ -146,7 +147,9 @@ class RigidObstacle:
         gap = np.where(hit, outside / np.where(hit, divisor, 1.0), np.inf)
         return np.where(gap < -radius, np.inf, gap)
 
-    def _gap_function(self, function: Any, points: Array, position: Any) -> Array:
+    def _gap_function(
+        self, function: Callable[[Expr], Expr], points: Array, position: Expr
+    ) -> Array:
         """Values of a user's UFL expression in x, point by point."""
         try:
             expression = ufl.as_ufl(function(position))
@@ -217,7 +220,7 @@ class RigidObstacle:
         return None if vector is None else _three(vector) / np.linalg.norm(vector)
 
 
-def _three(vector: Any) -> Array:
+def _three(vector: Sequence[float] | Array) -> Array:
     """A vector padded to three components."""
     padded = np.zeros(3)
     padded[: len(vector)] = vector

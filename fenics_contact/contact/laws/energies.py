@@ -7,21 +7,26 @@ else: the same function serves a boundary of the body and a contact submesh.
 
 from __future__ import annotations
 
-from typing import Any
-
 import ufl
+
+from fenics_contact.body.forms import Expr, Form, Measure
 
 
 def prescribed_pressure_energy(
-    jump: Any, normal: Any, contact_pressure: Any, weight: Any, measure: Any
-) -> Any:
+    jump: Expr, normal: Expr, contact_pressure: Expr, weight: Expr | float, measure: Measure
+) -> Form:
     """∫ p v_n: minus the work of a given contact pressure (paper, (1.8), σ_n = −p)."""
     return weight * contact_pressure * ufl.dot(jump, normal) * measure
 
 
 def coulomb_residual(
-    test: Any, normal: Any, friction_bound: Any, direction: Any, weight: Any, measure: Any
-) -> Any:
+    test: Expr,
+    normal: Expr,
+    friction_bound: Expr,
+    direction: Expr,
+    weight: Expr | float,
+    measure: Measure,
+) -> Form:
     """∫ μ p(w_n) q · v_T: its derivative couples the bound to the pressure.
 
     With the direction q of the slip held as a coefficient; with ``primal_dual_residual`` for a
@@ -38,17 +43,19 @@ def coulomb_residual(
     return weight * friction_bound * ufl.dot(direction, tangential(test, normal)) * measure
 
 
-def traction_work(traction: Any, test: Any, normal: Any, weight: Any, measure: Any) -> Any:
+def traction_work(
+    traction: Expr, test: Expr, normal: Expr, weight: Expr | float, measure: Measure
+) -> Form:
     """∫ τ · v_T: the work of a tangential traction that is held."""
     return weight * ufl.dot(traction, tangential(test, normal)) * measure
 
 
-def tangential(jump: Any, normal: Any) -> Any:
+def tangential(jump: Expr, normal: Expr) -> Expr:
     """The tangential part u_T = u − (u·n) n of a jump (length)."""
     return jump - ufl.dot(jump, normal) * normal
 
 
-def smoothed_norm(slip: Any, regularisation_parameter: Any) -> Any:
+def smoothed_norm(slip: Expr, regularisation_parameter: Expr) -> Expr:
     """φ_ε(v) = |v|²/(2ε) for |v| ≤ ε, |v| − ε/2 beyond (paper, (2.6); length)."""
     epsilon = regularisation_parameter
     square = ufl.dot(slip, slip)
@@ -57,7 +64,7 @@ def smoothed_norm(slip: Any, regularisation_parameter: Any) -> Any:
     return ufl.conditional(ufl.le(square, epsilon**2), inside, beyond)
 
 
-def smoothed_length(slip: Any, regularisation_parameter: Any) -> Any:
+def smoothed_length(slip: Expr, regularisation_parameter: Expr) -> Expr:
     """max(|v|, ε), by which φ_ε′(v) = v / max(|v|, ε) (paper, (2.8); length)."""
     epsilon = regularisation_parameter
     square = ufl.dot(slip, slip)
@@ -66,29 +73,29 @@ def smoothed_length(slip: Any, regularisation_parameter: Any) -> Any:
 
 
 def friction_energy(
-    jump: Any,
-    normal: Any,
-    friction_bound: Any,
-    regularisation_parameter: Any,
-    weight: Any,
-    measure: Any,
-) -> Any:
+    jump: Expr,
+    normal: Expr,
+    friction_bound: Expr,
+    regularisation_parameter: Expr,
+    weight: Expr | float,
+    measure: Measure,
+) -> Form:
     """j_ε(v) = ∫ g φ_ε(v_T) (paper, (2.7))."""
     slip = tangential(jump, normal)
     return weight * friction_bound * smoothed_norm(slip, regularisation_parameter) * measure
 
 
 def primal_dual_residual(
-    jump: Any,
-    test: Any,
-    normal: Any,
-    friction_bound: Any,
-    regularisation_parameter: Any,
-    direction: Any,
-    length: Any,
-    weight: Any,
-    measure: Any,
-) -> Any:
+    jump: Expr,
+    test: Expr,
+    normal: Expr,
+    friction_bound: Expr,
+    regularisation_parameter: Expr,
+    direction: Expr,
+    length: Expr,
+    weight: Expr | float,
+    measure: Measure,
+) -> Form:
     """A form whose derivative in the jump is the primal-dual tangent of j_ε.
 
     With q = φ_ε′ as an unknown of its own, q max(|u_T|, ε) = u_T is linear in q, and

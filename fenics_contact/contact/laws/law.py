@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 
+from fenics_contact.body.forms import CompiledForm
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.contact.state import ContactState
 from fenics_contact.results.point_arrays import PointArray
 
 
@@ -19,6 +22,7 @@ class ContactLaw:
         model: What it models, in words.
         checks: Names of the checks of ``trust/checks/run_checks.py`` that judge it.
         state: Arrays at the points that it keeps from load step to load step, its attributes.
+            They are saved, gone back to, restarted, written and drawn by what is said here.
         name: What is modelled where, for results.
 
     Args:
@@ -35,12 +39,12 @@ class ContactLaw:
         self.name = f"{self.model} on {site.contact.label}"
 
     @property
-    def forms(self) -> tuple[Any, ...]:
+    def forms(self) -> tuple[CompiledForm, ...]:
         """Compiled forms of the forces that follow the jump; none where nothing does."""
         return ()
 
     @property
-    def tangents(self) -> tuple[Any, ...]:
+    def tangents(self) -> tuple[CompiledForm, ...]:
         """Forms of the tangent in the present mode."""
         return ()
 
@@ -52,3 +56,29 @@ class ContactLaw:
     def kept(self) -> dict[str, Array]:
         """The arrays of ``state`` as they are, by name."""
         return {array.name: getattr(self, array.name).copy() for array in self.state}
+
+    def recall(self, at_points: Mapping[str, Array]) -> None:
+        """Take back the arrays of ``state``, whatever has been tried since.
+
+        Args:
+            at_points: As they were remembered, among others.
+        """
+        for array in self.state:
+            setattr(self, array.name, at_points[array.name].copy())
+
+    def at_step_end(self, state: ContactState) -> dict[str, Array]:
+        """The arrays of ``state`` that a load step changes, as they are at its end, by name.
+
+        Args:
+            state: What happens at the points then. The law's own arrays are those of its begin.
+        """
+        return {}
+
+    def advance(self, state: ContactState) -> None:
+        """A load step is done: keep its arrays as they are at its end.
+
+        Args:
+            state: As of ``at_step_end``.
+        """
+        for name, values in self.at_step_end(state).items():
+            setattr(self, name, values)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import lru_cache
-from typing import Any
 
 import basix.ufl
 import numpy as np
@@ -19,12 +18,13 @@ from ufl.algorithms import expand_indices
 from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
 from ufl.algorithms.apply_derivatives import apply_derivatives
 
+from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
 
 # A domain for variables that are numbers. UFL keeps what it has differentiated, so each density is
 # derived only once; and with the domain of a mesh it would keep that mesh and its communicators.
 _NOWHERE = ufl.Mesh(basix.ufl.element("Lagrange", "interval", 1, shape=(1,)))
-_OPERATORS: dict[type, Callable[..., Any]] = {
+_OPERATORS: dict[type, Callable[..., Array]] = {
     classes.Sum: np.add,
     classes.Product: np.multiply,
     classes.Division: np.divide,
@@ -45,7 +45,7 @@ _OPERATORS: dict[type, Callable[..., Any]] = {
 
 
 @lru_cache
-def point_density(density: Callable[..., Any], **sizes: int) -> PointDensity:
+def point_density(density: Callable[..., Expr], **sizes: int) -> PointDensity:
     """That of a law, derived once for all runs.
 
     Args:
@@ -63,7 +63,7 @@ class PointDensity:
         sizes: Variables by name: 0 for a scalar, else the number of components.
     """
 
-    def __init__(self, density: Callable[..., Any], sizes: Mapping[str, int]) -> None:
+    def __init__(self, density: Callable[..., Expr], sizes: Mapping[str, int]) -> None:
         self._scalars = {
             name: [ufl.variable(ufl.Constant(_NOWHERE)) for _ in range(max(size, 1))]
             for name, size in sizes.items()
@@ -73,7 +73,7 @@ class PointDensity:
             for name, size in sizes.items()
         }
         self._density = density(**given)
-        self._lowered: dict[tuple[str, ...], list[Any]] = {}
+        self._lowered: dict[tuple[str, ...], list[Expr]] = {}
 
     def value(self, **values: Array | float) -> Array:
         """The density (energy/area).
@@ -95,7 +95,7 @@ class PointDensity:
     def _numbers(self, along: tuple[str, ...], values: Mapping[str, Array | float]) -> Array:
         if along not in self._lowered:
             self._lowered[along] = [_lowered(part) for part in self._derivatives(along)]
-        known: dict[Any, Any] = {}
+        known: dict[Expr, Array | float] = {}
         for name, scalars in self._scalars.items():
             given = np.asarray(values[name])
             columns = given.T if given.ndim == 2 else [given]
@@ -108,19 +108,19 @@ class PointDensity:
             ]
         return np.stack(columns, axis=-1).astype(np.float64)
 
-    def _derivatives(self, along: tuple[str, ...]) -> list[Any]:
+    def _derivatives(self, along: tuple[str, ...]) -> list[Expr]:
         found = [self._density]
         for name in along:
             found = [ufl.diff(part, scalar) for part in found for scalar in self._scalars[name]]
         return found
 
 
-def _lowered(expression: Any) -> Any:
+def _lowered(expression: Expr) -> Expr:
     """Without derivatives and indices."""
     return expand_indices(apply_derivatives(apply_algebra_lowering(expression)))
 
 
-def _evaluate(expression: Any, known: dict[Any, Any]) -> Any:
+def _evaluate(expression: Expr, known: dict[Expr, Array | float]) -> Array | float:
     """The numbers of a scalar expression, arrays over the points; ``known`` is added to."""
     if expression not in known:
         if isinstance(expression, classes.ScalarValue | classes.Zero):

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any
 
 import basix
 import numpy as np
+from basix.finite_element import FiniteElement
 
 from fenics_contact.common.arrays import AnyIntegers, Array
 
@@ -179,7 +179,7 @@ def _tabulate(shape: str, degree: int, reference: Array, derivatives: int) -> Ar
 
 
 @lru_cache
-def _element(shape: str, degree: int) -> Any:
+def _element(shape: str, degree: int) -> FiniteElement:
     # Equispaced at these degrees: the element of both the geometry and the displacement.
     return basix.create_element(
         basix.ElementFamily.P,

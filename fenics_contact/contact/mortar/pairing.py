@@ -10,13 +10,13 @@ gives. Both surfaces are gathered on every rank; they are small beside the bodie
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.common.arrays import Array, Flags, Integers, Kind
 from fenics_contact.common.parallel import on_root
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
 from fenics_contact.contact.mortar.integrals import integrate, projection
@@ -75,7 +75,7 @@ class Pairing:
         held = np.zeros(slave.spaces.coordinates.shape[0] * slave.spaces.components, dtype=bool)
         held[constrained] = True
         at_nodes = held.reshape(-1, slave.spaces.components)[slave.all_nodes]
-        self._mirrored = slave.surface.gathered(slave.in_planes() & at_nodes)
+        self._mirrored = slave.surface.gathered(slave.symmetry.in_planes() & at_nodes)
         self.update()
 
     def update(self, displacement: Array | None = None) -> None:
@@ -94,8 +94,7 @@ class Pairing:
         self._moved_master, self._is_moved = master, displacement is not None
         surface = self._slave.surface
         self.blocks = faced.blocks
-        self.normals = faced.normals[surface.numbers]
-        self._slave.mirror(self.normals)
+        self.normals = self._slave.symmetry.mirrored(faced.normals[surface.numbers])
         counts = self._comm.allgather(len(surface.facet_nodes))
         first = sum(counts[: self._comm.rank])
         mine = slice(first, first + counts[self._comm.rank])
@@ -207,6 +206,6 @@ def gathered(trace: Trace) -> FacetMesh:
     )
 
 
-def _joined(comm: Any, rows: NDArray[Any]) -> NDArray[Any]:
+def _joined(comm: MPI.Comm, rows: NDArray[Kind]) -> NDArray[Kind]:
     """Rows of all ranks; collective."""
     return np.concatenate(comm.allgather(rows))

@@ -6,14 +6,13 @@ with the centre all are positive, and the rule is exact to degree 3.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.mesh import compute_midpoints
 from numpy.typing import NDArray
 
+from fenics_contact.body.forms import Function, FunctionSpace, Rule
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.surface.space import SurfaceSpace
@@ -26,7 +25,7 @@ _VERTEX, _MIDPOINT, _MIDDLE = 1 / 40, 1 / 15, 9 / 40
 _AT_CENTRE = np.array([-1 / 9] * 3 + [4 / 9] * 3)
 
 
-def custom_rule(points: Array, weights: Array) -> dict[str, Any]:
+def custom_rule(points: Array, weights: Array) -> Rule:
     """Metadata of a measure with the given points on the reference facet, (points, 2)."""
     return {
         "quadrature_rule": "custom",
@@ -92,13 +91,13 @@ class FacetCentres:
         np.add.at(nodal, self.nodes, values[:, None] * np.abs(_AT_CENTRE))
         return self._surface.summed(nodal)
 
-    def vector_correction(self, nodal: Any, values: Array) -> Any:
+    def vector_correction(self, nodal: Function, values: Array) -> Function:
         """A cubic function that brings a quadratic one to given values at the centres."""
-        bubble = fem.Function(self.vector_space)
+        bubble = Function(self.vector_space)
         self.set_correction(nodal, bubble, values)
         return bubble
 
-    def set_correction(self, nodal: Any, bubble: Any, values: Array) -> None:
+    def set_correction(self, nodal: Function, bubble: Function, values: Array) -> None:
         """Set a cubic function so that its sum with a quadratic one has given values."""
         if values.ndim == 2:
             present = self.interpolate(nodal.x.array.reshape(-1, 3))
@@ -108,7 +107,7 @@ class FacetCentres:
             bubble.x.array[self._scalar_dofs] = values - present
 
 
-def _centre_dofs(space: Any) -> NDArray[np.int32]:
+def _centre_dofs(space: FunctionSpace) -> NDArray[np.int32]:
     """The dof of each facet that lies inside it."""
     position = space.dofmap.dof_layout.entity_dofs(2, 0)[0]
     return np.asarray(space.dofmap.list[:, position])

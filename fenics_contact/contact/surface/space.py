@@ -6,7 +6,6 @@ Contact and friction live here, so that what they cost grows with the surface al
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import ufl
@@ -14,10 +13,11 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 
 from fenics_contact.body.elasticity import measure_weight
+from fenics_contact.body.forms import CompiledForm, Expr, Function, Measure, Rule
 from fenics_contact.body.spaces import Spaces, summed_over_ranks
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import Array, Integers, Kind
 from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.mesh.tagged_mesh import Group
 
@@ -67,7 +67,7 @@ class SurfaceSpace:
         self.weight = measure_weight(spaces.kinematics, self.position, self._thickness())
 
     @cached_property
-    def mass(self) -> Any:
+    def mass(self) -> CompiledForm:
         """∫ N_i N_j of the scalar space, a compiled form."""
         trial, test = ufl.TrialFunction(self.scalar_space), ufl.TestFunction(self.scalar_space)
         return form_cache.form(self.weight * trial * test * self.measure())
@@ -86,7 +86,7 @@ class SurfaceSpace:
         local = np.arange(len(self.coordinates), dtype=np.int32)
         return np.asarray(self.space.dofmap.index_map.local_to_global(local))
 
-    def gathered(self, nodal: NDArray[Any]) -> NDArray[Any]:
+    def gathered(self, nodal: NDArray[Kind]) -> NDArray[Kind]:
         """Values at this rank's nodes, first axis nodes, for the whole surface; collective."""
         return np.concatenate(self.comm.allgather(nodal[: self.owned_nodes]))
 
@@ -109,35 +109,46 @@ class SurfaceSpace:
         found[self.facet_nodes] = np.take_along_axis(candidates, nearest, axis=1)
         return found
 
-    def _thickness(self) -> Any:
+    def extent(self) -> float:
+        """Diagonal of the box around the surface (length); collective."""
+        columns = self.coordinates.T
+        return float(
+            np.linalg.norm([largest(self.comm, x) - smallest(self.comm, x) for x in columns])
+        )
+
+    def farthest(self) -> float:
+        """Largest coordinate of the surface (length); collective."""
+        return largest(self.comm, np.abs(self.coordinates).ravel())
+
+    def _thickness(self) -> Expr | None:
         """The scene's thickness on the surface, or None."""
         value = self.spaces.thickness
         if value is None:
             return None
         return self.coefficient(self.spaces.evaluate_at(value, self.coordinates.T, "thickness"))
 
-    def measure(self, metadata: dict[str, Any] | None = None) -> Any:
+    def measure(self, metadata: Rule | None = None) -> Measure:
         """Measure of the surface."""
         return ufl.Measure("dx", domain=self.mesh, metadata=metadata)
 
-    def coefficient(self, values: Array) -> Any:
+    def coefficient(self, values: Array) -> Expr:
         """Scalars at the nodes in UFL: a constant where they are, else a function; collective."""
         least = smallest(self.comm, values)
         if least == largest(self.comm, values):
             return fem.Constant(self.mesh, least)
         return self.scalar_function(values)
 
-    def scalar_function(self, values: Array, name: str = "values") -> Any:
+    def scalar_function(self, values: Array, name: str = "values") -> Function:
         """A scalar function with values at all nodes."""
-        function = fem.Function(self.scalar_space, name=name)
+        function = Function(self.scalar_space, name=name)
         self.set_scalars(function, values)
         return function
 
-    def set_scalars(self, function: Any, values: Array) -> None:
+    def set_scalars(self, function: Function, values: Array) -> None:
         """Set a scalar function at all nodes."""
         function.x.array[self._scalar_of_node] = values
 
-    def scalars(self, function: Any) -> Array:
+    def scalars(self, function: Function) -> Array:
         """A scalar function's values at all nodes."""
         return np.asarray(function.x.array[self._scalar_of_node])
 
@@ -158,13 +169,13 @@ class SurfaceSpace:
         local = np.arange(len(self._scalar_of_node), dtype=np.int32)
         return np.asarray(values[index_map.local_to_global(local)][self._scalar_of_node])
 
-    def vector_function(self, values: Array, name: str = "values") -> Any:
+    def vector_function(self, values: Array, name: str = "values") -> Function:
         """A vector function with values (nodes, components)."""
-        function = fem.Function(self.space, name=name)
+        function = Function(self.space, name=name)
         function.x.array[:] = values.reshape(-1)
         return function
 
-    def assemble(self, form: Any) -> Array:
+    def assemble(self, form: CompiledForm) -> Array:
         """A compiled linear form on ``space`` at the nodes, (nodes, components); collective."""
         vector = fem.assemble_vector(form)
         vector.scatter_reverse(la.InsertMode.add)

@@ -140,7 +140,7 @@ def _beyond_friction(
     )
 
 
-def _friction_gram(comm: MPI.Intracomm, points: tuple[Array, Array]) -> Array:
+def _friction_gram(comm: MPI.Comm, points: tuple[Array, Array]) -> Array:
     return np.asarray(total(comm, np.einsum("q,qci,qcj->ij", points[0], points[1], points[1])))
 
 

@@ -39,8 +39,7 @@ def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path
         )
         panel.set_aspect("equal")
         panel.autoscale()
-    laws = {contact["law"] for contact in result["contacts"]}
-    for mark in marks("none" if laws == {"none"} else "static"):
+    for mark in marks(*result["contacts"]):
         mine = np.isin(table.status, mark.status)
         look = {"markersize": 3.0, "zorder": 3, "clip_on": False}
         if mine.any():

@@ -71,8 +71,7 @@ def choose_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
     low, high = np.array(body.bounds).reshape(3, 2).T
     kinematics = result["model"]["kinematics"]
     flat, axial = kinematics != "3D", kinematics == "axisymmetric"
-    laws = {contact["law"] for contact in result["contacts"]}
-    looks = marks("none" if laws <= {"none"} else "static")
+    looks = marks(*result["contacts"])
     pairs = [contact for contact in result["contacts"] if "master" in contact]
     gap = max((contact["quantities"]["closed_gap"] for contact in pairs), default=0.0)
     hides = bool(pairs) and not flat

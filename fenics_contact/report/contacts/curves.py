@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -9,17 +11,22 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.contacts.line import SurfaceLine
+from fenics_contact.report.contacts.own_arrays import label, shown_arrays, sizes
 from fenics_contact.report.drawing.figures import in_words, new_figure, save, surface_of, title_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import FORMULA, WIDE
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_answers import carries_shear, pressure_is_given
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.point_arrays import PointArray
 
 _MARGIN, _STRIP = 0.45, 0.16
 _HEIGHTS = {"contact pressure": 1.9, "friction traction": 1.9, "gap": 1.05}
-_SYMBOLS = {"contact pressure": "p", "friction traction": "σ_T", "gap": "gap"}
+_OWN_HEIGHT = 1.05  # of what a law keeps of its own
+_SYMBOLS = {"contact pressure": " p", "friction traction": " σ_T"}
 _POINTS = 400  # of a formula's curve
+
+_Draw = Callable[[Any, SurfaceLine, dict[str, Any]], None]
 
 
 def draw_curves(
@@ -39,8 +46,9 @@ def draw_curves(
         analytic: What formulas give, where there are some.
     """
     line = SurfaceLine.of(rows, contact)
-    names = _panels(line, contact)
-    heights = [*(_HEIGHTS[name] for name in names), _STRIP]
+    own = shown_arrays(rows, contact)
+    names = [*_panels(line, contact), *own]
+    heights = [*(_HEIGHTS.get(name, _OWN_HEIGHT) for name in names), _STRIP]
     title = title_of(names, contact)
     figure, panels = new_figure(
         f"Along {surface_of(contact)}",
@@ -51,7 +59,10 @@ def draw_curves(
     )
     low, high = line.view
     shown = np.linspace(low, high, _POINTS)
-    draw = {"contact pressure": _pressure, "friction traction": _friction, "gap": _gap}
+    draw: dict[str, _Draw] = {
+        **{"contact pressure": _pressure, "friction traction": _friction, "gap": _gap},
+        **{name: partial(_own, array=array) for name, array in own.items()},
+    }
     for name, panel in zip(names, panels, strict=False):
         draw[name](panel, line, contact)
         if analytic is not None:
@@ -70,7 +81,7 @@ def draw_curves(
 def _caption(
     names: list[str], contact: dict[str, Any], axis: str, analytic: AnalyticContact | None
 ) -> str:
-    what = in_words([f"{name}{_symbol(name)}" for name in names])
+    what = in_words([f"{name}{_SYMBOLS.get(name, '')}" for name in names])
     said = f"{what[0].upper()}{what[1:]} along the surface {surface_of(contact)} against {axis}."
     status = (
         "in contact and open" if not carries_shear(contact) else "that stick, slip and are open"
@@ -79,10 +90,6 @@ def _caption(
     if analytic is not None:
         said += f" Black lines: {formula_words(analytic)}."
     return said
-
-
-def _symbol(name: str) -> str:
-    return "" if name == "gap" else f" {_SYMBOLS[name]}"
 
 
 def formula_words(analytic: AnalyticContact) -> str:
@@ -155,6 +162,11 @@ def _gap(panel: Any, line: SurfaceLine, contact: dict[str, Any]) -> None:
     gap = line.rows.numbers["gap"]
     _plot(panel, line, np.where(np.isfinite(gap), gap, np.nan))
     panel.set_ylabel("gap")
+
+
+def _own(panel: Any, line: SurfaceLine, contact: dict[str, Any], array: PointArray) -> None:
+    _plot(panel, line, sizes(line.rows, array))
+    panel.set_ylabel(label(array))
 
 
 def _formula(

@@ -18,7 +18,7 @@ from fenics_contact.report.drawing.fields import nodes_at
 from fenics_contact.report.drawing.figures import new_figure, set_title, style, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, marks
-from fenics_contact.results.contact_answers import carries_shear
+from fenics_contact.results.contact_answers import carries_shear, own_arrays
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.load_history import Drive, History
 
@@ -91,6 +91,9 @@ def frame_rows(rows: ContactTable, body: Any, contact: dict[str, Any]) -> Contac
     traction = np.asarray(body["friction_traction"])[nodes]
     fields = {f"traction_{axis}": traction[:, i] for i, axis in enumerate("xyz")}
     fields["contact_pressure"] = np.asarray(body["contact_pressure"])[nodes]
+    for array in own_arrays(contact):
+        values = np.asarray(body[array.name]).reshape(-1, len(array.columns))[nodes]
+        fields |= dict(zip(array.columns, values.T, strict=True))
     status = _STATUS[np.asarray(body["status"])[nodes].round().astype(int)]
     return replace(rows, status=status, numbers=rows.numbers | fields)
 
@@ -228,8 +231,8 @@ class _Map:
             panel.set_ylim(points[:, 1].min(), points[:, 1].max())
 
     def _zones(self, panel: Any, status: Words) -> None:
-        draw_status(panel, self._surface.points, status, self._film.contact["law"])
-        entries = [panel.plot([], [], **mark.look)[0] for mark in marks(self._film.contact["law"])]
+        draw_status(panel, self._surface.points, status, self._film.contact)
+        entries = [panel.plot([], [], **mark.look)[0] for mark in marks(self._film.contact)]
         above = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.99), "ncols": 3}
         panel.legend(handles=entries, handletextpad=0.1, **above)
 

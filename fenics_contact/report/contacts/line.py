@@ -43,7 +43,7 @@ class SurfaceLine:
         if not pressure_is_given(contact):
             around = neighbourhood(position[:, None], rows.closed)
             low, high = max(low, float(around[0][0])), min(high, float(around[1][0]))
-        return cls(rows, axis, position, (low, high), marks(contact["law"]))
+        return cls(rows, axis, position, (low, high), marks(contact))
 
     @property
     def tangents(self) -> Array:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,16 +12,20 @@ import numpy as np
 from scipy.spatial import QhullError
 
 from fenics_contact.common.arrays import Array, Flags, Integers, Words
+from fenics_contact.report.contacts.own_arrays import label, shown_arrays, sizes
 from fenics_contact.report.drawing.figures import in_words, new_figure, plain, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, DOUBLE, EDGE, marks, neighbourhood
 from fenics_contact.results.contact_answers import carries_shear, pressure_is_given
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.point_arrays import PointArray
 
 _LONG = 3.0  # sides of triangles, over their median, that bridge what is no surface
 _MOST_ARROWS = 350
 _SHORT = 0.03  # of the longest: vectors that are left out
 _HEIGHTS = (1.8, 4.5)  # of a panel, in inches
+
+_Draw = Callable[[Any, Any, "Surface", dict[str, Any]], None]
 
 
 @dataclass(frozen=True)
@@ -107,10 +113,12 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> Pictur
     """
     surface = Surface.of(rows, contact)
     found, frictional = not pressure_is_given(contact), carries_shear(contact)
-    draw = {
+    own = shown_arrays(surface.rows, contact)
+    draw: dict[str, _Draw] = {
         "status": _status,
         **({"contact pressure p": _pressure} if found or not frictional else {}),
         **({"friction traction σ_T": _friction} if frictional else {}),
+        **{name: partial(_own, array=array) for name, array in own.items()},
     }
     across, up = np.ptp(surface.points, axis=0)
     width = DOUBLE / len(draw)
@@ -125,13 +133,15 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> Pictur
     figure.suptitle(plain(title), x=0.01, ha="left", fontsize=8.5)
     save(figure, path, tight=True)
     said = f"{in_words(list(draw))} on {surface_of(contact)}."
-    said += " Arrows on the left: slip; on the right: the friction traction." if frictional else ""
+    if frictional:
+        where = "with its colours" if own else "on the right"
+        said += f" Arrows on the left: slip; {where}: the friction traction."
     return Picture(path, title, f"{said[0].upper()}{said[1:]}")
 
 
 def _status(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) -> None:
     """Points by their status, and their slip."""
-    draw_status(panel, surface.points, surface.rows.status, contact["law"])
+    draw_status(panel, surface.points, surface.rows.status, contact)
     panel.legend(loc="lower left", bbox_to_anchor=(-0.05, 1.0), ncols=3, handletextpad=0.1)
     slip = surface.rows.vectors("slip_x", "slip_y", "slip_z")[:, surface.axes]
     slides = surface.arrows[surface.rows.status[surface.arrows] == "SLIP"]
@@ -139,17 +149,17 @@ def _status(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) 
         panel.quiver(*surface.points[slides].T, *slip[slides].T, color="black", width=0.006)
 
 
-def draw_status(panel: Any, points: Array, status: Words, law: str) -> None:
+def draw_status(panel: Any, points: Array, status: Words, contact: dict[str, Any]) -> None:
     """Points in the colours of their status.
 
     Args:
         panel: Matplotlib's axes.
         points: On the map, shape (points, 2).
         status: Of each.
-        law: The friction law.
+        contact: The contact's entry in ``result.json``.
     """
     size = float(np.clip(70 / np.sqrt(len(status)), 1.2, 6))
-    for mark in marks(law):
+    for mark in marks(contact):
         mine = np.isin(status, mark.status)
         if mine.any():
             is_open = mark.status == ("OPEN",)
@@ -175,6 +185,17 @@ def _friction(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]
     label = r"friction traction, $|\sigma_T|$"
     figure.colorbar(colours, ax=panel, label=label, location="top", aspect=25)
     draw_arrows(panel, surface, traction, size.max())
+
+
+def _own(
+    figure: Any, panel: Any, surface: Surface, contact: dict[str, Any], array: PointArray
+) -> None:
+    """What a law keeps of its own; of vectors the size, and arrows."""
+    size = sizes(surface.rows, array)
+    colours = draw_values(panel, surface, size, min(size.min(), 0), size.max())
+    figure.colorbar(colours, ax=panel, label=label(array), location="top", aspect=25)
+    if array.is_vector:
+        draw_arrows(panel, surface, surface.rows.vectors(*array.columns), size.max())
 
 
 def draw_arrows(panel: Any, surface: Surface, vectors: Array, most: float) -> None:

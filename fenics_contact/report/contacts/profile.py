@@ -66,7 +66,7 @@ def draw_profile(
 def _points(
     panel: Any, distance: Array, values: Array, rows: ContactTable, contact: dict[str, Any]
 ) -> None:
-    for mark in marks(contact["law"]):
+    for mark in marks(contact):
         mine = np.isin(rows.status, mark.status)
         if mine.any():
             panel.plot(distance[mine], values[mine], **mark.look | {"markersize": 2.5})

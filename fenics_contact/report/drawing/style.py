@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.results.contact_answers import carries_shear
 
 # Widths in inches: of one column of a journal, of one and a half, and of two.
 COLUMN, WIDE, DOUBLE = 3.5, 5.5, 7.2
@@ -106,9 +108,14 @@ _CLOSED = Mark("in contact", ("STICK", "SLIP"), COLOURS["STICK"], "o", True)
 _OPEN = Mark("open", ("OPEN",), COLOURS["OPEN"], "o", False)
 
 
-def marks(law: str) -> tuple[Mark, ...]:
-    """The marks of a friction law of ``result.json``: without friction nothing sticks or slips."""
-    return (_CLOSED, _OPEN) if law == "none" else (_STICK, _SLIP, _OPEN)
+def marks(*contacts: Mapping[str, Any]) -> tuple[Mark, ...]:
+    """The marks of contacts: where none carries a force along the surface, nothing sticks or slips.
+
+    Args:
+        contacts: Their entries in ``result.json``.
+    """
+    rough = any(carries_shear(contact) for contact in contacts)
+    return (_STICK, _SLIP, _OPEN) if rough else (_CLOSED, _OPEN)
 
 
 def neighbourhood(points: Array, closed: Flags) -> tuple[Array, Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import resources
 from typing import Any
@@ -18,8 +19,9 @@ from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.report.page.templates import render
 from fenics_contact.report.view.revolved import revolved
 from fenics_contact.report.view.surface import Surface, boundary, surface_of
-from fenics_contact.results.contact_answers import carries_shear
+from fenics_contact.results.contact_answers import own_arrays
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.point_arrays import PointArray, of_several_contacts
 
 _MOVE = 0.06  # of what is shown: the largest displacement, where it is magnified
 _READABLE = 0.02  # from which it is seen as it is
@@ -78,6 +80,8 @@ def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
         if friction.any():
             fields["friction traction"] = friction
             shown["friction traction"] = "|σ_T|"
+        for array, values in _own(body, result):
+            fields[array.words], shown[array.words] = values, f"({array.unit})"
     contacts = [(table.of(contact["name"]), contact) for contact in result["contacts"]]
     fields["obstacle"] = _obstacles(body, obstacles_of(body, contacts))
     make = revolved if kinematics == "axisymmetric" else surface_of
@@ -94,10 +98,19 @@ def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
     return View(surface, kinematics, kinds, shown, factors, zone, _towards(front, aside))
 
 
+def _own(body: Any, result: dict[str, Any]) -> Iterator[tuple[PointArray, Array]]:
+    """What laws keep of their own at the nodes, vectors by their length, unless it is all zero."""
+    arrays = [array for contact in result["contacts"] for array in own_arrays(contact)]
+    for array in of_several_contacts(arrays):
+        values = np.asarray(body[array.name], dtype=float)
+        values = np.linalg.norm(values, axis=1) if array.is_vector else values
+        if values.any():
+            yield array, values
+
+
 def _kinds(result: dict[str, Any]) -> tuple[Mark, ...]:
     """States of contact points: open, stick and slip, or without any friction open and closed."""
-    frictional = any(carries_shear(contact) for contact in result["contacts"])
-    *closed, still_open = marks("static" if frictional else "none")
+    *closed, still_open = marks(*result["contacts"])
     return still_open, *closed
 
 

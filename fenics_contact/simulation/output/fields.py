@@ -27,8 +27,8 @@ class FieldSeries:
     """``fields.pvd``, a time series of fields.
 
     Point data: displacement, stress (3 × 3), contact_pressure, friction_traction, status
-    (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP) and, where a contact is not prescribed,
-    reaction_pressure, which knows nothing of the penalty.
+    (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP), what laws keep of their own (0 off the contacts)
+    and, where a contact is not prescribed, reaction_pressure, which knows nothing of the penalty.
 
     Args:
         problem: The model.
@@ -101,13 +101,17 @@ class NodalStress:
 
 
 def _contact_fields(problem: Problem, solution: Solution) -> dict[str, Array]:
-    """Contact pressure, friction traction and status at the nodes.
+    """Contact pressure, friction traction, status and what laws keep of their own at the nodes.
 
     At a node of two contacts the later one's values stand.
     """
     count = len(problem.spaces.coordinates)
     pressure, status = np.zeros(count), np.full(count, NO_CONTACT)
     traction = np.zeros((count, 3))
+    own = {
+        array.name: np.zeros((count, 3) if array.is_vector else count)
+        for array in problem.own_arrays
+    }
     for contact, at_points in zip(problem.contacts, solution.states, strict=True):
         nodes, at_nodes = contact.nodes, slice(0, len(contact.nodes))
         pressure[nodes] = at_points.contact_pressure[at_nodes]
@@ -116,7 +120,10 @@ def _contact_fields(problem: Problem, solution: Solution) -> dict[str, Array]:
             [found == OPEN, found == STICK], [FIELD_OPEN, FIELD_STICK], FIELD_SLIP
         )
         traction[nodes] = _three(at_points.friction_traction[at_nodes])
-    return {"contact_pressure": pressure, "friction_traction": traction, "status": status}
+        for name, values in at_points.own.items():
+            own[name][nodes] = (_three(values) if values.ndim == 2 else values)[at_nodes]
+    fields = {"contact_pressure": pressure, "friction_traction": traction, "status": status}
+    return fields | own
 
 
 def _reaction_pressure(forces: BulkForces) -> dict[str, Array]:

@@ -13,20 +13,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from mpi4py import MPI
 
-from fenics_contact.common.arrays import Array
 from fenics_contact.common.atomic_files import make_folder, naming, replace_file
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import failing_together
 from fenics_contact.common.parallel import on_root
-from fenics_contact.common.plain_text import one_line
-from fenics_contact.results.contact_table import CSV_HEADER
-from fenics_contact.results.point_arrays import WRITTEN
-from fenics_contact.results.result import ContactPoints, Result
+from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Steps
 from fenics_contact.scene.writing import write_scene
+from fenics_contact.simulation.output.contact_rows import contact_rows
 from fenics_contact.simulation.output.fields import FieldSeries
 from fenics_contact.simulation.output.step_table import StepTable
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
@@ -271,8 +267,7 @@ def _clear(folder: Path, names: str) -> None:
 
 def _write_tables(result: Result, folder: Path, scene: str) -> None:
     if result.points is not None:
-        names = [one_line(contact["name"]) for contact in result.contacts]
-        _replace(folder / "contact.csv", _csv_rows(result.points, names))
+        _replace(folder / "contact.csv", contact_rows(result.points, result.contacts))
     _write_result(result, folder, scene)
 
 
@@ -283,33 +278,9 @@ def _write_result(result: Result, folder: Path, scene: str) -> None:
     replace_file(folder / "result.json", f"{text}\n".encode())
 
 
-def _csv_rows(points: ContactPoints, names: list[str]) -> list[list[str]]:
-    columns = [_without_round_off(points.coordinates), _without_round_off(points.normals)]
-    for array in WRITTEN:
-        values = getattr(points, array.name).reshape(len(points.contact), len(array.columns))
-        # The gap is a difference of lengths; closed, round-off is most of it.
-        size = np.abs(points.coordinates).max(initial=0.0) if array.name == "gap" else 0.0
-        columns.append(_without_round_off(values, size))
-    table = np.hstack(columns)
-    numbers = ",".join(["%.8g"] * table.shape[1])  # one format a row: there may be many
-    rows = zip(points.contact.tolist(), table.tolist(), points.status.tolist(), strict=True)
-    return [
-        [names[contact], *(numbers % tuple(values)).split(","), state]
-        for contact, values, state in rows
-    ]
-
-
-def _without_round_off(values: Array, size: float = 0.0) -> Array:
-    """Rounded to 1e-12 of the largest, or 1e-13 of a size, so that runs compare line by line."""
-    finite = np.abs(values[np.isfinite(values)])
-    unit = 1e-13 * size if size > 0 else 1e-12 * finite.max(initial=0.0)
-    return np.round(values / unit) * unit + 0.0 if unit > 0 else values
-
-
 def _replace(path: Path, rows: list[list[str]]) -> None:
     text = io.StringIO(newline="")
     writer = csv.writer(text)
-    writer.writerow(CSV_HEADER)
     writer.writerows(rows)
     replace_file(path, text.getvalue().encode())
 

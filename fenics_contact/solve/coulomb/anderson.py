@@ -28,7 +28,7 @@ class Anderson:
         counted: Which entries of each array this rank counts.
     """
 
-    def __init__(self, comm: MPI.Intracomm, counted: list[Flags]) -> None:
+    def __init__(self, comm: MPI.Comm, counted: list[Flags]) -> None:
         self._comm = comm
         self._counted = np.concatenate(counted)
         self._pairs: list[tuple[Array, Array]] = []

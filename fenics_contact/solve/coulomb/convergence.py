@@ -28,7 +28,7 @@ class OuterMonitor:
         comm: Communicator.
     """
 
-    def __init__(self, chatter: Chatter, comm: MPI.Intracomm) -> None:
+    def __init__(self, chatter: Chatter, comm: MPI.Comm) -> None:
         self._chatter, self._comm = chatter, comm
         self.change = np.inf
         self._best, self._since = np.inf, 0

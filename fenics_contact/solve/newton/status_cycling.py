@@ -41,7 +41,7 @@ class Chatter:
         comm: Communicator.
     """
 
-    def __init__(self, contacts: list[ContactSurface], comm: MPI.Intracomm) -> None:
+    def __init__(self, contacts: list[ContactSurface], comm: MPI.Comm) -> None:
         self._contacts = [contact for contact in contacts if contact.is_one_sided]
         self._comm = comm
         self._iterates: list[list[_Iterate]] = []

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import ufl
 from dolfinx import fem
-from ufl.core.expr import Expr
 
+from fenics_contact.body.forms import Expr
 from fenics_contact.common import form_cache
 from fenics_contact.common.parallel import total
+from fenics_contact.contact.surface.facet_sizes import relative_cell_size
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
@@ -52,7 +53,7 @@ def boundary_stress(forces: BulkForces) -> Check | None:
         traction = state.friction_traction - state.contact_pressure[:, None] * contact.trace.normals
         given = contact.trace.integral(traction)
         carried = np.abs(state.contact_pressure) + contact.friction_bound
-        limit = _STRESS_OVER_SIZE[spaces.degree] * contact.trace.relative_cell_size()
+        limit = _STRESS_OVER_SIZE[spaces.degree] * relative_cell_size(contact.trace.surface)
         if limit > _LARGEST_STRESS_LIMIT and contact.is_one_sided:
             continue  # it may touch in a single point of so coarse a surface
         resultant = float(np.linalg.norm(given[axes]))

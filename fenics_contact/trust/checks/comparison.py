@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import gather_rows, largest
@@ -30,7 +29,7 @@ def nearer_to_failing(first: Check | None, second: Check) -> Check:
     return first if second.value / second.limit <= first.value / first.limit else second
 
 
-def worst_of(comm: Any, values: Array, places: Array) -> tuple[float, Place]:
+def worst_of(comm: MPI.Comm, values: Array, places: Array) -> tuple[float, Place]:
     """The largest of values, or one that is not a number, and where it is; collective.
 
     Of equal ones the same on any number of ranks is named.

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array, Words
 from fenics_contact.common.parallel import largest, smallest, total
@@ -74,7 +74,7 @@ class ComparedFriction:
     limit: float
     nodal: bool
     across: float
-    comm: Any
+    comm: MPI.Comm
 
     def worst(self, values: Array) -> tuple[float, Place]:
         """The largest of values at the nodes, and where it is; collective."""

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import gather_rows, largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.contact.state import ContactState
+from fenics_contact.contact.surface.facet_sizes import relative_facet_size
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import TRACE, nearer_to_failing, worst_of
@@ -55,7 +56,7 @@ class ComparedPressures:
     tells: bool
 
     @property
-    def comm(self) -> Any:
+    def comm(self) -> MPI.Comm:
         """Communicator."""
         return self.contact.spaces.comm
 
@@ -162,7 +163,7 @@ def pressure_recovery(forces: BulkForces, contacts: list[ComparedPressures]) -> 
         area, whole = (float(trace.integral(part)) for part in (closed, np.ones_like(closed)))
         flat = problem.spaces.components == 2 and problem.spaces.kinematics != "axisymmetric"
         share = area / whole if flat else np.sqrt(area / whole)
-        relative_size = trace.relative_facet_size() / share
+        relative_size = relative_facet_size(trace.surface) / share
         limit = _RECOVERY_OVER_ROOT[problem.spaces.degree] * float(np.sqrt(relative_size))
         if limit > _LARGEST_RECOVERY:
             continue  # a contact of one facet or two resolves no pressure

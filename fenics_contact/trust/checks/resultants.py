@@ -130,7 +130,7 @@ def _handed_over(forces: BulkForces, contact: ContactSurface, nodal: Array) -> C
     weights = np.linalg.norm(vectors, axis=1)
     centre = total(spaces.comm, weights @ places) / (2 * carried)
     moments = np.cross(places - centre, vectors) / extent
-    mirrored = contact.trace.mirrored_axes
+    mirrored = contact.trace.symmetry.axes
     counted = [k for k in range(3) if k not in mirrored]
     turned = [k for k in range(3) if not {0, 1, 2} - {k} & set(mirrored)]
     if spaces.kinematics == "axisymmetric":

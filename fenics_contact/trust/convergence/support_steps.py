@@ -6,7 +6,6 @@ A mesh does not tell a step from a steep rise; the function does, where it is as
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,7 @@ from fenics_contact.body.supports import AppliedSupport
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import gather_rows, largest
 from fenics_contact.problem.problem import Problem
-from fenics_contact.scene.values import AXES
+from fenics_contact.scene.values import AXES, Value
 
 Step = tuple[int, tuple[float, ...], float]
 
@@ -93,7 +92,7 @@ def _all(problem: Problem, time: float) -> list[tuple[int, int, _Torn]]:
     return found
 
 
-def _torn(problem: Problem, whose: tuple[int, AppliedSupport], value: Any, time: float) -> _Torn:
+def _torn(problem: Problem, whose: tuple[int, AppliedSupport], value: Value, time: float) -> _Torn:
     """Along edges between neighbouring nodes: what is halved again and again keeps a step."""
     number, applied = whose
     spaces, key = problem.spaces, f"support[{number}].displacement"

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.trust.convergence.displacement_jumps import Jump, displacement_jumps
@@ -31,7 +32,7 @@ class Unbounded:
         time: Its pseudo-time.
     """
 
-    def __init__(self, problem: Problem, displacement: Any, time: float) -> None:
+    def __init__(self, problem: Problem, displacement: Array, time: float) -> None:
         self._problem = problem
         self._jumps = displacement_jumps(problem, displacement, time)
 

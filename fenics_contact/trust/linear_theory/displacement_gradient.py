@@ -7,12 +7,12 @@ compiled for it, and no form is assembled: runs are short beside that.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from dolfinx import fem
 
 from fenics_contact.body.elasticity import Law
+from fenics_contact.body.forms import Expr
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags
@@ -103,12 +103,13 @@ class CellPoints:
             )
             gradient[:, 2, 2] = across
 
-    def _value_of(self, coefficient: Any, reference: Array) -> Any:
+    def _value_of(self, coefficient: Expr | float, reference: Array) -> Array | float:
         """Of a material's coefficient at the points."""
         if isinstance(coefficient, fem.Function):
             space = coefficient.function_space
             table = space.ufl_element().tabulate(0, reference)[0]
-            return (coefficient.x.array[space.dofmap.list[: self._count]] @ table.T).reshape(-1)
+            nodal = coefficient.x.array[space.dofmap.list[: self._count]]
+            return np.asarray(nodal @ table.T).reshape(-1)
         return float(coefficient.value) if isinstance(coefficient, fem.Constant) else coefficient
 
 

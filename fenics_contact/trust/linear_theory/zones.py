@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags, Integers
@@ -155,7 +155,7 @@ def _touching(contact: ContactSurface, state: ContactState) -> tuple[Array, floa
     return contact.trace.coordinates[closed & contact.trace.owned], area
 
 
-def exceeded(comm: Any, zone: Zone, values: Array) -> float:
+def exceeded(comm: MPI.Comm, zone: Zone, values: Array) -> float:
     """The largest value that more than the share of a zone exceeds or has; collective.
 
     Args:
@@ -180,6 +180,6 @@ def _largest_first(rows: Array, volume: float) -> Array:
     return rows[: enough + 1]
 
 
-def share(comm: Any, zone: Zone, flags: Flags) -> float:
+def share(comm: MPI.Comm, zone: Zone, flags: Flags) -> float:
     """Of a zone's volume, what is at points with a flag; collective."""
     return float(total(comm, zone.volumes[flags[zone.points]].sum())) / zone.volume

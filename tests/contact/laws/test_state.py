@@ -67,7 +67,7 @@ def test_a_declared_array_is_in_the_state_of_a_run(monkeypatch, folder):
 
 def test_what_happens_at_the_points_is_one_list():
     names = {field.name for field in dataclasses.fields(ContactState)}
-    assert names == {array.name for array in AT_POINTS} | {"status"}
+    assert names == {array.name for array in AT_POINTS} | {"status", "own"}
     assert {array.name for array in WRITTEN} < {
         field.name for field in dataclasses.fields(ContactPoints)
     }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -30,6 +29,7 @@ class FrictionLaw(ContactLaw):
             springs g/ε on points that stick and held tractions on those that slip (paper,
             Step 3); ``held`` keeps tractions on all points (Step 4); ``off`` does nothing.
         bound: g that it is solved with, at the points (stress).
+        reference: The slip that counts as none, at the points, (points, components) (length).
         is_scaled: Whether ε is known: the scene gives it, or a pressure was found for it.
 
     Args:
@@ -44,8 +44,8 @@ class FrictionLaw(ContactLaw):
     carries_shear: ClassVar[bool] = False
     follows_path: ClassVar[bool] = False
     state: ClassVar[tuple[PointArray, ...]] = (
-        PointArray("reference", "length", is_vector=True),
-        PointArray("bound", "stress"),
+        PointArray("reference", "length", is_vector=True, is_written=False),
+        PointArray("bound", "stress", is_written=False),
     )
 
     def __init__(self, site: LawSite, normal: NormalLaw, coefficient: Array) -> None:
@@ -53,6 +53,7 @@ class FrictionLaw(ContactLaw):
         self.normal, self.coefficient = normal, coefficient
         self.mode: Mode = "law"
         self.bound = np.zeros(len(site.trace.weights))
+        self.reference = np.zeros_like(site.trace.normals)
         self.is_scaled = False
 
     @property
@@ -74,11 +75,6 @@ class FrictionLaw(ContactLaw):
     def chosen_parameter(self) -> float:
         """The ε that was set, of which a part may be used (length)."""
         return 1.0
-
-    @property
-    def reference(self) -> Array:
-        """The slip that counts as none, at the points, (points, components) (length)."""
-        return np.zeros_like(self.site.trace.normals)
 
     def set_scale(self, epsilon: float) -> None:
         """Use an ε from now on, unless it is 0: under no pressure it does not matter (length)."""
@@ -138,13 +134,6 @@ class FrictionLaw(ContactLaw):
             pressure: Of the normal law at the points (stress).
         """
         return self.kept() | {"bound": self.present_bound(pressure).copy()}
-
-    def recall(self, at_points: Mapping[str, Array]) -> None:
-        """Follow the law as after a load step, whatever has been tried since.
-
-        Args:
-            at_points: As ``remember`` gave them, among others.
-        """
 
     def hold(self, traction: Array) -> None:
         """Set the tractions of the modes ``held`` and ``status``, (points, components)."""

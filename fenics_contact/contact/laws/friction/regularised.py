@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import ufl
 from dolfinx import fem
 
+from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags, Words
 from fenics_contact.common.parallel import largest
@@ -25,6 +26,7 @@ from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import OPEN, SLIP, STICK
+from fenics_contact.contact.surface.trace_function import TraceFunction
 
 # Of g / |u_T|: what tangents keep along the slip. A body of which all points slip, under loads just
 # below those that friction can hold, would be moved so far by a Newton step that rounding ends it.
@@ -53,15 +55,14 @@ class RegularisedFriction(FrictionLaw):
         self._trace, self._jump = trace, jump
         surface = trace.surface
         count = len(trace.weights)
-        self._reference = np.zeros((count, surface.components))
-        self._accepted = trace.function(self._reference) if self.follows_path else None
+        self._accepted = trace.function(self.reference) if self.follows_path else None
         slipped = jump if self._accepted is None else jump - self._accepted.ufl
         self._bound = trace.function(self.bound)
         self._epsilon = fem.Constant(surface.mesh, 1.0)
         self._chosen, self._left = 1.0, 1.0
         self._share = fem.Constant(surface.mesh, 1.0)
-        self._slip = np.zeros_like(self._reference)
-        self._dual = np.zeros_like(self._reference)
+        self._slip = np.zeros_like(self.reference)
+        self._dual = np.zeros_like(self.reference)
         self._direction = trace.function(self._dual)
         # Not 0 anywhere: it divides, also where the weight is 0.
         self._length = trace.function(np.ones(count), empty=1.0)
@@ -88,19 +89,19 @@ class RegularisedFriction(FrictionLaw):
             self.set_scale(float(given))
 
     @property
-    def forms(self) -> tuple[Any, ...]:
+    def forms(self) -> tuple[CompiledForm, ...]:
         """The compiled forms that every solve needs."""
         return (self.residual, self.tangent)
 
     @property
-    def tangents(self) -> tuple[Any, ...]:
+    def tangents(self) -> tuple[CompiledForm, ...]:
         """Forms of the tangent in the present mode."""
         if self.mode == "coupled":
             return (self.tangent, self._coupling)
         return (self.tangent,) if self.mode in ("law", "status") else ()
 
     @cached_property
-    def _coupling(self) -> Any:
+    def _coupling(self) -> CompiledForm:
         """Derivative of the bound μ p in the jump, the direction held; compiled when asked."""
         trace = self._trace
         coefficient = self._share * trace.coefficient(self.coefficient)
@@ -115,12 +116,12 @@ class RegularisedFriction(FrictionLaw):
         return form_cache.form(ufl.derivative(residual, self._jump))
 
     @cached_property
-    def _springs(self) -> Any:
+    def _springs(self) -> CompiledForm:
         """∫ g/ε w_T · v_T, compiled when asked."""
         return form_cache.form(self._modified)
 
     @cached_property
-    def _tractions(self) -> tuple[Any, Any]:
+    def _tractions(self) -> tuple[TraceFunction, CompiledForm]:
         """Tractions at the points and ∫ τ · v_T, compiled when asked."""
         trace = self._trace
         function = trace.function(np.zeros_like(self._slip))
@@ -215,7 +216,7 @@ class RegularisedFriction(FrictionLaw):
         """
         if self.mode not in ("law", "coupled"):
             return
-        slip = slip - self._reference
+        slip = slip - self.reference
         lengths, directions = self._lengths_and_directions()
         lengthening = np.einsum("ij,ij->i", directions, slip - self._slip)
         dual = (slip - self._dual * lengthening[:, None]) / lengths[:, None]
@@ -226,13 +227,8 @@ class RegularisedFriction(FrictionLaw):
     def accept(self, slip: Array) -> None:
         """A load step is done: from now on slip counts from here, if the law is incremental."""
         if self._accepted is not None:
-            self._reference = slip
+            self.reference = slip
             self._accepted.set(slip)
-
-    @property
-    def reference(self) -> Array:
-        """The slip that counts as none, at the points, (points, components) (length)."""
-        return self._reference
 
     def recall_scale(self, epsilon: float, is_scaled: bool) -> None:
         """Use an ε that was used before."""
@@ -245,14 +241,15 @@ class RegularisedFriction(FrictionLaw):
         Args:
             at_points: As ``remember`` gave them, among others.
         """
+        super().recall(at_points)
         self.mode = "law"
         self.set_share(1.0)
-        self.set_bound(at_points["bound"])
-        self.accept(at_points["reference"])
+        self.set_bound(self.bound)
+        self.accept(self.reference)
 
     def counted(self, slip: Array) -> Array:
         """The slip that the law sees: since the start, or since the last accepted step."""
-        return slip - self._reference
+        return slip - self.reference
 
     def set_status(self, sticks: Flags, directions: Array, bound: Array) -> None:
         """Springs g/ε on points that stick, tractions −g × direction on those that slip."""
@@ -299,6 +296,6 @@ class RegularisedFriction(FrictionLaw):
         self._length.set(self._lengths_and_directions()[0])
 
 
-def _density(slip: Any, bound: Any, epsilon: Any) -> Any:
+def _density(slip: Expr, bound: Expr, epsilon: Expr) -> Expr:
     """The density g φ_ε in UFL (energy/area)."""
     return bound * smoothed_norm(slip, epsilon)

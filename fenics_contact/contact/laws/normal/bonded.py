@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import ufl
 
+from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.normal.spring import PenaltyLaw
 
@@ -27,7 +28,7 @@ class Bonded(PenaltyLaw):
         return {"stiffness": stiffness}
 
     @staticmethod
-    def density(depth: Any, jump: Any, **fields: Any) -> Any:
+    def density(depth: Expr, jump: Expr, **fields: Expr) -> Expr:
         """½ k |w|²."""
         return 0.5 * fields["stiffness"] * ufl.dot(jump, jump)
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
+from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
+from fenics_contact.contact.laws.normal.law import Parameter
 from fenics_contact.contact.laws.normal.spring import SpringLaw, positive
 from fenics_contact.scene.contact import Contact
 
@@ -17,7 +19,7 @@ class Foundation(SpringLaw):
     model: ClassVar[str] = "Winkler foundation"
 
     @classmethod
-    def parameters(cls, contact: Contact) -> dict[str, Any]:
+    def parameters(cls, contact: Contact) -> dict[str, Parameter]:
         """The stiffness as the scene gives it (stress/length)."""
         return {"foundation_stiffness": contact.foundation_stiffness}
 
@@ -27,6 +29,6 @@ class Foundation(SpringLaw):
         return {"stiffness": self.site.given(given, "foundation_stiffness")}
 
     @staticmethod
-    def density(depth: Any, jump: Any, **fields: Any) -> Any:
+    def density(depth: Expr, jump: Expr, **fields: Expr) -> Expr:
         """½ k ⟨d⟩²."""
         return 0.5 * fields["stiffness"] * positive(depth) ** 2

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import ufl
 
+from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.values import Value
+
+# What the scene gives of a law: a number, a profile or a function, None of what it leaves out.
+Parameter = Value | None
+# A linear form of what is given, in full, and the share of it that acts at a pseudo-time.
+GivenLoad = tuple[CompiledForm, Callable[[float], float]]
 
 
 class NormalLaw(ContactLaw):
@@ -36,7 +43,7 @@ class NormalLaw(ContactLaw):
     has_penalty: ClassVar[bool] = False
 
     @classmethod
-    def parameters(cls, contact: Contact) -> dict[str, Any]:
+    def parameters(cls, contact: Contact) -> dict[str, Parameter]:
         """What the scene gives, by its names, for results: numbers, profiles or functions."""
         return {}
 
@@ -46,11 +53,11 @@ class NormalLaw(ContactLaw):
         return 0.0
 
     @property
-    def loads(self) -> list[tuple[Any, Callable[[float], float]]]:
+    def loads(self) -> list[GivenLoad]:
         """Linear forms of what is given, in full, with the share that acts at a pseudo-time."""
         return []
 
-    def pressure_ufl(self, jump: Any) -> Any:
+    def pressure_ufl(self, jump: Expr) -> Expr:
         """What of the pressure follows the jump, in UFL, for friction that it bounds (stress)."""
         return ufl.as_ufl(0.0)
 
@@ -82,8 +89,7 @@ class NormalLaw(ContactLaw):
             at_points: As ``remember`` gave them, among others.
         """
         self.release()
-        for array in self.state:
-            setattr(self, array.name, at_points[array.name].copy())
+        super().recall(at_points)
 
     def release(self) -> None:
         """Follow the jump again."""

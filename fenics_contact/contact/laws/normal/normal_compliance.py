@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
+from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
+from fenics_contact.contact.laws.normal.law import Parameter
 from fenics_contact.contact.laws.normal.spring import SpringLaw, positive
 from fenics_contact.scene import normal_laws
 from fenics_contact.scene.contact import Contact
@@ -24,23 +26,25 @@ class NormalCompliance(SpringLaw):
     model: ClassVar[str] = "normal compliance"
 
     @classmethod
-    def parameters(cls, contact: Contact) -> dict[str, Any]:
+    def parameters(cls, contact: Contact) -> dict[str, Parameter]:
         """The coefficient c (stress/length^m) and the exponent m."""
-        law = contact.normal_law
-        assert isinstance(law, normal_laws.NormalCompliance)
-        return {"coefficient": law.coefficient, "exponent": law.exponent}
+        given = _table(contact)
+        return {"coefficient": given.coefficient, "exponent": given.exponent}
 
     def fields(self) -> Mapping[str, Array]:
         """Both at the points."""
-        given = self.parameters(self.site.contact)
-        coefficient = self.site.given(given["coefficient"], "normal_law.coefficient")
-        return {
-            "coefficient": coefficient,
-            "exponent": np.full(len(coefficient), given["exponent"]),
-        }
+        given = _table(self.site.contact)
+        coefficient = self.site.given(given.coefficient, "normal_law.coefficient")
+        return {"coefficient": coefficient, "exponent": np.full(len(coefficient), given.exponent)}
 
     @staticmethod
-    def density(depth: Any, jump: Any, **fields: Any) -> Any:
+    def density(depth: Expr, jump: Expr, **fields: Expr) -> Expr:
         """The density c ⟨d⟩^(m + 1)/(m + 1)."""
         power = fields["exponent"] + 1
         return fields["coefficient"] * positive(depth) ** power / power
+
+
+def _table(contact: Contact) -> normal_laws.NormalCompliance:
+    law = contact.normal_law
+    assert isinstance(law, normal_laws.NormalCompliance)
+    return law

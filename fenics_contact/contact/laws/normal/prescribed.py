@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import ufl
 
+from fenics_contact.body.forms import CompiledForm
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.laws.energies import prescribed_pressure_energy
-from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.laws.normal.law import GivenLoad, NormalLaw, Parameter
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.contact import Contact
 
@@ -31,7 +31,7 @@ class Prescribed(NormalLaw):
         self._present = self._in_full
         self._form = self._work() if largest(site.trace.spaces.comm, self._in_full) > 0 else None
 
-    def _work(self) -> Any:
+    def _work(self) -> CompiledForm:
         """The work f on Γ_C as a linear form: minus the derivative of ∫ p v_n."""
         trace = self.site.trace
         pressure = trace.coefficient(self._in_full)
@@ -40,12 +40,12 @@ class Prescribed(NormalLaw):
         return form_cache.form(-work)
 
     @classmethod
-    def parameters(cls, contact: Contact) -> dict[str, Any]:
+    def parameters(cls, contact: Contact) -> dict[str, Parameter]:
         """The pressure as the scene gives it (stress)."""
         return {"pressure": contact.pressure}
 
     @property
-    def loads(self) -> list[tuple[Any, Callable[[float], float]]]:
+    def loads(self) -> list[GivenLoad]:
         """The pressure's work, unless it is 0 everywhere."""
         return [] if self._form is None else [(self._form, self.site.paths.pressure_factor)]
 

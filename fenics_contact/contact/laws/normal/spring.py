@@ -9,26 +9,28 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import ufl
 from dolfinx import fem
 
+from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.energies import prescribed_pressure_energy
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.contact.surface.trace_function import TraceFunction
 
 
-def depth_of(jump: Any, normal: Any, gap: Any) -> Any:
+def depth_of(jump: Expr, normal: Expr, gap: Expr) -> Expr:
     """w_n − s: how deep a point is in what stands opposite (length)."""
     return ufl.dot(jump, normal) - gap
 
 
-def positive(depth: Any) -> Any:
+def positive(depth: Expr) -> Expr:
     """⟨d⟩ = max(d, 0): the penetration of a depth (length)."""
     return ufl.conditional(ufl.gt(depth, 0), depth, 0)
 
@@ -71,7 +73,7 @@ class SpringLaw(NormalLaw):
 
     @staticmethod
     @abstractmethod
-    def density(depth: Any, jump: Any, **fields: Any) -> Any:
+    def density(depth: Expr, jump: Expr, **fields: Expr) -> Expr:
         """ψ in UFL (energy/area).
 
         Args:
@@ -81,16 +83,16 @@ class SpringLaw(NormalLaw):
         """
 
     @property
-    def forms(self) -> tuple[Any, ...]:
+    def forms(self) -> tuple[CompiledForm, ...]:
         """All compiled forms."""
         return (self.residual, self.tangent)
 
     @property
-    def tangents(self) -> tuple[Any, ...]:
+    def tangents(self) -> tuple[CompiledForm, ...]:
         """Forms of the tangent in the present mode."""
         return (self.tangent,) if self._held is None else ()
 
-    def pressure_ufl(self, jump: Any) -> Any:
+    def pressure_ufl(self, jump: Expr) -> Expr:
         """∂ψ/∂d, the pressure of a jump in UFL (stress)."""
         depth = ufl.variable(depth_of(jump, self.site.trace.normal, self._gap.ufl))
         return ufl.diff(self.density(depth, jump, **self._in_ufl) / self._softness, depth)
@@ -116,7 +118,7 @@ class SpringLaw(NormalLaw):
         self._held = None
 
     @cached_property
-    def _pressures(self) -> tuple[Any, Any]:
+    def _pressures(self) -> tuple[TraceFunction, CompiledForm]:
         """Pressures at the points and −∫ p v_n, compiled when asked."""
         trace = self.site.trace
         function = trace.function(np.zeros(len(trace.weights)))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
+from fenics_contact.body.forms import Expr
 from fenics_contact.contact.laws.normal.spring import PenaltyLaw, positive
 
 
@@ -14,6 +15,6 @@ class Unilateral(PenaltyLaw):
     model: ClassVar[str] = "unilateral contact (penalty)"
 
     @staticmethod
-    def density(depth: Any, jump: Any, **fields: Any) -> Any:
+    def density(depth: Expr, jump: Expr, **fields: Expr) -> Expr:
         """½ k ⟨d⟩², k = 1/ε₁."""
         return 0.5 * fields["stiffness"] * positive(depth) ** 2

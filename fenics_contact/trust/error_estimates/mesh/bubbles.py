@@ -5,19 +5,19 @@ Those of a cell that vanish at the nodes of its own element: what the element ca
 
 from __future__ import annotations
 
-from typing import Any
-
 import basix
 import basix.ufl
 import numpy as np
 from dolfinx import fem
 from scipy.linalg import null_space, orth
+from ufl.finiteelement import AbstractFiniteElement
 
+from fenics_contact.body.forms import FunctionSpace
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array
 
 
-def bubble_space(spaces: Spaces) -> Any:
+def bubble_space(spaces: Spaces) -> FunctionSpace:
     """Discontinuous space of displacements that vanish at the nodes of ``spaces``.
 
     Of degree p + 1, complete on triangles, tetrahedra and quadrilaterals. On hexahedra only the
@@ -37,7 +37,7 @@ def bubble_space(spaces: Spaces) -> Any:
     return fem.functionspace(mesh, basix.ufl.blocked_element(element, shape=(spaces.components,)))
 
 
-def _legendre(cell: Any, degree: int, points: Array) -> Array:
+def _legendre(cell: basix.CellType, degree: int, points: Array) -> Array:
     """Orthonormal polynomials of a degree at points, (points, polynomials)."""
     kind = basix.PolynomialType.legendre
     return np.asarray(basix.tabulate_polynomials(kind, cell, degree, points)).T
@@ -53,7 +53,7 @@ def _along_lines(combinations: Array, degree: int) -> Array:
     return np.asarray(orth(combinations @ shared))
 
 
-def _element(cell: Any, degree: int, coefficients: Array) -> Any:
+def _element(cell: basix.CellType, degree: int, coefficients: Array) -> AbstractFiniteElement:
     """An element that spans combinations of orthonormal polynomials, all inside the cell."""
     dimension = len(basix.topology(cell)) - 1
     points, weights = basix.make_quadrature(cell, 2 * degree)

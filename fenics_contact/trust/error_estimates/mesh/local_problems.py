@@ -9,13 +9,12 @@ traction whose nodal forces are those of the contact.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import ufl
 from dolfinx import fem, la
 from numpy.typing import NDArray
 
+from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
@@ -133,7 +132,7 @@ class LocalErrors:
         self._error.x.array[: scaled.size] = scaled.reshape(-1)
         self._error.x.scatter_forward()
 
-    def _compile(self, moved: Any, tested: Any) -> Any:
+    def _compile(self, moved: Expr, tested: Expr) -> CompiledForm:
         """−a(moved, tested) with the means of tractions between cells, and own ones where held."""
         spaces, elastic = self._problem.spaces, self._problem.elastic
         mesh = spaces.body.mesh
@@ -146,7 +145,7 @@ class LocalErrors:
             + ufl.dot(self._cut(stress), tested) * held(1)
         )
 
-    def _contact_forms(self, trace: Trace, test: Any) -> tuple[Any, Any]:
+    def _contact_forms(self, trace: Trace, test: Expr) -> tuple[CompiledForm, CompiledForm]:
         """Work of the contact's traction on bubbles; and of a test function's on the errors.
 
         The traction that goes with a test function is taken for that of the cell itself.
@@ -159,7 +158,7 @@ class LocalErrors:
             ufl.dot(self._cut(stress), self._error) * measure
         )
 
-    def _cut(self, stress: Any, side: str = "") -> Any:
+    def _cut(self, stress: Expr, side: str = "") -> Expr:
         """Tractions of a stress, with the components that displacements have."""
         components = self._problem.spaces.components
         normal = ufl.FacetNormal(self._problem.spaces.body.mesh)
@@ -182,7 +181,7 @@ class LocalErrors:
             blocks.transpose(0, 1, 3, 2, 4).reshape(self._cells, count * size, count * size)
         )
 
-    def _assembled(self, form: Any) -> Array:
+    def _assembled(self, form: CompiledForm) -> Array:
         """A linear form on the bubbles of this rank's cells, (cells, dofs); collective."""
         vector = fem.assemble_vector(form)
         vector.scatter_reverse(la.InsertMode.add)

@@ -1,0 +1,34 @@
+"""What laws keep of their own at the points, for pictures: each by its name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.results.contact_answers import own_arrays
+from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.point_arrays import PointArray
+
+
+def shown_arrays(rows: ContactTable, contact: dict[str, Any]) -> dict[str, PointArray]:
+    """Those that are not zero everywhere, by what pictures call them.
+
+    Args:
+        rows: Points of a contact.
+        contact: Its entry in ``result.json``.
+    """
+    arrays = own_arrays(contact)
+    return {array.words: array for array in arrays if np.nan_to_num(sizes(rows, array)).any()}
+
+
+def sizes(rows: ContactTable, array: PointArray) -> Array:
+    """Its values at the points, or the lengths of its vectors, (points,)."""
+    values = rows.vectors(*array.columns)
+    return np.linalg.norm(values, axis=1) if array.is_vector else values[:, 0]
+
+
+def label(array: PointArray) -> str:
+    """What an axis or a bar of colours says of it."""
+    return f"{array.words}, size" if array.is_vector else array.words
