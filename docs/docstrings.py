@@ -1,7 +1,7 @@
 """Sphinx: docstrings of this package as autodoc shows them.
 
-Keys of scene classes are told in the words of the scene reference, not by their annotations. A class
-that is in no page is named without a link; one that does not exist stays a warning.
+Keys of scene classes are told in the words of the scene reference, not by their annotations. A
+class that is in no page is named without a link; one that does not exist stays a warning.
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ from typing import Any
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.laws.normal import law_of
 from fenics_contact.problem.problem import Problem
+from fenics_contact.results.records.contacts import ContactRecord, LawAnswers
 from fenics_contact.solve.newton.solution import Solution
 
 
@@ -22,36 +23,42 @@ def strategy_of(problem: Problem, solution: Solution | None) -> str:
     return "linear: one Newton step"
 
 
-def sides_of(contact: ContactSurface) -> dict[str, str]:
-    """Of two bodies, the surface whose points carry it, the one opposite, and why it is so."""
-    sides = contact.sides
-    if sides.opposite is None:
-        return {}
-    return {"slave": sides.slave, "master": sides.master, "slave_reason": sides.why}
+def record_of(contact: ContactSurface) -> ContactRecord:
+    """A contact as ``result.json`` has it, before anything is known of its answer.
+
+    Of two bodies it says whose points carry it, what stands opposite, and why it is so.
+    """
+    sides, law = contact.sides, law_of(contact.contact)
+    of_two = sides.opposite is not None
+    return ContactRecord(
+        name=contact.label,
+        contact=contact.contact.kind,
+        law=contact.friction.kind,
+        answers=LawAnswers(
+            pressure_is_given=law.pressure_is_known,
+            is_rigid=law.has_penalty,
+            carries_shear=contact.can_shear,
+        ),
+        slave=sides.slave if of_two else None,
+        master=sides.master if of_two else None,
+        slave_reason=sides.why if of_two else None,
+        parameters=_parameters_of(contact),
+        quantities={},
+    )
 
 
-def answers_of(contact: ContactSurface) -> dict[str, bool]:
-    """What its laws answer to pages and pictures, as ``results.contact_answers`` reads it."""
-    named = law_of(contact.contact)
-    return {
-        "pressure_is_given": named.pressure_is_known,
-        "is_rigid": named.has_penalty,
-        "carries_shear": contact.can_shear,
-    }
-
-
-def regularisation_of(contact: ContactSurface) -> dict[str, float]:
-    """The ε of a load step; none where it follows from pressures to come."""
+def regularisation_of(contact: ContactSurface) -> float | None:
+    """The ε of a load step; None where it follows from pressures to come."""
     is_open = contact.is_coulomb and not contact.friction.is_scaled
-    return {} if is_open else {"regularisation_parameter": contact.regularisation_parameter}
+    return None if is_open else contact.regularisation_parameter
 
 
-def parameters_of(contact: ContactSurface) -> dict[str, Any]:
+def _parameters_of(contact: ContactSurface) -> dict[str, Any]:
     """A contact's parameters as used; what varies in space is said so."""
     scene = contact.contact
     given = contact.parameters | {"friction_coefficient": scene.friction_coefficient}
     used = {
-        **regularisation_of(contact),
+        "regularisation_parameter": regularisation_of(contact),
         "penalty_parameter": contact.penalty_parameter or None,
         "force": contact.force,
         **{name: "varies" if callable(value) else value for name, value in given.items()},

@@ -27,15 +27,16 @@ from fenics_contact.mesh.loading import load_body
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.existence.condition import FreeMotion, require_equilibrium
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.load_history import step_line
+from fenics_contact.results.load_history import Announce, step_line
+from fenics_contact.results.records.contacts import ContactRecord, StepContact
+from fenics_contact.results.records.model import Model, RigidMotion, Seconds
+from fenics_contact.results.records.steps import Largest, StepRecord
 from fenics_contact.results.result import Check, Result
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation import verdict
 from fenics_contact.simulation.description import (
-    answers_of,
-    parameters_of,
+    record_of,
     regularisation_of,
-    sides_of,
     strategy_of,
 )
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
@@ -102,8 +103,8 @@ class Run:
         self.last: Unknowns | None = None
         self.others = OtherAnswers()
         self.budget = ErrorBudget()
-        self.steps: list[dict[str, Any]] = []
-        self._announce: Callable[[int, dict[str, Any]], None] = _log_step
+        self.steps: list[StepRecord] = []
+        self._announce: Announce = _log_step
         self.timings = Timings()
         with failing_together(comm):
             self._make_ready(scene, comm, body)
@@ -122,40 +123,41 @@ class Run:
         self.choice: SolverChoice = choose_solver(self.problem)
 
     @property
-    def model(self) -> dict[str, Any]:
+    def model(self) -> Model:
         """``model`` of ``result.json``; collective."""
         problem = self.problem
         index_map = problem.spaces.displacement_space.dofmap.index_map
         points = sum(total(problem.comm, int(c.trace.owned.sum())) for c in problem.contacts)
         cells = problem.body.mesh.topology.index_map(problem.body.dimension)
-        return {
-            "kinematics": self.scene.kinematics,
-            "degree": problem.spaces.degree,
-            "cell": problem.body.mesh.topology.cell_name(),
-            "bodies": list(problem.spaces.parts.names),
-            "cells": int(cells.size_global),
-            "dofs": int(index_map.size_global) * problem.spaces.components,
-            "contact_points": int(points),
-            "ranks": problem.comm.size,
-            "solver": self.choice.name,
-            "solver_reason": self.choice.reason,
-            "solver_memory_mb": round(self.choice.memory / 1e6),
-            "strategy": strategy_of(problem, self.solution),
-            "scalar_unknowns": [unknown.name for unknown in problem.unknowns],
-            "terms": [term.name for term in problem.terms],
-            "free_rigid_motions": self.free_motion.modes,
-            "rigid_motions": list(self.free_motion.motions),
-            "stabilised_motions": list(self.free_motion.stabilised),
-            "used_share_of_limit_load": self.free_motion.used_share,
-            "symmetry": problem.discrete.held.symmetry,
-        } | ({} if self.solution is None else {"bulk_factorisations": self.solution.factorisations})
+        return Model(
+            kinematics=self.scene.kinematics,
+            degree=problem.spaces.degree,
+            cell=problem.body.mesh.topology.cell_name(),
+            bodies=list(problem.spaces.parts.names),
+            cells=int(cells.size_global),
+            dofs=int(index_map.size_global) * problem.spaces.components,
+            contact_points=int(points),
+            ranks=problem.comm.size,
+            solver=self.choice.name,
+            solver_reason=self.choice.reason,
+            solver_memory_mb=round(self.choice.memory / 1e6),
+            strategy=strategy_of(problem, self.solution),
+            scalar_unknowns=[unknown.name for unknown in problem.unknowns],
+            terms=[term.name for term in problem.terms],
+            free_rigid_motions=self.free_motion.modes,
+            rigid_motions=[RigidMotion(**motion) for motion in self.free_motion.motions],
+            stabilised_motions=list(self.free_motion.stabilised),
+            used_share_of_limit_load=self.free_motion.used_share,
+            symmetry=problem.discrete.held.symmetry,
+            bulk_factorisations=None if self.solution is None else self.solution.factorisations,
+        )
 
     def solve(
         self,
         state: StateFile | None = None,
         saved: SavedRun | None = None,
         stopped: Callable[[], bool] | None = None,
-        announce: Callable[[int, dict[str, Any]], None] | None = None,
+        announce: Announce | None = None,
         accepted: Callable[[], None] | None = None,
         guess: Unknowns | None = None,
     ) -> Result:
@@ -184,7 +186,7 @@ class Run:
         state: StateFile | None,
         saved: SavedRun | None,
         stopped: Callable[[], bool] | None,
-        announce: Callable[[int, dict[str, Any]], None] | None,
+        announce: Announce | None,
         accepted: Callable[[], None] | None,
         guess: Unknowns | None,
     ) -> Result:
@@ -251,25 +253,30 @@ class Run:
         quantities = self._measure(solution)
         self.book.count(self.forces, self._reactions)
         quantities |= self.book.quantities(quantities)
+        with self.timings.phase("output"):
+            linear_range = self._linear_range.of(solution)
         self.steps.append(
-            {
-                "load_factor": time,
-                "newton_iterations": solution.newton_iterations,
-                "outer_iterations": solution.outer_iterations,
-                "outer_contraction": solution.contraction,
-                "attempts": list(solution.attempts),
-                "residual_history": list(solution.residual_history),
-                "imbalance_limit": solution.imbalance_limit,
-                "quantities": quantities,
-                "contacts": [
-                    {"name": contact.label, **regularisation_of(contact), "quantities": found}
+            StepRecord(
+                load_factor=time,
+                newton_iterations=solution.newton_iterations,
+                outer_iterations=solution.outer_iterations,
+                outer_contraction=solution.contraction,
+                attempts=list(solution.attempts),
+                residual_history=list(solution.residual_history),
+                imbalance_limit=solution.imbalance_limit,
+                quantities=quantities,
+                contacts=[
+                    StepContact(
+                        name=contact.label,
+                        regularisation_parameter=regularisation_of(contact),
+                        quantities=found,
+                    )
                     for contact, found in zip(self.problem.contacts, self._by_contact, strict=True)
                 ],
-                "supports": self._supports,
-            }
+                supports=self._supports,
+                linear_range={what: Largest(**row) for what, row in linear_range.items()},
+            )
         )
-        with self.timings.phase("output"):
-            self.steps[-1]["linear_range"] = self._linear_range.of(solution)
         self._announce(len(self.steps), self.steps[-1])
 
     @cached_property
@@ -277,7 +284,7 @@ class Run:
         """Strains and rotations of its load steps; collective, where it is first asked for."""
         return LinearRange(self.problem)
 
-    def contacts(self, quantities: list[dict[str, Any]] | None = None) -> list[dict[str, Any]]:
+    def contacts(self, quantities: list[dict[str, Any]] | None = None) -> list[ContactRecord]:
         """``contacts`` of ``result.json``.
 
         Args:
@@ -285,17 +292,12 @@ class Run:
         """
         quantities = quantities or [{} for _ in self.problem.contacts]
         return [
-            {
-                "name": contact.label,
-                "contact": contact.contact.kind,
-                "law": contact.friction.kind,
-                "answers": answers_of(contact),
-                **sides_of(contact),
-                "parameters": parameters_of(contact),
-                **self.others.limit(contact.label),
-                "quantities": found,
-                **self.budget.of_contact(number),
-            }
+            dataclasses.replace(
+                record_of(contact),
+                uniqueness_limit=self.others.limit(contact.label),
+                quantities=found,
+                errors=self.budget.of_contact(number),
+            )
             for number, (contact, found) in enumerate(
                 zip(self.problem.contacts, quantities, strict=True)
             )
@@ -305,7 +307,7 @@ class Run:
         """Of the last load step; collective."""
         with self.timings.phase("output"):
             checks = run_checks(self.forces, self._reactions, len(self.steps))
-            balance = self.book.check(self.steps[-1]["quantities"])
+            balance = self.book.check(self.steps[-1].quantities)
             checks |= {} if balance is None else {"energy_balance": balance}
             small = linear_range(self.steps)
             checks |= {} if small is None else {"linear_range": small}
@@ -316,7 +318,7 @@ class Run:
         problem, solution = self.problem, self.solution
         assert solution is not None
         with self.timings.phase("output"):
-            quantities = self.steps[-1]["quantities"]
+            quantities = self.steps[-1].quantities
             checks = self._checks or self._run_checks()
             points = contact_points(problem, solution)
         return Result(
@@ -342,12 +344,12 @@ class Run:
             branches=self.others.branches,
             errors=self.budget.quantities,
             error_notes=self.budget.notes,
-            timings=self.timings.summary(problem.comm),
+            timings=Seconds(**self.timings.summary(problem.comm)),
             versions=compat.versions(),
             points=points,
         )
 
-    def _stopped_short(self, words: str, steps: list[dict[str, Any]]) -> Result:
+    def _stopped_short(self, words: str, steps: list[StepRecord]) -> Result:
         """What there is of a history that did not reach its end; collective.
 
         Args:
@@ -355,7 +357,7 @@ class Run:
             steps: Those accepted, and the one that was not.
         """
         if self.solution is not None:
-            reached = self.steps[-1]["load_factor"]
+            reached = self.steps[-1].load_factor
             words += (
                 f" Results are those of the last load step that was done, at time {reached:g} of "
                 f"{self.scene.steps.last:g}; --resume goes on from there."
@@ -369,23 +371,24 @@ class Run:
             verdict=words,
             model=self.model,
             contacts=self.contacts(),
+            supports=[],
             quantities={},
             steps=steps,
             checks={},
-            timings=self.timings.summary(self.problem.comm),
+            timings=Seconds(**self.timings.summary(self.problem.comm)),
             versions=compat.versions(),
         )
 
     def _unconverged(self, error: NotConvergedError, tried: float) -> Result:
         """The last step that converged, if any, and the history of the one that did not."""
-        step = {
-            "load_factor": tried,
-            "newton_iterations": max(len(error.residual_history) - 1, 0),
-            "outer_iterations": 0,
-            "attempts": list(error.attempts),
-            "residual_history": list(error.residual_history),
-            "quantities": {},
-        }
+        step = StepRecord(
+            load_factor=tried,
+            newton_iterations=max(len(error.residual_history) - 1, 0),
+            outer_iterations=0,
+            attempts=list(error.attempts),
+            residual_history=list(error.residual_history),
+            quantities={},
+        )
         if self.solution is None:
             return self._stopped_short(f"No answer: {_ended(error)}", [step])
         words = f"No answer at time {tried:g}: {_ended(error)} {self._advice(tried)}"
@@ -396,7 +399,7 @@ class Run:
         steps = self.scene.steps
         if not steps.automatic:
             return "Or try more load steps, or steps.automatic = true."
-        if tried - self.steps[-1]["load_factor"] > 1.5 * steps.smallest_size:  # cut no further
+        if tried - self.steps[-1].load_factor > 1.5 * steps.smallest_size:  # cut no further
             return "A larger load step ended in the same way."
         return "Or try a smaller steps.smallest."
 
@@ -410,9 +413,9 @@ def _ended(error: NotConvergedError) -> str:
     return str(error) + ("" if str(error).endswith(("?", ".")) else ".")
 
 
-def _log_step(number: int, step: dict[str, Any]) -> None:
+def _log_step(number: int, step: StepRecord) -> None:
     logger.info(step_line(number, step))
 
 
-def _say_nothing(number: int, step: dict[str, Any]) -> None:
+def _say_nothing(number: int, step: StepRecord) -> None:
     """Of a run of a single step, its result says it all."""

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from fenics_contact.common.parallel import largest
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.check_messages import failure
+from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.linear_theory.linear_range import worst_step
@@ -73,13 +72,13 @@ def of_checks(checks: dict[str, Check]) -> str:
     return f"Converged; {every} of the physics passed."
 
 
-def slid_far(steps: list[dict[str, Any]]) -> str:
+def slid_far(steps: list[StepRecord]) -> str:
     """A sentence on bodies that slid far within a load step, or nothing."""
     found: dict[str, float] = {}
     for step in steps:
-        for contact in step["contacts"]:
-            slid = contact["quantities"].get("slip_since_pairing", 0.0)
-            found[contact["name"]] = max(slid, found.get(contact["name"], 0.0))
+        for contact in step.contacts:
+            slid = contact.quantities.get("slip_since_pairing", 0.0)
+            found[contact.name] = max(slid, found.get(contact.name, 0.0))
     far = [f"'{name}' by {slid:.2g}" for name, slid in found.items() if slid > _FAR]
     if not far:
         return ""
@@ -89,14 +88,14 @@ def slid_far(steps: list[dict[str, Any]]) -> str:
     )
 
 
-def beyond_linear_theory(steps: list[dict[str, Any]]) -> str:
+def beyond_linear_theory(steps: list[StepRecord]) -> str:
     """A sentence on what is not small, as linear theory takes it to be, or nothing."""
     found = []
     for what, words in _OF_LINEAR_RANGE.items():
         row = worst_step(steps, what)
         if row is not None and row["value"] > _LARGE:
             where = f"near '{row['on']}'" if "on" in row else f"in '{row['part']}'"
-            at = f" at time {row['time']:g}" if row["time"] != steps[-1]["load_factor"] else ""
+            at = f" at time {row['time']:g}" if row["time"] != steps[-1].load_factor else ""
             share = f"{100 * row['value']:.0f} %"
             found.append(f"{words.format(share=share)} {where}{at}")
     if not found:

@@ -18,8 +18,8 @@ from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.report.page.templates import render
 from fenics_contact.report.view.revolved import revolved
 from fenics_contact.report.view.surface import Surface, boundary, surface_of
-from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.run import Outcome
 
 _MOVE = 0.06  # of what is shown: the largest displacement, where it is magnified
 _READABLE = 0.02  # from which it is seen as it is
@@ -57,7 +57,7 @@ class View:
         return self.kinematics.startswith("plane")
 
 
-def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
+def make_view(body: Any, result: Outcome, table: ContactTable) -> View:
     """The view of a run.
 
     Args:
@@ -65,7 +65,7 @@ def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
         result: The content of its ``result.json``.
         table: The content of its ``contact.csv``.
     """
-    kinematics = result["model"]["kinematics"]
+    kinematics = result.model.kinematics
     shown = {"von Mises stress": "σ_VM", "displacement": "|u|"}
     fields = {name: np.asarray(body[name], dtype=float) for name in ("displacement", "status")}
     kinds = _kinds(result)
@@ -78,7 +78,7 @@ def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
         if friction.any():
             fields["friction traction"] = friction
             shown["friction traction"] = "|σ_T|"
-    contacts = [(table.of(contact["name"]), contact) for contact in result["contacts"]]
+    contacts = [(table.of(contact.name), contact) for contact in result.contacts]
     fields["obstacle"] = _obstacles(body, obstacles_of(body, contacts))
     make = revolved if kinematics == "axisymmetric" else surface_of
     surface = make(body, fields)
@@ -94,9 +94,9 @@ def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
     return View(surface, kinematics, kinds, shown, factors, zone, _towards(front, aside))
 
 
-def _kinds(result: dict[str, Any]) -> tuple[Mark, ...]:
+def _kinds(result: Outcome) -> tuple[Mark, ...]:
     """States of contact points: open, stick and slip, or without any friction open and closed."""
-    frictional = any(carries_shear(contact) for contact in result["contacts"])
+    frictional = any(contact.carries_shear for contact in result.contacts)
     *closed, still_open = marks("static" if frictional else "none")
     return still_open, *closed
 
@@ -117,7 +117,7 @@ def _obstacles(body: Any, obstacles: list[ObstacleSurface]) -> Array:
     return found
 
 
-def _factors(surface: Surface, zone: Array | None, result: dict[str, Any]) -> list[float]:
+def _factors(surface: Surface, zone: Array | None, result: Outcome) -> list[float]:
     """Undeformed, as it is and, where that is too little to be seen, magnified.
 
     Gaps between bodies are not magnified: those that have closed would seem open, or overlapped.
@@ -127,8 +127,8 @@ def _factors(surface: Surface, zone: Array | None, result: dict[str, Any]) -> li
     if largest == 0 or largest >= _READABLE * size:
         return [0.0, 1.0]
     factor = _round(_MOVE * size / largest)
-    pairs = [contact for contact in result["contacts"] if "master" in contact]
-    gap = max((contact["quantities"]["closed_gap"] for contact in pairs), default=0.0)
+    pairs = [contact for contact in result.contacts if contact.master is not None]
+    gap = max((contact.quantities["closed_gap"] for contact in pairs), default=0.0)
     return [0.0, 1.0, factor] if factor * gap <= _MISFIT * size else [0.0, 1.0]
 
 

@@ -12,7 +12,6 @@ import dataclasses
 import logging
 import time
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -30,6 +29,7 @@ from fenics_contact.results.accuracy_messages import (
     reached,
     source_advice,
 )
+from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Seconds
 from fenics_contact.results.result import Result
 from fenics_contact.scene.accuracy import Accuracy
 from fenics_contact.scene.quantity_names import in_words
@@ -85,7 +85,7 @@ class AdaptiveRun:
 
     Attributes:
         run: That of the result: of the last level that was solved.
-        levels: What came out of each, as in ``result.json``.
+        levels: What came out of each.
 
     Args:
         first: The scene made ready on its first mesh.
@@ -98,7 +98,7 @@ class AdaptiveRun:
     def __init__(self, first: Run, has_own_body: bool = False) -> None:
         assert first.scene.accuracy is not None
         self.run = first
-        self.levels: list[dict[str, Any]] = []
+        self.levels: list[LevelRecord] = []
         self._accuracy: Accuracy = first.scene.accuracy
         self._has_own_body = has_own_body
         self._seconds: dict[str, float] = {}
@@ -146,14 +146,14 @@ class AdaptiveRun:
             self._seconds[phase] = self._seconds.get(phase, 0.0) + seconds
         local, energy = run.budget.local, result.quantities["strain_energy"]
         self.levels.append(
-            {
-                "dofs": result.model["dofs"],
-                "cells": result.model["cells"],
-                "seconds": result.timings["total"] + self._between,
-                "energy_error": None if local is None else _over_energy(local, energy),
-                "errors": {name: found["total"] for name, found in errors.items()},
-                "sources": errors,
-            }
+            LevelRecord(
+                dofs=result.model.dofs,
+                cells=result.model.cells,
+                seconds=result.timings.total + self._between,
+                energy_error=None if local is None else _over_energy(local, energy),
+                errors={name: found["total"] for name, found in errors.items()},
+                sources=errors,
+            )
         )
         self._history.add(result)
         logger.info(level_line(len(self.levels), self.levels[-1], self.asked))
@@ -209,7 +209,7 @@ class AdaptiveRun:
                 return f"the answer has no {in_words(name)}"
             if self.run.budget.local is None or sources != ["mesh"]:
                 return f"the error of {name} by {' and '.join(sources)} could not be estimated"
-        last = [level["errors"] for level in self.levels[-_PATIENCE:]]
+        last = [level.errors for level in self.levels[-_PATIENCE:]]
         for name in unknown:
             if len(last) == _PATIENCE and all(level[name] is None for level in last):
                 why = "; under a corner the pressure has no bound" if "pressure" in name else ""
@@ -280,7 +280,7 @@ class AdaptiveRun:
         run = self.run
         assert run.budget.local is not None  # else it would have ended
         squared, at_edges = run.budget.local.squared, self._edges(errors)
-        cells, dofs = self.levels[-1]["cells"], self.levels[-1]["dofs"]
+        cells, dofs = self.levels[-1].cells, self.levels[-1].dofs
         most = cells * self._accuracy.max_dofs / dofs
         has_edges = total(run.problem.comm, len(at_edges)) > 0
         wanted = cells * self._growth(errors, has_edges)
@@ -318,7 +318,7 @@ class AdaptiveRun:
         assert self.run.budget.local is not None
         squared, comm = self.run.budget.local.squared, self.run.problem.comm
         whole = total(comm, squared.sum())
-        large = squared > SINGULAR * whole / self.levels[-1]["cells"]
+        large = squared > SINGULAR * whole / self.levels[-1].cells
         return bool(total(comm, squared[large].sum()) > 0.5 * whole)
 
     def _observed_order(self, name: str, order: float) -> float:
@@ -328,8 +328,8 @@ class AdaptiveRun:
         """
         if len(self.levels) < 2:
             return _FIRST_ORDER * order
-        before, now = (level["sources"][name]["mesh"] for level in self.levels[-2:])
-        more = self.levels[-1]["cells"] / self.levels[-2]["cells"]
+        before, now = (level.sources[name]["mesh"] for level in self.levels[-2:])
+        more = self.levels[-1].cells / self.levels[-2].cells
         if not (before and now) or more < _LEAST:
             return _FIRST_ORDER * order
         return float(np.log(before / now) / np.log(more))
@@ -350,10 +350,10 @@ class AdaptiveRun:
         words = not_reached(reason) if reason else reached(len(self.levels))
         return dataclasses.replace(
             without_bars(result, self._history.runaways()),
-            timings=self._seconds or result.timings,
+            timings=Seconds(**self._seconds) if self._seconds else result.timings,
             verdict=f"{result.verdict} {words}",
             levels=self.levels,
-            accuracy={"asked": self.asked, "reached": not reason, "reason": reason},
+            accuracy=AccuracyRecord(asked=self.asked, reached=not reason, reason=reason),
         )
 
 
