@@ -4,14 +4,56 @@ from __future__ import annotations
 
 from typing import Any
 
+from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.laws.normal import law_of
+from fenics_contact.problem.existence.condition import FreeMotion
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.contacts import ContactRecord, LawAnswers
+from fenics_contact.results.records.model import Model, RigidMotion
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.solver_choice import SolverChoice
 
 
-def strategy_of(problem: Problem, solution: Solution | None) -> str:
+def model_of(
+    problem: Problem, choice: SolverChoice, free: FreeMotion, solution: Solution | None
+) -> Model:
+    """``model`` of ``result.json``; collective.
+
+    Args:
+        problem: The model.
+        choice: Its solver.
+        free: Rigid motions that the supports leave to friction.
+        solution: Of the last load step, if any.
+    """
+    index_map = problem.spaces.displacement_space.dofmap.index_map
+    points = sum(total(problem.comm, int(c.trace.owned.sum())) for c in problem.contacts)
+    cells = problem.body.mesh.topology.index_map(problem.body.dimension)
+    return Model(
+        kinematics=problem.scene.kinematics,
+        degree=problem.spaces.degree,
+        cell=problem.body.mesh.topology.cell_name(),
+        bodies=list(problem.spaces.parts.names),
+        cells=int(cells.size_global),
+        dofs=int(index_map.size_global) * problem.spaces.components,
+        contact_points=int(points),
+        ranks=problem.comm.size,
+        solver=choice.name,
+        solver_reason=choice.reason,
+        solver_memory_mb=round(choice.memory / 1e6),
+        strategy=_strategy_of(problem, solution),
+        scalar_unknowns=[unknown.name for unknown in problem.unknowns],
+        terms=[term.name for term in problem.terms],
+        free_rigid_motions=free.modes,
+        rigid_motions=[RigidMotion(**motion) for motion in free.motions],
+        stabilised_motions=list(free.stabilised),
+        used_share_of_limit_load=free.used_share,
+        symmetry=problem.discrete.held.symmetry,
+        bulk_factorisations=None if solution is None else solution.factorisations,
+    )
+
+
+def _strategy_of(problem: Problem, solution: Solution | None) -> str:
     """How friction and pressure are brought together, or were."""
     if problem.coulomb:
         chosen = problem.scene.solver.strategy

@@ -9,6 +9,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.results.check_messages import failure
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check
+from fenics_contact.scene.steps import Steps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.linear_theory.linear_range import worst_step
 
@@ -27,6 +28,33 @@ _OF_LINEAR_RANGE = {
 }
 # Share of the work left open by load steps, from which it is said.
 _OPEN = 0.1
+
+
+def of_answer(
+    problem: Problem,
+    solution: Solution,
+    steps: list[StepRecord],
+    checks: dict[str, Check],
+    open_share: float,
+) -> str:
+    """All that is to be said of an answer; collective.
+
+    Args:
+        problem: The model.
+        solution: Of the last load step.
+        steps: All load steps.
+        checks: Of the last one.
+        open_share: Share of the work that load steps leave open.
+    """
+    return (
+        of_checks(checks)
+        + untouched(problem, solution)
+        + facets_too_straight(problem, solution)
+        + slid_far(steps)
+        + beyond_linear_theory(steps)
+        + coarse_path(open_share)
+        + loop_expands(solution)
+    )
 
 
 def untouched(problem: Problem, solution: Solution) -> str:
@@ -61,6 +89,26 @@ def facets_too_straight(problem: Problem, solution: Solution) -> str:
         f" The facets at {' and '.join(found)} are too straight for what is pressed together "
         "there, and pressures not to be trusted: use cells of order 2 (mesh.order), or finer ones."
     )
+
+
+def unconverged(why: str, steps: Steps, tried: float, reached: float | None) -> str:
+    """Sentences on a load step without an answer: why, and what may do better.
+
+    Args:
+        why: What ended it, in words.
+        steps: Those of the scene.
+        tried: Pseudo-time of the step.
+        reached: That of the last step that was done, None where there is none.
+    """
+    said = why if why.endswith(("?", ".")) else f"{why}."
+    if reached is None:
+        return f"No answer: {said}"
+    advice = "Or try a smaller steps.smallest."
+    if not steps.automatic:
+        advice = "Or try more load steps, or steps.automatic = true."
+    elif tried - reached > 1.5 * steps.smallest_size:  # cut no further
+        advice = "A larger load step ended in the same way."
+    return f"No answer at time {tried:g}: {said} {advice}"
 
 
 def of_checks(checks: dict[str, Check]) -> str:
