@@ -25,11 +25,12 @@ if TYPE_CHECKING:
     from fenics_contact.mesh.tagged_mesh import Body, Group
     from fenics_contact.results.result import Check, ContactPoints, Result
     from fenics_contact.scene.accuracy import Accuracy
+    from fenics_contact.scene.conditions import Load, Point, Support
     from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
     from fenics_contact.scene.material import Material
     from fenics_contact.scene.normal_laws import NormalCompliance
     from fenics_contact.scene.reading import load_scene
-    from fenics_contact.scene.scene import Discretisation, Load, MeshSource, Point, Scene, Support
+    from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
     from fenics_contact.scene.steps import SolverSettings, Steps
     from fenics_contact.scene.values import Path, Profile
     from fenics_contact.simulation.adaptive.levels import run
@@ -80,7 +81,8 @@ _MODULES = {
     ),
     "mesh.tagged_mesh": ("Body", "Group"),
     "results.result": ("Check", "ContactPoints", "Result"),
-    "scene.scene": ("Discretisation", "Load", "MeshSource", "Point", "Scene", "Support"),
+    "scene.scene": ("Discretisation", "MeshSource", "Scene"),
+    "scene.conditions": ("Load", "Point", "Support"),
     "scene.accuracy": ("Accuracy",),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
     "scene.normal_laws": ("NormalCompliance",),

@@ -11,7 +11,7 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.curved_sides import CurvedSides
 from fenics_contact.problem.sampled_values import sampled
-from fenics_contact.scene.scene import Load
+from fenics_contact.scene.conditions import Load
 from fenics_contact.scene.values import Value
 
 Kind = Literal["traction", "pressure", "body_force"]

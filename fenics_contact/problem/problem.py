@@ -30,8 +30,9 @@ from fenics_contact.problem.acting_load import ActingLoad, kind_and_values
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.far_field import FarField
 from fenics_contact.problem.shared_reactions import SharedReactions
+from fenics_contact.scene.conditions import Load
 from fenics_contact.scene.load_paths import KeyedPath
-from fenics_contact.scene.scene import Load, Scene
+from fenics_contact.scene.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
