@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact import Result
-from fenics_contact.results.result import QUANTITIES
+from fenics_contact.results.quantities import QUANTITIES
 from tests.random.outcomes import Outcome
 from tests.random.scenes import RandomScene
 

@@ -24,6 +24,7 @@ from random_changes import wants_finest
 from random_rows import row_of
 
 from fenics_contact import Result
+from fenics_contact.results.records.model import Model, Seconds
 from tests.problem.existence.variational_inequality import normal_force
 from tests.random.kinds import draw_any
 from tests.random.outcomes import ANSWERED, Outcome, outcome_of
@@ -83,7 +84,20 @@ def exact_outcome(random: RandomScene, comm: MPI.Comm) -> Outcome:
     """Of the variational inequality, which has neither penalty nor any of the program's solvers."""
     force = normal_force(random, random.body(comm))
     quantities = {"normal_force": force}
-    result = Result("", True, "exact", {"solver": "exact", "dofs": 0}, [], quantities, [], {})
+    model = Model(kinematics=random.scene.kinematics, contact_points=0, solver="exact")
+    result = Result(
+        title="",
+        converged=True,
+        verdict="exact",
+        model=model,
+        contacts=[],
+        supports=[],
+        quantities=quantities,
+        steps=[],
+        checks={},
+        timings=Seconds(total=0.0),
+        versions={},
+    )
     return Outcome(ANSWERED, "exact", 0.0, result=result)
 
 

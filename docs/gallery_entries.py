@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from math import log, pi, sqrt
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.record import Quantities
+from fenics_contact.results.records.run import RunRecord
 from fenics_contact.verification.case import Finding
 
 PAPER = "L. T. Campos, J. T. Oden, N. Kikuchi, Comput. Methods Appl. Mech. Engrg. 34 (1982) 821-845"
@@ -33,22 +34,22 @@ class Solved:
         table: Its contact points.
     """
 
-    result: dict[str, Any]
+    result: RunRecord
     table: ContactTable
 
     def value(self, quantity: str, axis: int | None = None) -> float:
         """A quantity of the last load step, of vectors a component."""
-        found = self.result["quantities"][quantity]
+        found = self.result.quantities[quantity]
         return float(found if axis is None else found[axis])
 
     def bar(self, quantity: str) -> float | None:
         """Its estimated absolute error, if there is one."""
-        row = self.result["errors"].get(quantity, {})
+        row = self.result.errors.get(quantity, {})
         return row.get("total")
 
-    def steps(self) -> list[dict[str, Any]]:
+    def steps(self) -> list[Quantities]:
         """Quantities of each load step."""
-        return [step["quantities"] for step in self.result["steps"]]
+        return [step.quantities for step in self.result.steps]
 
     def against(
         self,
@@ -183,7 +184,7 @@ def _cylinders(solved: Solved) -> Iterator[Finding]:
 def _incline(solved: Solved) -> Iterator[Finding]:
     weight, slope, friction = 10, 0.1, 0.3
     limit = weight * (friction + slope) / (1 - friction * slope)
-    supports = {row["on"]: row["reaction"] for row in solved.result["supports"]}
+    supports = {row.on: row.reaction for row in solved.result.supports}
     push = supports["block.left"][0]
     yield Finding("push $F$ when all of it slides", push, limit, 1e-9)
     normal = (weight + limit * slope) / sqrt(1 + slope**2)

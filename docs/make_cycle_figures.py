@@ -21,6 +21,7 @@ from fenics_contact.report.drawing.fields import read_series, times_of_fields
 from fenics_contact.report.drawing.figures import new_figure, save_png, style
 from fenics_contact.report.drawing.style import COLOURS, DOUBLE, FORMULA
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.run import RunRecord
 from fenics_contact.results.result_file import read_result
 from fenics_contact.scene.reading import load_scene
 from fenics_contact.simulation.output import run_folder as files
@@ -37,7 +38,7 @@ def filmed(demo: str, folder: Path) -> tuple[Any, dict[str, Any], Film]:
     result, rows = read_result(folder), ContactTable.read(folder / "contact.csv")
     series = read_series(folder, range(len(times_of_fields(folder))))
     far = (", ".join(scene.half_space.on),)
-    return scene, result, Film.of(series, rows, result["contacts"][0], result, far)
+    return scene, result, Film.of(series, rows, result.contacts[0], result, far)
 
 
 def draw_cycle(scene: Any, film: Film) -> None:
@@ -91,11 +92,11 @@ def draw_cycle(scene: Any, film: Film) -> None:
     save_png(figure, DOCS / "pictures" / "cycle.png")
 
 
-def draw_stick(scene: Any, result: dict[str, Any], film: Film) -> None:
+def draw_stick(scene: Any, result: RunRecord, film: Film) -> None:
     """c/a against Q/μP, and the friction traction on the plane of symmetry at the end."""
     contact = scene.contact[0]
     most = contact.friction_coefficient * contact.obstacle.force
-    steps = [step["quantities"] for step in result["steps"]][PRESSED:]
+    steps = [step.quantities for step in result.steps][PRESSED:]
     used = np.array([step["friction_force"][0] for step in steps]) / most
     found = np.sqrt([step["stick_area"] / step["contact_area"] for step in steps])
     figure, panels = new_figure("Sheared sphere: what sticks", (DOUBLE, 3.2), ncols=2)
@@ -108,7 +109,7 @@ def draw_stick(scene: Any, result: dict[str, Any], film: Film) -> None:
     panels[0].legend()
     material = scene.material[0]
     modulus = formulas.plane_strain_modulus(material.youngs_modulus, material.poissons_ratio)
-    depth = result["quantities"]["indentation"]
+    depth = result.quantities["indentation"]
     hertz = formulas.paraboloid(modulus, contact.obstacle.radius, depth)
     x = np.linspace(-1.2, 1.2, 481) * hertz.radius
     for number, key in ((3, "0.6"), (6, "0.35"), (10, "0")):

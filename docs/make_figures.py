@@ -7,7 +7,6 @@ Runs the three demos and draws into docs/pictures, of example N, with and withou
 - example3_axis.png: the stresses on the axis, beside Hertz's.
 """
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -24,6 +23,8 @@ from fenics_contact.report.drawing.fields import read_body
 from fenics_contact.report.drawing.figures import new_figure, save_png, style
 from fenics_contact.report.drawing.style import COLUMN, DOUBLE, LINES
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.run import RunRecord
+from fenics_contact.results.result_file import read_result
 from fenics_contact.scene.reading import load_scene
 from fenics_contact.simulation.output import run_folder as files
 
@@ -80,7 +81,7 @@ class Solved:
     """
 
     scene: Scene
-    result: dict[str, Any]
+    result: RunRecord
     body: Any
     surface: SurfaceDisplacement
 
@@ -90,9 +91,9 @@ class Solved:
         scene = load_scene(DOCS.parent / "demos" / f"{demo}.toml", overrides)
         run = Run(scene)
         files.write(run, run.solve(), folder)
-        result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+        result = read_result(folder)
         body, rows = read_body(folder), ContactTable.read(folder / "contact.csv")
-        return cls(scene, result, body, SurfaceDisplacement.of(body, rows, result["contacts"][0]))
+        return cls(scene, result, body, SurfaceDisplacement.of(body, rows, result.contacts[0]))
 
     def curve(self, name: str, end: float) -> tuple[np.ndarray, np.ndarray]:
         """Positions and values of one of ``NAMES``; displacements also beyond the contact."""

@@ -17,11 +17,12 @@ from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
 from fenics_contact.report.report import write_report
 from fenics_contact.results.contact_table import ContactTable
-from fenics_contact.results.result import error_bar
+from fenics_contact.results.records.run import RunRecord
+from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result_tables import error_bar
 from fenics_contact.verification.case import Finding
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -212,8 +213,7 @@ def _one_line(text: str) -> str:
 
 
 def _read(folder: Path) -> Solved:
-    result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-    return Solved(result, ContactTable.read(folder / "contact.csv"))
+    return Solved(read_result(folder), ContactTable.read(folder / "contact.csv"))
 
 
 def _variant(name: str, variant: Variant, solved: Solved) -> list[str]:
@@ -248,17 +248,17 @@ def _table(findings: Iterable[Finding], said_of: str) -> str:
     return "\n".join(rows)
 
 
-def _how_it_went(result: dict[str, Any]) -> list[str]:
-    model, timings = result["model"], result["timings"]
-    newton = sum(step["newton_iterations"] for step in result["steps"])
-    steps = len(result["steps"])
+def _how_it_went(result: RunRecord) -> list[str]:
+    model, timings = result.model, result.timings
+    newton = sum(step.newton_iterations for step in result.steps)
+    steps = len(result.steps)
     return [
-        f"{result['verdict']}",
+        result.verdict,
         "",
         "| unknowns | contact points | load steps | Newton steps | seconds, of which solving |",
         "|---|---|---|---|---|",
-        f"| {model['dofs']} | {model['contact_points']} | {steps} | {newton} | "
-        f"{timings['total']:.1f}, {timings['solve'] + timings['factorise']:.1f} |",
+        f"| {model.dofs} | {model.contact_points} | {steps} | {newton} | "
+        f"{timings.total:.1f}, {timings.solve + timings.factorise:.1f} |",
         "",
         "Seconds are those of the machine that built this page, on one core; forms that have to be "
         "compiled first take a few more.",
@@ -284,7 +284,7 @@ def overview(names: Sequence[str]) -> str:
         best = next((path for path in first if path.stem == "deformed"), first[0])
         lines.append(
             f"| ![{title}]({name}/{best.name}) | [{title}]({name}.md) | "
-            f"{result['model']['dofs']} | {result['timings']['total']:.1f} |"
+            f"{result.model['dofs']} | {result.timings['total']:.1f} |"
         )
     lines += ["", "```{toctree}", ":hidden:", "", *names, "```", ""]
     return "\n".join(lines)

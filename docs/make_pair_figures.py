@@ -45,7 +45,7 @@ def draw_pair(
 def draw_tractions(panel: Any, run: Solved) -> None:
     """Pressure and friction along the upper cylinder, and the formulas (Johnson, 4.2 and 7.2)."""
     material, friction = run.scene.material[0], run.scene.contact[0].friction_coefficient
-    found, line = run.result["quantities"], run.surface.line
+    found, line = run.result.quantities, run.surface.line
     modulus = formulas.plane_strain_modulus(material.youngs_modulus, material.poissons_ratio) / 2
     radius = run.scene.mesh[0].parameters["radius"] / 2
     hertz = formulas.line_contact(modulus, radius, found["normal_force"])
@@ -70,11 +70,11 @@ def draw_tractions(panel: Any, run: Solved) -> None:
 def draw_push(panel: Any, run: Solved) -> None:
     """Horizontal push over weight in each load step, and where all slides."""
     friction, slope = run.scene.contact[0].friction_coefficient, 0.1
-    steps = [step["quantities"] for step in run.result["steps"]]
+    steps = [step.quantities for step in run.result.steps]
     weight = steps[-1]["reaction"][1]
     lean = slope / np.sqrt(1 + slope**2)
     push = [step["normal_force"] * lean - step["friction_force"][0] for step in steps]
-    motion = [0.02 * (step["load_factor"] - 1) for step in run.result["steps"]]
+    motion = [0.02 * (step.load_factor - 1) for step in run.result.steps]
     panel.plot(motion, np.array(push) / weight, "o-", color=COLOURS["STICK"])
     limit = (friction + slope) / (1 - friction * slope)
     panel.axhline(limit, linestyle="--", color="0", linewidth=1)

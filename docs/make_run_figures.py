@@ -8,13 +8,13 @@ Runs four scenes and draws into docs/pictures what ``fenics-contact report`` dra
 - bracket.png: the bracket of docs/bracket.md.
 """
 
-import json
 import shutil
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from fenics_contact.cli.program import main
 from fenics_contact.report.gallery import draw_pictures
+from fenics_contact.results.result_file import read_result
 
 DOCS = Path(__file__).resolve().parent
 DEMOS = DOCS.parent / "demos"
@@ -35,8 +35,7 @@ def draw(path: Path, settings: tuple[str, ...], names: dict[str, str]) -> None:
         code = main(["run", str(path), "--out", str(folder), *changes])
         if code != 0:
             raise SystemExit(code)
-        result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-        draw_pictures(folder, result)
+        draw_pictures(folder, read_result(folder))
         for drawn, kept in names.items():
             shutil.copy(folder / f"{drawn}.png", DOCS / "pictures" / f"{kept}.png")
 

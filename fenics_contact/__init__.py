@@ -26,11 +26,12 @@ if TYPE_CHECKING:
     from fenics_contact.results.contact_points import ContactPoints
     from fenics_contact.results.result import Check, Result
     from fenics_contact.scene.accuracy import Accuracy
+    from fenics_contact.scene.conditions import Load, Point, Support
     from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
     from fenics_contact.scene.material import Material
     from fenics_contact.scene.normal_laws import NormalCompliance
     from fenics_contact.scene.reading import load_scene
-    from fenics_contact.scene.scene import Discretisation, Load, MeshSource, Point, Scene, Support
+    from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
     from fenics_contact.scene.steps import SolverSettings, Steps
     from fenics_contact.scene.values import Path, Profile
     from fenics_contact.simulation.adaptive.levels import run
@@ -82,7 +83,8 @@ _MODULES = {
     "mesh.tagged_mesh": ("Body", "Group"),
     "results.contact_points": ("ContactPoints",),
     "results.result": ("Check", "Result"),
-    "scene.scene": ("Discretisation", "Load", "MeshSource", "Point", "Scene", "Support"),
+    "scene.scene": ("Discretisation", "MeshSource", "Scene"),
+    "scene.conditions": ("Load", "Point", "Support"),
     "scene.accuracy": ("Accuracy",),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
     "scene.normal_laws": ("NormalCompliance",),

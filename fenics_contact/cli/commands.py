@@ -11,7 +11,7 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from fenics_contact.cli.progress import Announce, activity
+from fenics_contact.cli.progress import activity
 from fenics_contact.cli.summary import print_model, print_result
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import petsc_options, program
@@ -21,6 +21,7 @@ from fenics_contact.common.interrupts import Interrupts
 from fenics_contact.common.parallel import on_root
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import PlainFormatter
+from fenics_contact.results.load_history import Announce
 from fenics_contact.results.result import Result
 from fenics_contact.scene.reading import load_scene
 from fenics_contact.scene.scene import Scene

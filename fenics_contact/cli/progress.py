@@ -6,13 +6,14 @@ import logging
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mpi4py import MPI
 
 from fenics_contact.common import timings
 from fenics_contact.common.terminal import Terminal
-from fenics_contact.results.load_history import step_line
+from fenics_contact.results.load_history import Announce, step_line
+from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.scene import Steps
 
 if TYPE_CHECKING:
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 # Characters of the bar; and of all that stands beside the words.
 _BAR = 20
 _BESIDE = _BAR + len("  0:00:00 ")
-
-Announce = Callable[[int, dict[str, Any]], None]
 
 
 @contextmanager
@@ -55,12 +54,12 @@ def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Anno
         task = progress.add_task("", total=steps.last)
         where = ""
 
-        def announce(number: int, step: dict[str, Any]) -> None:
+        def announce(number: int, step: StepRecord) -> None:
             nonlocal where
             if steps.several:
                 line = step_line(number, step)
                 where = line.partition(", ")[0] + ", "
-                progress.update(task, completed=step["load_factor"], description=cut(line))
+                progress.update(task, completed=step.load_factor, description=cut(line))
 
         def tell(message: str) -> None:
             progress.update(task, description=cut(where + message))

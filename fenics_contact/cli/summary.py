@@ -14,17 +14,11 @@ from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.results.accuracy_messages import level_rows
 from fenics_contact.results.check_messages import compares
-from fenics_contact.results.contact_answers import carries_shear
-from fenics_contact.results.result import (
-    QUANTITIES,
-    Check,
-    Result,
-    branch_rows,
-    error_bar,
-    idle_quantities,
-    motion_words,
-    share_words,
-)
+from fenics_contact.results.quantities import QUANTITIES, idle_quantities
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.model import Model, RigidMotion
+from fenics_contact.results.result import Check, Result
+from fenics_contact.results.result_tables import branch_rows, error_bar, motion_words, share_words
 from fenics_contact.results.short_forms import in_figures, quantity_rows
 from fenics_contact.scene.scene import Scene
 
@@ -53,23 +47,23 @@ _PARAMETERS = (
 
 def print_model(
     scene: Scene,
-    model: Mapping[str, Any],
+    model: Model,
     groups: str,
-    contacts: list[dict[str, Any]],
+    contacts: list[ContactRecord],
     plan: str = "",
 ) -> None:
     """Say what would be modelled: ``fenics-contact check``.
 
     Args:
         scene: The scene.
-        model: ``model`` of ``result.json``.
+        model: What would be solved, and how.
         groups: Names of the mesh's groups.
-        contacts: ``contacts`` of ``result.json``.
+        contacts: Of the scene.
         plan: What is said of an accuracy that is asked for.
     """
     console = Terminal()
     table = _table("", "")
-    hidden = {"terms", "rigid_motions", *([] if model["free_rigid_motions"] else _OF_FREE_MOTIONS)}
+    hidden = {"terms", "rigid_motions", *([] if model.free_rigid_motions else _OF_FREE_MOTIONS)}
     for key, value in model.items():
         if key not in hidden and value != []:
             words = share_words(value) if key == "used_share_of_limit_load" else in_figures(value)
@@ -78,9 +72,9 @@ def print_model(
     console.print(f"\n[bold]{escape(one_line(scene.title or 'Scene'))}[/bold]")
     console.print(table)
     console.print("Energy terms modelled:")
-    for term in model["terms"]:
+    for term in model.terms:
         console.print(f"  {term}", markup=False)
-    _print_motions(console, model["rigid_motions"])
+    _print_motions(console, model.rigid_motions)
     for line in _conditions(scene):
         console.print(one_line(line), markup=False, highlight=False, soft_wrap=True)
     _print_contacts(console, contacts)
@@ -109,7 +103,7 @@ def _given(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float | int) else "varying"
 
 
-def _print_motions(console: Terminal, motions: list[dict[str, Any]]) -> None:
+def _print_motions(console: Terminal, motions: list[RigidMotion]) -> None:
     """A line for each rigid motion that supports leave free, and what may resist it."""
     if motions:
         console.print("Rigid motions that the supports leave free, before contact:")
@@ -176,7 +170,7 @@ def _print_branches(console: Terminal, result: Result) -> None:
 
 def _print_levels(console: Terminal, result: Result) -> None:
     """Meshes and estimated errors on the way to an accuracy."""
-    rows = level_rows(result.levels, result.accuracy)
+    rows = level_rows(result)
     if rows:
         table = _table(*map(escape, rows[0]))
         for row in rows[1:]:
@@ -193,8 +187,8 @@ def _add_quantity(quantities: Table, result: Result, key: str) -> None:
 def _add_reactions(quantities: Table, result: Result) -> None:
     """Those of each name, where there are several."""
     for name, found in result.reactions.items() if len(result.reactions) > 1 else ():
-        bars = [error_bar(found.get("errors", {}).get("reaction"))] if result.errors else []
-        quantities.add_row(f"  of {escape(one_line(name))}", in_figures(found["reaction"]), *bars)
+        bars = [error_bar(found.errors.get("reaction"))] if result.errors else []
+        quantities.add_row(f"  of {escape(one_line(name))}", in_figures(found.reaction), *bars)
 
 
 def _shown(result: Result) -> list[str]:
@@ -202,30 +196,27 @@ def _shown(result: Result) -> list[str]:
     hidden = idle_quantities(result.contacts)
     points = [key for key in result.quantities if key.startswith("displacement_")]
     shown = [key for key in _SHOWN if key in result.quantities and key not in hidden]
-    if any(contact["quantities"]["normal_force"] is None for contact in result.contacts):
+    if any(contact.quantities["normal_force"] is None for contact in result.contacts):
         shown.insert(1, "pressure_integral")
     return shown + points
 
 
-def _print_contacts(console: Terminal, contacts: list[dict[str, Any]]) -> None:
+def _print_contacts(console: Terminal, contacts: list[ContactRecord]) -> None:
     """A line a contact: its kind, its law, and the parameters that apply."""
     for contact in contacts:
-        words = [contact["contact"]]
-        words.append(
-            "no friction" if not carries_shear(contact) else f"friction law {contact['law']}"
-        )
-        parameters = contact["parameters"]
+        words = [contact.contact]
+        words.append("no friction" if not contact.carries_shear else f"friction law {contact.law}")
+        parameters = contact.parameters
         for name in dict.fromkeys((*_PARAMETERS, *parameters)):
             value = parameters.get(name)
             if value:
                 written = f"{value:.3g}" if isinstance(value, float) else str(value)
                 words.append(f"{name.replace('_', ' ')} {written}")
-        if "slave" in contact:
+        if contact.slave is not None:
             words.append(
-                f"slave '{contact['slave']}' ({contact['slave_reason']}), master "
-                f"'{contact['master']}'"
+                f"slave '{contact.slave}' ({contact.slave_reason}), master '{contact.master}'"
             )
-        line = f"Contact '{contact['name']}': {', '.join(words)}"
+        line = f"Contact '{contact.name}': {', '.join(words)}"
         console.print(one_line(line), markup=False, highlight=False, soft_wrap=True)
 
 

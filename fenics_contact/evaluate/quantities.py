@@ -17,6 +17,7 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.point_arrays import WRITTEN
+from fenics_contact.results.records.contacts import SupportRecord
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 from fenics_contact.solve.newton.solution import Solution
 
@@ -88,7 +89,7 @@ def _motion(problem: Problem, contact: ContactSurface) -> dict[str, Any]:
     return found
 
 
-def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
+def support_reactions(forces: BulkForces) -> tuple[Array, list[SupportRecord]]:
     """Nodal reactions, and the resultant of each support.
 
     A reaction is what the bulk needs beyond loads and contact forces; where two supports meet,
@@ -103,7 +104,7 @@ def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
     owned = spaces.owned_nodes * spaces.components
     reactions = np.zeros_like(needed)
     counted = np.zeros(len(needed), dtype=bool)
-    rows: list[dict[str, Any]] = []
+    rows: list[SupportRecord] = []
     moved = problem.shared_reactions.moved(needed, forces.solution.displacement)
     for support, more in zip(problem.applied_supports, moved, strict=True):
         dofs = support.dofs[~counted[support.dofs]]
@@ -113,12 +114,12 @@ def support_reactions(forces: BulkForces) -> tuple[Array, list[dict[str, Any]]]:
         by_node = np.zeros((len(mine), spaces.components))
         by_node[np.arange(len(mine)), mine % spaces.components] = needed[mine]
         rows.append(
-            {
-                "name": support.label,
-                "on": support.on,
-                "reaction": (resultant(spaces, by_node) + more).tolist(),
-                "displacement": _mean_displacement(forces, mine),
-            }
+            SupportRecord(
+                name=support.label,
+                on=support.on,
+                reaction=(resultant(spaces, by_node) + more).tolist(),
+                displacement=_mean_displacement(forces, mine),
+            )
         )
     return reactions.reshape(problem.load.shape), rows
 

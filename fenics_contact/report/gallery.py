@@ -24,8 +24,9 @@ from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.formulas.recognition import AnalyticContact, recognise
 from fenics_contact.report.histories.load_steps import draw_history
-from fenics_contact.results.contact_answers import pressure_is_given
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.run import RunRecord
 from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.scene import Scene
 
@@ -44,7 +45,7 @@ class _Run:
     """
 
     folder: Path
-    result: dict[str, Any]
+    result: RunRecord
     table: ContactTable
     body: Any
     scene: Scene | None
@@ -53,19 +54,19 @@ class _Run:
     @property
     def flat(self) -> bool:
         """Whether the model is plane or axisymmetric."""
-        return bool(self.result["model"]["kinematics"] != "3D")
+        return bool(self.result.model.kinematics != "3D")
 
     @property
     def axes(self) -> str:
         """Letters of the axes."""
         if not self.flat:
             return "xyz"
-        return "rz" if self.result["model"]["kinematics"] == "axisymmetric" else "xy"
+        return "rz" if self.result.model.kinematics == "axisymmetric" else "xy"
 
     @property
-    def contacts(self) -> list[tuple[ContactTable, dict[str, Any]]]:
+    def contacts(self) -> list[tuple[ContactTable, ContactRecord]]:
         """Points and entries of the contacts."""
-        return [(self.table.of(contact["name"]), contact) for contact in self.result["contacts"]]
+        return [(self.table.of(contact.name), contact) for contact in self.result.contacts]
 
     @property
     def far(self) -> tuple[str, ...]:
@@ -76,7 +77,7 @@ class _Run:
         return (*on, ", ".join(on))
 
 
-def draw_pictures(folder: Path, result: dict[str, Any]) -> list[Picture]:
+def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
     """Draw what the files of a run show.
 
     Args:
@@ -122,10 +123,10 @@ def require(*libraries: str) -> None:
             ) from None
 
 
-def _scene(folder: Path, result: dict[str, Any]) -> Scene | None:
+def _scene(folder: Path, result: RunRecord) -> Scene | None:
     """The scene that was solved, None where it cannot be run again."""
     try:
-        return scene_of_text(result["scene"], folder / "result.json")
+        return scene_of_text(result.scene, folder / "result.json")
     except InputError:  # made in Python, of what a file cannot hold
         return None
 
@@ -142,7 +143,7 @@ def _of_contacts(run: _Run) -> Iterator[Picture]:
                 profile = run.folder / f"contact_{number}_formula.png"
                 yield draw_profile(rows, contact, analytic, profile)
         path = run.folder / f"stress_{number}.png"
-        if not pressure_is_given(contact):
+        if not contact.pressure_is_given:
             below = draw_section(run.body, run.result, rows, contact, path, analytic)
             if below is not None:
                 yield below
@@ -150,7 +151,7 @@ def _of_contacts(run: _Run) -> Iterator[Picture]:
 
 def _along_lines(run: _Run) -> Iterator[Picture]:
     """Of flat models: stresses on the axis, if there is one; displacements of the surface."""
-    contacts = run.result["contacts"]
+    contacts = run.result.contacts
     if not contacts or not run.flat:
         return
     if run.axes == "rz":
@@ -165,7 +166,7 @@ def _along_lines(run: _Run) -> Iterator[Picture]:
 
 def _adapted(run: _Run) -> list[Picture]:
     """The last mesh of an adaptive run; in 3D the deformed body shows it."""
-    if not run.result.get("levels") or not run.flat:
+    if not run.result.levels or not run.flat:
         return []
     return [draw_mesh(run.body, run.result, run.table, run.folder / "mesh.png")]
 

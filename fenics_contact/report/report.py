@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from markupsafe import Markup
@@ -39,15 +40,15 @@ def write_report(folder: Path) -> list[Picture]:
     result = read_result(folder)
     require("matplotlib", "pyvista", "plotly")
     view, pictures = Markup(), []
-    if (folder / "fields.pvd").exists() and result["quantities"]:
+    if (folder / "fields.pvd").exists() and result.quantities:
         # what was done, without a load step that was not
-        done = result | {"steps": [step for step in result["steps"] if step["quantities"]]}
-        body, table = whole_body(folder), _points(folder, result["model"]["contact_points"])
+        done = replace(result, steps=[step for step in result.steps if step.quantities])
+        body, table = whole_body(folder), _points(folder, result.model.contact_points)
         view = view_html(make_view(body, done, table))
         pictures = draw_pictures(folder, done)
     with style():
         convergence = draw_convergence(folder, result)
-    kept = _is_in(folder, result["scene"])
+    kept = _is_in(folder, result.scene)
     content = Content(folder.resolve().name, result, kept, pictures, convergence, view)
     replace_file(folder / PAGE, page(content).encode())
     return [*pictures, *convergence]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
-from fenics_contact.results.result import UNKNOWN
+from fenics_contact.results.records.model import LevelRecord
+from fenics_contact.results.records.run import Outcome
+from fenics_contact.results.result_tables import UNKNOWN
 from fenics_contact.scene.accuracy import Accuracy
 from fenics_contact.scene.quantity_names import in_words
 
@@ -42,13 +43,13 @@ def not_reached(reason: str) -> str:
     return f"The accuracy asked for was not reached: {reason.rstrip('.')}."
 
 
-def level_line(number: int, level: Mapping[str, Any], asked: Mapping[str, float]) -> str:
+def level_line(number: int, level: LevelRecord, asked: Mapping[str, float]) -> str:
     """A level on one line, with the estimated errors and those allowed."""
     errors = ", ".join(
-        f"{in_words(name)} {percent(level['errors'][name])} of {percent(limit)}"
+        f"{in_words(name)} {percent(level.errors[name])} of {percent(limit)}"
         for name, limit in asked.items()
     )
-    return f"mesh {number}: {level['dofs']} dofs, {level['seconds']:.1f} s; errors: {errors}"
+    return f"mesh {number}: {level.dofs} dofs, {level.seconds:.1f} s; errors: {errors}"
 
 
 def percent(value: float | None) -> str:
@@ -56,22 +57,15 @@ def percent(value: float | None) -> str:
     return UNKNOWN if value is None else f"{100 * value:.2g} %"
 
 
-def level_rows(levels: list[dict[str, Any]], accuracy: Mapping[str, Any]) -> list[list[str]]:
-    """A table of the levels of ``result.json``, its head first, what was asked last.
-
-    Args:
-        levels: Those of the result, none where it asks for no accuracy.
-        accuracy: Likewise.
-    """
-    if not levels:
+def level_rows(result: Outcome) -> list[list[str]]:
+    """A table of the levels of a run, its head first, what was asked last; empty without any."""
+    if not result.levels or result.accuracy is None:
         return []
-    names = list(accuracy["asked"])
-    rows = [["mesh", "dofs", "cells", "seconds", *(in_words(name) for name in names)]]
-    for number, level in enumerate(levels):
-        errors = [percent(level["errors"][name]) for name in names]
-        seconds = f"{level['seconds']:.1f}"
-        rows.append([str(number + 1), str(level["dofs"]), str(level["cells"]), seconds, *errors])
-    rows.append(
-        ["asked for", "", "", "", *(percent(limit) for limit in accuracy["asked"].values())]
-    )
+    asked = result.accuracy.asked
+    rows = [["mesh", "dofs", "cells", "seconds", *map(in_words, asked)]]
+    for number, level in enumerate(result.levels):
+        errors = [percent(level.errors[name]) for name in asked]
+        counted = [str(number + 1), str(level.dofs), str(level.cells)]
+        rows.append([*counted, f"{level.seconds:.1f}", *errors])
+    rows.append(["asked for", "", "", "", *map(percent, asked.values())])
     return rows

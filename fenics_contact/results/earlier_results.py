@@ -26,7 +26,7 @@ def result_in_todays_terms(result: dict[str, Any]) -> dict[str, Any]:
         result: Of this version, which is not changed, or of an earlier one.
     """
     contacts = result["contacts"]
-    if not any(_is_earlier(contact["quantities"]) for contact in contacts):
+    if not any(is_earlier(contact["quantities"]) for contact in contacts):
         return result
     signs = _signs(result)
     axisymmetric = result["model"]["kinematics"] == "axisymmetric"
@@ -58,7 +58,8 @@ def steps_in_todays_terms(
     return [_of_model(step, signs, axisymmetric) for step in steps]
 
 
-def _is_earlier(quantities: Mapping[str, Any]) -> bool:
+def is_earlier(quantities: Mapping[str, Any]) -> bool:
+    """Whether a contact's quantities are of before they had today's meaning."""
     return bool(quantities) and "pressure_integral" not in quantities
 
 
@@ -88,7 +89,7 @@ def _of_model(found: Mapping[str, Any], signs: Signs, axisymmetric: bool) -> dic
 def _of_contact(
     quantities: Mapping[str, Any], sign: float | None, axisymmetric: bool
 ) -> dict[str, Any]:
-    if not _is_earlier(quantities):
+    if not is_earlier(quantities):
         return dict(quantities)
     friction = None
     if sign is not None:

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.results.contact_answers import carries_shear
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.run import Outcome
+from fenics_contact.results.records.steps import StepRecord
 
 _AXES = "xyz"
 # What varies by less than this share of the largest stands still: a pressed obstacle that is moved
 # sideways sinks in by next to nothing.
 _STILL = 1e-3
+# Called with number and record of every load step that was accepted.
+Announce = Callable[[int, StepRecord], None]
 
 
 @dataclass(frozen=True)
@@ -41,60 +44,59 @@ class History:
     """The load steps that have an answer.
 
     Attributes:
-        steps: Their entries in ``result.json``.
+        steps: Their records.
         time: Pseudo-times.
     """
 
-    steps: list[dict[str, Any]]
+    steps: list[StepRecord]
     time: Array
 
     @classmethod
-    def of(cls, result: dict[str, Any]) -> History:
+    def of(cls, result: Outcome) -> History:
         """That of a run."""
-        steps = [step for step in result["steps"] if step["quantities"]]
-        return cls(steps, np.array([step["load_factor"] for step in steps]))
+        steps = [step for step in result.steps if step.quantities]
+        return cls(steps, np.array([step.load_factor for step in steps]))
 
     def quantity(self, name: str) -> Array:
         """A quantity of the whole model, (steps,) or (steps, components)."""
-        return np.array([step["quantities"][name] for step in self.steps])
+        return np.array([step.quantities[name] for step in self.steps])
 
     def of_contact(self, number: int, name: str) -> Array | None:
         """A quantity of a contact, likewise; None where it is not known of every step."""
-        found = [step["contacts"][number]["quantities"].get(name) for step in self.steps]
+        found = [step.contacts[number].quantities.get(name) for step in self.steps]
         return None if any(value is None for value in found) else np.array(found)
 
-    def drives(self, contacts: list[dict[str, Any]], far: tuple[str, ...] = ()) -> list[Drive]:
+    def drives(self, contacts: list[ContactRecord], far: tuple[str, ...] = ()) -> list[Drive]:
         """Obstacles and supports that are moved.
 
         Args:
-            contacts: Of ``result.json``.
+            contacts: Of the run.
             far: Names of supports that are none: they move as a half-space does.
         """
         return [*self._obstacles(contacts), *self._supports(far)]
 
-    def _obstacles(self, contacts: list[dict[str, Any]]) -> Iterator[Drive]:
+    def _obstacles(self, contacts: list[ContactRecord]) -> Iterator[Drive]:
         for number, contact in enumerate(contacts):
-            where = f"the obstacle at '{contact['name']}'"
+            where = f"the obstacle at '{contact.name}'"
             depth = self.of_contact(number, "indentation")
             normal = self.of_contact(number, "normal_force")
             if depth is not None and normal is not None and _varies(depth):
                 yield Drive(where, r"indentation, $\delta$", "normal force, $P$", depth, normal)
             moved = self.of_contact(number, "obstacle_displacement")
             friction = self.of_contact(number, "friction_force")
-            if moved is not None and friction is not None and carries_shear(contact):
+            if moved is not None and friction is not None and contact.carries_shear:
                 yield from _along(where, moved, friction, "friction force", "Q")
 
     def _supports(self, far: tuple[str, ...]) -> Iterator[Drive]:
-        for number, support in enumerate(self.steps[0]["supports"]):
-            if support["on"] in far:
+        for number, support in enumerate(self.steps[0].supports):
+            if support.on in far:
                 continue
-            rows = [step["supports"][number] for step in self.steps]
-            held = [value is not None for value in support["displacement"]]
-            moved = np.array(
-                [np.where(held, row["displacement"], 0.0) for row in rows], dtype=float
-            )
-            reaction = np.array([row["reaction"] for row in rows]) * held
-            where = f"the support '{support.get('name', support['on'])}'"
+            rows = [step.supports[number] for step in self.steps]
+            held = [value is not None for value in support.displacement]
+            means = np.array([row.displacement for row in rows], dtype=np.float64)
+            moved = np.where(held, means, 0.0)
+            reaction = np.array([row.reaction for row in rows], dtype=np.float64) * held
+            where = f"the support '{support.label}'"
             yield from _along(where, moved, reaction, "reaction", "R")
 
 
@@ -131,17 +133,16 @@ def _varies(values: Array) -> bool:
     return bool(np.ptp(values, axis=0).max() > _STILL * np.abs(values).max())
 
 
-def step_line(number: int, step: dict[str, Any]) -> str:
+def step_line(number: int, step: StepRecord) -> str:
     """A load step in one line.
 
     Args:
         number: Counted from 1.
-        step: Its record, as in ``result.json``.
+        step: Its record.
     """
-    found = step["quantities"]
-    passes = step["outer_iterations"]
+    found, passes = step.quantities, step.outer_iterations
     counted = f", {passes} pass{'es' if passes > 1 else ''}" if passes else ""
     return (
-        f"step {number}: time {step['load_factor']:.6g}, {step['newton_iterations']} Newton steps"
+        f"step {number}: time {step.load_factor:.6g}, {step.newton_iterations} Newton steps"
         f"{counted}, contact area {found['contact_area']:.4g}, sticking {found['stick_area']:.4g}"
     )

@@ -5,9 +5,8 @@ Those of every contact are here; what a law keeps of its own, it declares (``Con
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 
 @dataclass(frozen=True)
@@ -40,16 +39,6 @@ class PointArray:
     def words(self) -> str:
         """What pictures call it."""
         return self.name.replace("_", " ")
-
-    def as_dict(self) -> dict[str, Any]:
-        """For ``result.json``; ``from_dict`` reads it."""
-        column = self.column or self.name
-        return {"name": self.name, "unit": self.unit, "is_vector": self.is_vector, "column": column}
-
-    @classmethod
-    def from_dict(cls, found: Mapping[str, Any]) -> PointArray:
-        """From ``as_dict``."""
-        return cls(**found)
 
 
 # Numbers of ``ContactState``, beside the status.

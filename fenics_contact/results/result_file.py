@@ -3,82 +3,25 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
 from fenics_contact.common.errors import InputError
-from fenics_contact.results.earlier_results import result_in_todays_terms
-
-_Numbers = dict[str, Any]  # a vector's value is a list
-
-
-@dataclass
-class _Model:
-    kinematics: Literal["plane strain", "plane stress", "axisymmetric", "3D"]
-    contact_points: int
+from fenics_contact.results.earlier_results import is_earlier, result_in_todays_terms
+from fenics_contact.results.records.run import RunRecord
+from fenics_contact.results.records.steps import StepRecord
 
 
-@dataclass
-class _Check:
-    value: float | None
-    limit: float | None
-    passed: bool
+@cache
+def _reader_of(kind: Any) -> TypeAdapter[Any]:
+    """Made when first needed: a run that reads no file does without."""
+    return TypeAdapter(kind)
 
 
-@dataclass
-class _Contact:
-    name: str
-    contact: str
-    law: str
-    parameters: dict[str, Any]
-    quantities: _Numbers
-
-
-@dataclass
-class _Support:
-    on: str
-    reaction: list[float | None]
-
-
-@dataclass
-class _Step:
-    load_factor: float
-    newton_iterations: int
-    outer_iterations: int
-    quantities: _Numbers
-
-
-@dataclass
-class _Timings:
-    total: float
-
-
-@dataclass
-class _Content:
-    """The keys that pages and pictures rely on; a file has more."""
-
-    title: str
-    converged: bool
-    passed: bool
-    verdict: str
-    scene: str
-    model: _Model
-    contacts: list[_Contact]
-    supports: list[_Support]
-    quantities: _Numbers
-    steps: list[_Step]
-    checks: dict[str, _Check]
-    timings: _Timings
-    versions: dict[str, str]
-
-
-_EXPECTED = TypeAdapter(_Content)
-
-
-def read_result(folder: Path) -> dict[str, Any]:
+def read_result(folder: Path) -> RunRecord:
     """The content of a run's ``result.json``, in today's terms if an earlier version wrote it.
 
     Raises:
@@ -86,16 +29,36 @@ def read_result(folder: Path) -> dict[str, Any]:
     """
     path = folder / "result.json"
     try:
-        result = json.loads(path.read_text(encoding="utf-8"))
-        _EXPECTED.validate_python(result)
+        return record_of(json.loads(path.read_text(encoding="utf-8")))
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except ValidationError as error:
         raise InputError(f"{path}: not a result of this program: {_said(error)}") from None
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not a result of this program: {error}") from None
-    assert isinstance(result, dict)
-    return result_in_todays_terms(result)
+
+
+def record_of(content: Any) -> RunRecord:
+    """What was read from a ``result.json``, in today's terms.
+
+    Raises:
+        ValidationError: It is not one of this program.
+    """
+    reader: TypeAdapter[RunRecord] = _reader_of(RunRecord)
+    record = reader.validate_python(content)
+    if not any(is_earlier(contact.quantities) for contact in record.contacts):
+        return record
+    return reader.validate_python(result_in_todays_terms(content))
+
+
+def steps_of(content: list[dict[str, Any]]) -> list[StepRecord]:
+    """Load steps as they stand in a file, in today's terms.
+
+    Raises:
+        ValidationError: They are not those of this program.
+    """
+    reader: TypeAdapter[list[StepRecord]] = _reader_of(list[StepRecord])
+    return reader.validate_python(content)
 
 
 def _said(error: ValidationError) -> str:

@@ -6,7 +6,10 @@ from html import escape
 from typing import Any
 
 from fenics_contact.common.plain_text import one_line
-from fenics_contact.results.result import Result, error_bar, idle_quantities, without_value
+from fenics_contact.results.quantities import idle_quantities, without_value
+from fenics_contact.results.records.record import Errors, Quantities
+from fenics_contact.results.result import Result
+from fenics_contact.results.result_tables import error_bar
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 
 _MAIN = (
@@ -26,12 +29,9 @@ def quantity_rows(result: Result, key: str) -> list[tuple[str, str, str]]:
         key: The quantity's.
     """
     words = key.replace("_", " ")
-    places: list[tuple[str, Any, Any]] = [(words, result.quantities, result.errors)]
+    places: list[tuple[str, Quantities, Errors]] = [(words, result.quantities, result.errors)]
     if key in OF_ONE_CONTACT and len(result.contacts) > 1:
-        places = [
-            (f"{words} of {one['name']}", one["quantities"], one.get("errors", {}))
-            for one in result.contacts
-        ]
+        places = [(f"{words} of {one.name}", one.quantities, one.errors) for one in result.contacts]
     rows = []
     for name, found, errors in places:
         value, bar = without_value(key, found), ""

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import tomlkit
-from pydantic.fields import FieldInfo
 from tomlkit.items import Table
 
 from fenics_contact.common.atomic_files import replace_file
@@ -83,20 +82,11 @@ def _path_from(folder: Path, file: str) -> str:
 
 def _table(part: Any) -> dict[str, Any]:
     """A part of a scene by keys, without those that have their defaults."""
-    found = {}
-    for field in dataclasses.fields(part):
-        value = getattr(part, field.name)
-        if value != _default(field):
-            found[field.name] = _plain(value, field.name)
-    return found
-
-
-def _default(field: dataclasses.Field[Any]) -> Any:
-    default: Any = field.default
-    factory: Any = field.default_factory
-    if isinstance(default, FieldInfo):  # pydantic's own way to say it
-        factory = default.default_factory
-    return default if factory in (None, dataclasses.MISSING) else factory()
+    return {
+        name: _plain(getattr(part, name), name)
+        for name, field in part.__pydantic_fields__.items()
+        if getattr(part, name) != field.get_default(call_default_factory=True)
+    }
 
 
 class _Inline(dict[str, Any]):

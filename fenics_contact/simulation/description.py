@@ -4,13 +4,56 @@ from __future__ import annotations
 
 from typing import Any
 
+from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.laws.normal import law_of
+from fenics_contact.problem.existence.condition import FreeMotion
 from fenics_contact.problem.problem import Problem
+from fenics_contact.results.records.contacts import ContactRecord, LawAnswers, array_record
+from fenics_contact.results.records.model import Model, RigidMotion
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.solver_choice import SolverChoice
 
 
-def strategy_of(problem: Problem, solution: Solution | None) -> str:
+def model_of(
+    problem: Problem, choice: SolverChoice, free: FreeMotion, solution: Solution | None
+) -> Model:
+    """``model`` of ``result.json``; collective.
+
+    Args:
+        problem: The model.
+        choice: Its solver.
+        free: Rigid motions that the supports leave to friction.
+        solution: Of the last load step, if any.
+    """
+    index_map = problem.spaces.displacement_space.dofmap.index_map
+    points = sum(total(problem.comm, int(c.trace.owned.sum())) for c in problem.contacts)
+    cells = problem.body.mesh.topology.index_map(problem.body.dimension)
+    return Model(
+        kinematics=problem.scene.kinematics,
+        degree=problem.spaces.degree,
+        cell=problem.body.mesh.topology.cell_name(),
+        bodies=list(problem.spaces.parts.names),
+        cells=int(cells.size_global),
+        dofs=int(index_map.size_global) * problem.spaces.components,
+        contact_points=int(points),
+        ranks=problem.comm.size,
+        solver=choice.name,
+        solver_reason=choice.reason,
+        solver_memory_mb=round(choice.memory / 1e6),
+        strategy=_strategy_of(problem, solution),
+        scalar_unknowns=[unknown.name for unknown in problem.unknowns],
+        terms=[term.name for term in problem.terms],
+        free_rigid_motions=free.modes,
+        rigid_motions=[RigidMotion(**motion) for motion in free.motions],
+        stabilised_motions=list(free.stabilised),
+        used_share_of_limit_load=free.used_share,
+        symmetry=problem.discrete.held.symmetry,
+        bulk_factorisations=None if solution is None else solution.factorisations,
+    )
+
+
+def _strategy_of(problem: Problem, solution: Solution | None) -> str:
     """How friction and pressure are brought together, or were."""
     if problem.coulomb:
         chosen = problem.scene.solver.strategy
@@ -22,42 +65,43 @@ def strategy_of(problem: Problem, solution: Solution | None) -> str:
     return "linear: one Newton step"
 
 
-def sides_of(contact: ContactSurface) -> dict[str, str]:
-    """Of two bodies, the surface whose points carry it, the one opposite, and why it is so."""
-    sides = contact.sides
-    if sides.opposite is None:
-        return {}
-    return {"slave": sides.slave, "master": sides.master, "slave_reason": sides.why}
+def record_of(contact: ContactSurface) -> ContactRecord:
+    """A contact as ``result.json`` has it, before anything is known of its answer.
+
+    Of two bodies it says whose points carry it, what stands opposite, and why it is so.
+    """
+    sides, law = contact.sides, law_of(contact.contact)
+    of_two = sides.opposite is not None
+    return ContactRecord(
+        name=contact.label,
+        contact=contact.contact.kind,
+        law=contact.friction.kind,
+        answers=LawAnswers(
+            pressure_is_given=law.pressure_is_known,
+            is_rigid=law.has_penalty,
+            carries_shear=contact.can_shear,
+        ),
+        slave=sides.slave if of_two else None,
+        master=sides.master if of_two else None,
+        slave_reason=sides.why if of_two else None,
+        parameters=_parameters_of(contact),
+        arrays=[array_record(array) for array in contact.own_arrays],
+        quantities={},
+    )
 
 
-def answers_of(contact: ContactSurface) -> dict[str, bool]:
-    """What its laws answer to pages and pictures, as ``results.contact_answers`` reads it."""
-    named = law_of(contact.contact)
-    return {
-        "pressure_is_given": named.pressure_is_known,
-        "is_rigid": named.has_penalty,
-        "carries_shear": contact.can_shear,
-    }
-
-
-def arrays_of(contact: ContactSurface) -> dict[str, list[dict[str, Any]]]:
-    """What its laws keep of their own at the points, if anything, as ``results`` read it."""
-    found = [array.as_dict() for array in contact.own_arrays]
-    return {"arrays": found} if found else {}
-
-
-def regularisation_of(contact: ContactSurface) -> dict[str, float]:
-    """The ε of a load step; none where it follows from pressures to come."""
+def regularisation_of(contact: ContactSurface) -> float | None:
+    """The ε of a load step; None where it follows from pressures to come."""
     is_open = contact.is_coulomb and not contact.friction.is_scaled
-    return {} if is_open else {"regularisation_parameter": contact.regularisation_parameter}
+    return None if is_open else contact.regularisation_parameter
 
 
-def parameters_of(contact: ContactSurface) -> dict[str, Any]:
+def _parameters_of(contact: ContactSurface) -> dict[str, Any]:
     """A contact's parameters as used; what varies in space is said so."""
     scene = contact.contact
     given = contact.parameters | {"friction_coefficient": scene.friction_coefficient}
     used = {
-        **regularisation_of(contact),
+        "regularisation_parameter": regularisation_of(contact),
         "penalty_parameter": contact.penalty_parameter or None,
         "force": contact.force,
         **{name: "varies" if callable(value) else value for name, value in given.items()},

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import logging
 from collections.abc import Callable
-from functools import cached_property
 from typing import Any
 
 from mpi4py import MPI
@@ -13,40 +12,31 @@ from mpi4py import MPI
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.errors import InputError, NotConvergedError, StoppedError
 from fenics_contact.common.failures import failing_together
-from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBook
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import (
     contact_points,
-    contact_quantities,
-    global_quantities,
-    support_reactions,
 )
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.existence.condition import FreeMotion, require_equilibrium
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.load_history import step_line
+from fenics_contact.results.load_history import Announce, step_line
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.model import Model, Seconds
+from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check, Result
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation import verdict
-from fenics_contact.simulation.description import (
-    answers_of,
-    arrays_of,
-    parameters_of,
-    regularisation_of,
-    sides_of,
-    strategy_of,
-)
+from fenics_contact.simulation.description import model_of, record_of
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
+from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.solve.load_steps.load_steps import LoadSteps, solve
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice, choose_solver
-from fenics_contact.trust.checks.run_checks import run_checks
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget
-from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_range
 from fenics_contact.trust.uniqueness.other_answers import OtherAnswers, look_around
 
 logger = logging.getLogger(__name__)
@@ -64,10 +54,6 @@ class Run:
         problem: The model: spaces, energies, forms.
         free_motion: Rigid motions that the supports leave to friction.
         choice: The solver, and how much memory it is to need.
-        solution: Nodal values of this rank of the last load step that was solved, or None.
-        forces: Nodal forces that the bulk needs in the last step that was solved.
-        steps: What came out of the load steps so far, as in ``result.json``.
-        book: Work and energies along them.
         others: What is known of other answers of the last step.
         budget: Estimated errors of its quantities.
         last: What a further step would start from, once all are solved.
@@ -99,12 +85,10 @@ class Run:
         self, scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None
     ) -> None:
         self.scene, self.own_mesh = scene, body is not None
-        self.solution: Solution | None = None
         self.last: Unknowns | None = None
         self.others = OtherAnswers()
         self.budget = ErrorBudget()
-        self.steps: list[dict[str, Any]] = []
-        self._announce: Callable[[int, dict[str, Any]], None] = _log_step
+        self._announce: Announce = _log_step
         self.timings = Timings()
         with failing_together(comm):
             self._make_ready(scene, comm, body)
@@ -121,42 +105,39 @@ class Run:
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)
         self.choice: SolverChoice = choose_solver(self.problem)
+        self._history = StepHistory(self.problem, self.timings)
 
     @property
-    def model(self) -> dict[str, Any]:
+    def solution(self) -> Solution | None:
+        """Nodal values of this rank of the last load step that was solved, if any."""
+        return self._history.solution
+
+    @property
+    def forces(self) -> BulkForces:
+        """Nodal forces that the bulk needs in that step."""
+        return self._history.forces
+
+    @property
+    def steps(self) -> list[StepRecord]:
+        """What came out of the load steps so far."""
+        return self._history.steps
+
+    @property
+    def book(self) -> EnergyBook:
+        """Work and energies along them."""
+        return self._history.book
+
+    @property
+    def model(self) -> Model:
         """``model`` of ``result.json``; collective."""
-        problem = self.problem
-        index_map = problem.spaces.displacement_space.dofmap.index_map
-        points = sum(total(problem.comm, int(c.trace.owned.sum())) for c in problem.contacts)
-        cells = problem.body.mesh.topology.index_map(problem.body.dimension)
-        return {
-            "kinematics": self.scene.kinematics,
-            "degree": problem.spaces.degree,
-            "cell": problem.body.mesh.topology.cell_name(),
-            "bodies": list(problem.spaces.parts.names),
-            "cells": int(cells.size_global),
-            "dofs": int(index_map.size_global) * problem.spaces.components,
-            "contact_points": int(points),
-            "ranks": problem.comm.size,
-            "solver": self.choice.name,
-            "solver_reason": self.choice.reason,
-            "solver_memory_mb": round(self.choice.memory / 1e6),
-            "strategy": strategy_of(problem, self.solution),
-            "scalar_unknowns": [unknown.name for unknown in problem.unknowns],
-            "terms": [term.name for term in problem.terms],
-            "free_rigid_motions": self.free_motion.modes,
-            "rigid_motions": list(self.free_motion.motions),
-            "stabilised_motions": list(self.free_motion.stabilised),
-            "used_share_of_limit_load": self.free_motion.used_share,
-            "symmetry": problem.discrete.held.symmetry,
-        } | ({} if self.solution is None else {"bulk_factorisations": self.solution.factorisations})
+        return model_of(self.problem, self.choice, self.free_motion, self.solution)
 
     def solve(
         self,
         state: StateFile | None = None,
         saved: SavedRun | None = None,
         stopped: Callable[[], bool] | None = None,
-        announce: Callable[[int, dict[str, Any]], None] | None = None,
+        announce: Announce | None = None,
         accepted: Callable[[], None] | None = None,
         guess: Unknowns | None = None,
     ) -> Result:
@@ -185,16 +166,15 @@ class Run:
         state: StateFile | None,
         saved: SavedRun | None,
         stopped: Callable[[], bool] | None,
-        announce: Callable[[int, dict[str, Any]], None] | None,
+        announce: Announce | None,
         accepted: Callable[[], None] | None,
         guess: Unknowns | None,
     ) -> Result:
         """As ``solve``."""
         if state is not None:
             state.make_folder()
-        self.solution = None
-        self.steps = [] if saved is None else list(saved.steps)
-        self.book = EnergyBook(self.problem)
+        history = self._history
+        history.begin([] if saved is None else saved.steps)
         self.others = OtherAnswers()
         self.budget = ErrorBudget()
         self._checks: dict[str, Check] = {}
@@ -206,26 +186,27 @@ class Run:
             begun.append(load_steps)
             load_steps.guess = guess
             if saved is not None:
-                self._measure(load_steps.resume(saved.last, saved.pace, saved.forces))
-                self.book.resume(saved.energy, self.forces, self._reactions)
+                solution = load_steps.resume(saved.last, saved.pace, saved.forces)
+                history.resume(solution, saved.energy)
 
         def record(time: float, solution: Solution) -> None:
-            self._record(time, solution)
+            history.add(time, solution)
+            self._announce(len(history.steps), history.steps[-1])
             if accepted is not None:
                 accepted()
 
         def keep(load_steps: LoadSteps) -> None:
             if state is not None:
                 with self.timings.phase("output"):
-                    state.save(load_steps, self.steps, self.book.sums)
+                    state.save(load_steps, history.steps, history.book.sums)
 
         def end(load_steps: LoadSteps) -> None:
             self.last = None if load_steps.last is None else load_steps.last.unknowns
-            self._checks = self._run_checks()  # before other answers move the contacts about
+            self._checks = history.checks()  # before other answers move the contacts about
             with self.timings.phase("output"):
                 self.others = look_around(load_steps)
             with self.timings.phase("errors"):
-                self.budget = error_budget(load_steps, self.steps)
+                self.budget = error_budget(load_steps, history.steps)
 
         try:
             solve(self.problem, self.timings, record, self.choice, begin, keep, stopped, end)
@@ -235,50 +216,7 @@ class Run:
             return self._interrupted()
         return self._evaluate()
 
-    def _measure(self, solution: Solution) -> dict[str, Any]:
-        """Forces and quantities of a load step, before slip is counted anew."""
-        self.solution = solution
-        with self.timings.phase("output"):
-            self.forces = BulkForces(self.problem, solution)
-            self._reactions, self._supports = support_reactions(self.forces)
-            self._by_contact = [
-                contact_quantities(self.problem, solution, number)
-                for number in range(len(self.problem.contacts))
-            ]
-            return global_quantities(self.forces, self._reactions, self._by_contact)
-
-    def _record(self, time: float, solution: Solution) -> None:
-        """Keep what came out of a load step."""
-        quantities = self._measure(solution)
-        self.book.count(self.forces, self._reactions)
-        quantities |= self.book.quantities(quantities)
-        self.steps.append(
-            {
-                "load_factor": time,
-                "newton_iterations": solution.newton_iterations,
-                "outer_iterations": solution.outer_iterations,
-                "outer_contraction": solution.contraction,
-                "attempts": list(solution.attempts),
-                "residual_history": list(solution.residual_history),
-                "imbalance_limit": solution.imbalance_limit,
-                "quantities": quantities,
-                "contacts": [
-                    {"name": contact.label, **regularisation_of(contact), "quantities": found}
-                    for contact, found in zip(self.problem.contacts, self._by_contact, strict=True)
-                ],
-                "supports": self._supports,
-            }
-        )
-        with self.timings.phase("output"):
-            self.steps[-1]["linear_range"] = self._linear_range.of(solution)
-        self._announce(len(self.steps), self.steps[-1])
-
-    @cached_property
-    def _linear_range(self) -> LinearRange:
-        """Strains and rotations of its load steps; collective, where it is first asked for."""
-        return LinearRange(self.problem)
-
-    def contacts(self, quantities: list[dict[str, Any]] | None = None) -> list[dict[str, Any]]:
+    def contacts(self, quantities: list[dict[str, Any]] | None = None) -> list[ContactRecord]:
         """``contacts`` of ``result.json``.
 
         Args:
@@ -286,70 +224,46 @@ class Run:
         """
         quantities = quantities or [{} for _ in self.problem.contacts]
         return [
-            {
-                "name": contact.label,
-                "contact": contact.contact.kind,
-                "law": contact.friction.kind,
-                "answers": answers_of(contact),
-                **sides_of(contact),
-                "parameters": parameters_of(contact),
-                **arrays_of(contact),
-                **self.others.limit(contact.label),
-                "quantities": found,
-                **self.budget.of_contact(number),
-            }
+            dataclasses.replace(
+                record_of(contact),
+                uniqueness_limit=self.others.limit(contact.label),
+                quantities=found,
+                errors=self.budget.of_contact(number),
+            )
             for number, (contact, found) in enumerate(
                 zip(self.problem.contacts, quantities, strict=True)
             )
         ]
-
-    def _run_checks(self) -> dict[str, Check]:
-        """Of the last load step; collective."""
-        with self.timings.phase("output"):
-            checks = run_checks(self.forces, self._reactions, len(self.steps))
-            balance = self.book.check(self.steps[-1]["quantities"])
-            checks |= {} if balance is None else {"energy_balance": balance}
-            small = linear_range(self.steps)
-            checks |= {} if small is None else {"linear_range": small}
-        return checks
 
     def _evaluate(self) -> Result:
         """Of the last load step; collective."""
         problem, solution = self.problem, self.solution
         assert solution is not None
         with self.timings.phase("output"):
-            quantities = self.steps[-1]["quantities"]
-            checks = self._checks or self._run_checks()
+            quantities = self.steps[-1].quantities
+            checks = self._checks or self._history.checks()
             points = contact_points(problem, solution)
         return Result(
             title=self.scene.title,
             converged=True,
-            verdict=(
-                verdict.of_checks(checks)
-                + verdict.untouched(problem, solution)
-                + verdict.facets_too_straight(problem, solution)
-                + verdict.slid_far(self.steps)
-                + verdict.beyond_linear_theory(self.steps)
-                + verdict.coarse_path(self.book.open_share)
-                + verdict.loop_expands(solution)
-                + self.others.words()
-            ),
+            verdict=verdict.of_answer(problem, solution, self.steps, checks, self.book.open_share)
+            + self.others.words(),
             model=self.model,
-            contacts=self.contacts(self._by_contact),
-            supports=self.budget.of_supports(self._supports),
-            reactions=self.budget.of_reactions(self._supports),
+            contacts=self.contacts(self._history.by_contact),
+            supports=self.budget.of_supports(self._history.supports),
+            reactions=self.budget.of_reactions(self._history.supports),
             quantities=quantities,
             steps=self.steps,
             checks=checks,
             branches=self.others.branches,
             errors=self.budget.quantities,
             error_notes=self.budget.notes,
-            timings=self.timings.summary(problem.comm),
+            timings=Seconds(**self.timings.summary(problem.comm)),
             versions=compat.versions(),
             points=points,
         )
 
-    def _stopped_short(self, words: str, steps: list[dict[str, Any]]) -> Result:
+    def _stopped_short(self, words: str, steps: list[StepRecord]) -> Result:
         """What there is of a history that did not reach its end; collective.
 
         Args:
@@ -357,7 +271,7 @@ class Run:
             steps: Those accepted, and the one that was not.
         """
         if self.solution is not None:
-            reached = self.steps[-1]["load_factor"]
+            reached = self.steps[-1].load_factor
             words += (
                 f" Results are those of the last load step that was done, at time {reached:g} of "
                 f"{self.scene.steps.last:g}; --resume goes on from there."
@@ -371,50 +285,36 @@ class Run:
             verdict=words,
             model=self.model,
             contacts=self.contacts(),
+            supports=[],
             quantities={},
             steps=steps,
             checks={},
-            timings=self.timings.summary(self.problem.comm),
+            timings=Seconds(**self.timings.summary(self.problem.comm)),
             versions=compat.versions(),
         )
 
     def _unconverged(self, error: NotConvergedError, tried: float) -> Result:
         """The last step that converged, if any, and the history of the one that did not."""
-        step = {
-            "load_factor": tried,
-            "newton_iterations": max(len(error.residual_history) - 1, 0),
-            "outer_iterations": 0,
-            "attempts": list(error.attempts),
-            "residual_history": list(error.residual_history),
-            "quantities": {},
-        }
-        if self.solution is None:
-            return self._stopped_short(f"No answer: {_ended(error)}", [step])
-        words = f"No answer at time {tried:g}: {_ended(error)} {self._advice(tried)}"
+        step = StepRecord(
+            load_factor=tried,
+            newton_iterations=max(len(error.residual_history) - 1, 0),
+            outer_iterations=0,
+            attempts=list(error.attempts),
+            residual_history=list(error.residual_history),
+            quantities={},
+        )
+        reached = None if self.solution is None else self.steps[-1].load_factor
+        words = verdict.unconverged(str(error), self.scene.steps, tried, reached)
         return self._stopped_short(words, [*self.steps, step])
-
-    def _advice(self, tried: float) -> str:
-        """Which load steps may do better than one that was tried, in words."""
-        steps = self.scene.steps
-        if not steps.automatic:
-            return "Or try more load steps, or steps.automatic = true."
-        if tried - self.steps[-1]["load_factor"] > 1.5 * steps.smallest_size:  # cut no further
-            return "A larger load step ended in the same way."
-        return "Or try a smaller steps.smallest."
 
     def _interrupted(self) -> Result:
         words = "Interrupted" + ("." if self.solution else " before any load step was done.")
         return dataclasses.replace(self._stopped_short(words, self.steps), interrupted=True)
 
 
-def _ended(error: NotConvergedError) -> str:
-    """What it says, as a sentence."""
-    return str(error) + ("" if str(error).endswith(("?", ".")) else ".")
-
-
-def _log_step(number: int, step: dict[str, Any]) -> None:
+def _log_step(number: int, step: StepRecord) -> None:
     logger.info(step_line(number, step))
 
 
-def _say_nothing(number: int, step: dict[str, Any]) -> None:
+def _say_nothing(number: int, step: StepRecord) -> None:
     """Of a run of a single step, its result says it all."""

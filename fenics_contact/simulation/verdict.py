@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from fenics_contact.common.parallel import largest
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.check_messages import failure
+from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check
+from fenics_contact.scene.steps import Steps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.linear_theory.linear_range import worst_step
 
@@ -28,6 +28,33 @@ _OF_LINEAR_RANGE = {
 }
 # Share of the work left open by load steps, from which it is said.
 _OPEN = 0.1
+
+
+def of_answer(
+    problem: Problem,
+    solution: Solution,
+    steps: list[StepRecord],
+    checks: dict[str, Check],
+    open_share: float,
+) -> str:
+    """All that is to be said of an answer; collective.
+
+    Args:
+        problem: The model.
+        solution: Of the last load step.
+        steps: All load steps.
+        checks: Of the last one.
+        open_share: Share of the work that load steps leave open.
+    """
+    return (
+        of_checks(checks)
+        + untouched(problem, solution)
+        + facets_too_straight(problem, solution)
+        + slid_far(steps)
+        + beyond_linear_theory(steps)
+        + coarse_path(open_share)
+        + loop_expands(solution)
+    )
 
 
 def untouched(problem: Problem, solution: Solution) -> str:
@@ -64,6 +91,26 @@ def facets_too_straight(problem: Problem, solution: Solution) -> str:
     )
 
 
+def unconverged(why: str, steps: Steps, tried: float, reached: float | None) -> str:
+    """Sentences on a load step without an answer: why, and what may do better.
+
+    Args:
+        why: What ended it, in words.
+        steps: Those of the scene.
+        tried: Pseudo-time of the step.
+        reached: That of the last step that was done, None where there is none.
+    """
+    said = why if why.endswith(("?", ".")) else f"{why}."
+    if reached is None:
+        return f"No answer: {said}"
+    advice = "Or try a smaller steps.smallest."
+    if not steps.automatic:
+        advice = "Or try more load steps, or steps.automatic = true."
+    elif tried - reached > 1.5 * steps.smallest_size:  # cut no further
+        advice = "A larger load step ended in the same way."
+    return f"No answer at time {tried:g}: {said} {advice}"
+
+
 def of_checks(checks: dict[str, Check]) -> str:
     """Whether to trust it; if not, what is wrong, how much, and where."""
     failed = [failure(name, check) for name, check in checks.items() if not check.passed]
@@ -73,13 +120,13 @@ def of_checks(checks: dict[str, Check]) -> str:
     return f"Converged; {every} of the physics passed."
 
 
-def slid_far(steps: list[dict[str, Any]]) -> str:
+def slid_far(steps: list[StepRecord]) -> str:
     """A sentence on bodies that slid far within a load step, or nothing."""
     found: dict[str, float] = {}
     for step in steps:
-        for contact in step["contacts"]:
-            slid = contact["quantities"].get("slip_since_pairing", 0.0)
-            found[contact["name"]] = max(slid, found.get(contact["name"], 0.0))
+        for contact in step.contacts:
+            slid = contact.quantities.get("slip_since_pairing", 0.0)
+            found[contact.name] = max(slid, found.get(contact.name, 0.0))
     far = [f"'{name}' by {slid:.2g}" for name, slid in found.items() if slid > _FAR]
     if not far:
         return ""
@@ -89,14 +136,14 @@ def slid_far(steps: list[dict[str, Any]]) -> str:
     )
 
 
-def beyond_linear_theory(steps: list[dict[str, Any]]) -> str:
+def beyond_linear_theory(steps: list[StepRecord]) -> str:
     """A sentence on what is not small, as linear theory takes it to be, or nothing."""
     found = []
     for what, words in _OF_LINEAR_RANGE.items():
         row = worst_step(steps, what)
         if row is not None and row["value"] > _LARGE:
             where = f"near '{row['on']}'" if "on" in row else f"in '{row['part']}'"
-            at = f" at time {row['time']:g}" if row["time"] != steps[-1]["load_factor"] else ""
+            at = f" at time {row['time']:g}" if row["time"] != steps[-1].load_factor else ""
             share = f"{100 * row['value']:.0f} %"
             found.append(f"{words.format(share=share)} {where}{at}")
     if not found:

@@ -1,7 +1,6 @@
 """Forces of contacts: on the body of `on`, along one axis, whichever surface is the slave."""
 
 import dataclasses
-import json
 from itertools import product
 
 import numpy as np
@@ -29,7 +28,7 @@ from fenics_contact.cli.summary import print_result
 from fenics_contact.report.histories.load_steps import draw_forces
 from fenics_contact.report.page.tables import quantities_table
 from fenics_contact.results.load_history import History
-from fenics_contact.results.result import QUANTITIES
+from fenics_contact.results.quantities import QUANTITIES
 from fenics_contact.scene.values import Profile
 from fenics_contact.simulation.output.step_table import row_of
 from tests.contact.pair_bodies import Box, boxes
@@ -218,7 +217,7 @@ def test_what_has_no_value_is_said_in_words(tmp_path, capsys):
     said = capsys.readouterr().out
     assert "none, the surface wraps around" in said
     assert "pressure integral" in said
-    page = quantities_table(result.as_dict(), result.contacts, "Quantities")
+    page = quantities_table(result, result.contacts, "Quantities")
     assert "<td>none, the surface wraps around</td>" in page
 
 
@@ -244,8 +243,8 @@ def test_history_of_a_wall_all_around_is_of_its_pressure_integral(tmp_path):
         bored(), load=(Load("y1", traction=(1.0, 0.0), path=pressed),), steps=Steps(3)
     )
     pushed = dataclasses.replace(pushed, support=pushed.support[:1])
-    result = json.loads(json.dumps(Run(pushed, MPI.COMM_SELF, body).solve().as_dict()))
-    picture = draw_forces(History.of(result), result["contacts"], tmp_path / "forces.png")
+    result = Run(pushed, MPI.COMM_SELF, body).solve()
+    picture = draw_forces(History.of(result), result.contacts, tmp_path / "forces.png")
     assert "∫ p dA" in picture.caption
 
 

@@ -31,6 +31,7 @@ from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.style import COLOURS, STYLE, neighbourhood
 from fenics_contact.report.gallery import draw_pictures
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.result_file import read_result
 from fenics_contact.simulation.output import run_folder as files
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, slab
 
@@ -79,7 +80,7 @@ def is_picture(path):
 def drawn(scene, folder, body=None):
     """A run and its pictures; the names of their files, all of them pictures of something."""
     write_run(scene, folder, body)
-    result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    result = read_result(folder)
     pictures = draw_pictures(folder, result)
     assert all(is_picture(picture.path) for picture in pictures)
     assert all(picture.title and picture.caption.endswith(".") for picture in pictures)
@@ -89,9 +90,9 @@ def drawn(scene, folder, body=None):
 def body_and_contact(scene, folder, body=None):
     """Of a run only the pictures of the body and of its first contact."""
     write_run(scene, folder, body)
-    result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-    table, contact = ContactTable.read(folder / "contact.csv"), result["contacts"][0]
-    rows, path = table.of(contact["name"]), folder / "contact_0.png"
+    result = read_result(folder)
+    table, contact = ContactTable.read(folder / "contact.csv"), result.contacts[0]
+    rows, path = table.of(contact.name), folder / "contact_0.png"
     with style():
         draw_body(read_body(folder), result, table, folder / "deformed.png")
         if scene.kinematics == "3D":
@@ -166,7 +167,7 @@ def test_small_contact_zone_is_seen_from_near_by(tmp_path):
         assert has_colour(picture, COLOURS["STICK"]), name
         assert has_colour(picture, COLOURS["OPEN"]), name
         assert not has_colour(picture, COLOURS["SLIP"]), name  # no friction: nothing to mark
-    result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    result = read_result(tmp_path)
     table = ContactTable.read(tmp_path / "contact.csv")
     body = pyvista.get_reader(str(tmp_path / "fields.pvd")).read().combine()
     view = choose_view(body, result, table)
@@ -225,7 +226,7 @@ def test_friction_that_never_acts_is_drawn_without_complaint_and_not_as_a_film(
     scene = pressed(Obstacle(gap=0.1), kinematics, friction_coefficient=0.3)
     scene = dataclasses.replace(scene, steps=Steps(number=FEWEST_STEPS))
     files.solve_and_write(Run(scene, MPI.COMM_SELF, body), tmp_path)
-    result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    result = read_result(tmp_path)
     names = {picture.path.name for picture in draw_pictures(tmp_path, result)}
     assert "contact_0.png" in names
     assert not any(name.endswith(".gif") for name in names)

@@ -5,8 +5,8 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, run
 from fenics_contact.contact.laws.normal import LAWS
-from fenics_contact.results.contact_answers import carries_shear, is_rigid, pressure_is_given
 from tests.contact.laws.test_normal_compliance import block, law
+from tests.records import made_contact
 from tests.scenes import box_body
 
 # Of a result that was written before the answers were: pressure given, drawn as a solid, shear.
@@ -19,13 +19,13 @@ EARLIER = {
 
 
 def answers(contact):
-    return pressure_is_given(contact), is_rigid(contact), carries_shear(contact)
+    return contact.pressure_is_given, contact.is_rigid, contact.carries_shear
 
 
 @pytest.mark.parametrize(("names", "expected"), EARLIER.items())
 def test_results_without_answers_have_those_of_their_laws(names, expected):
     contact, friction = names
-    assert answers({"contact": contact, "law": friction}) == expected
+    assert answers(made_contact(contact=contact, law=friction)) == expected
     kind = next(law for law in LAWS if law.kind == contact)
     assert (kind.pressure_is_known, kind.has_penalty) == expected[:2]  # and laws say the same
 

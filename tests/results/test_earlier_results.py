@@ -75,7 +75,7 @@ def test_a_report_says_what_is_not_known(folder):
     for words in ("pressure integral", "contact force", "max slip"):
         assert f'<th scope="row">{words}</th><td>not known</td>' in page
     result = read_result(folder / "run")
-    picture = draw_forces(History.of(result), result["contacts"], folder / "forces.png")
+    picture = draw_forces(History.of(result), result.contacts, folder / "forces.png")
     assert "normal force" in picture.caption.lower()
 
 

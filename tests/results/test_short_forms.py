@@ -5,14 +5,14 @@ import re
 import pytest
 
 from fenics_contact import Result
+from tests.records import made_result
 
 QUANTITIES = {"normal_force": 2400.0, "friction_force": [209.97, 0.0], "strain_energy": 1.0}
 
 
 def result(contacts=1, **changes):
     every = [
-        {"name": f"<b>{n}</b>", "contact": "unilateral", "law": "static", "quantities": QUANTITIES}
-        for n in range(contacts)
+        {"name": f"<b>{n}</b>", "law": "static", "quantities": QUANTITIES} for n in range(contacts)
     ]
     errors = {"normal_force": {"total": 2.5}, "friction_force": {"total": None}}
     given = {
@@ -22,11 +22,11 @@ def result(contacts=1, **changes):
         "model": {},
         "contacts": every,
         "quantities": QUANTITIES,
-        "steps": [{"a": 1}] * 100,
+        "steps": [{}] * 100,
         "checks": {},
         "errors": errors,
     }
-    return Result(**given | changes)
+    return made_result(**given | changes)
 
 
 def test_text_has_verdict_and_main_quantities_with_bars():

@@ -18,12 +18,12 @@ from fenics_contact import (
     Support,
     run,
 )
-from fenics_contact.results.result import Result
 from fenics_contact.scene.quantity_names import QuantityName
 from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.writing import scene_text
 from fenics_contact.simulation.adaptive.relative_errors import relative_errors
 from fenics_contact.simulation.adaptive.targets import asked_of
+from tests.records import made_result
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD
@@ -186,7 +186,7 @@ def found(**changed):
         "contacts": [contact], "quantities": quantities, "reactions": reactions,
         "errors": {"displacement_tip": row, "reaction": row},
     }  # fmt: skip
-    return Result(**filled | changed)
+    return made_result(**filled | changed)
 
 
 @pytest.mark.parametrize(

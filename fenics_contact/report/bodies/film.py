@@ -22,8 +22,10 @@ from fenics_contact.report.drawing.display import display
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.run import Outcome
 
-Contacts = list[tuple[ContactTable, dict[str, Any]]]
+Contacts = list[tuple[ContactTable, ContactRecord]]
 
 _DPI, _PIXELS = 110, 800
 MOST_BODIES = 30  # frames at most
@@ -46,9 +48,7 @@ class Overview:
     corners: Array
 
     @classmethod
-    def of(
-        cls, bodies: Iterable[Any], result: dict[str, Any], table: ContactTable
-    ) -> Overview | None:
+    def of(cls, bodies: Iterable[Any], result: Outcome, table: ContactTable) -> Overview | None:
         """Look at all frames: where anything ever touches, and the largest displacement.
 
         Args:

@@ -13,6 +13,7 @@ from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.drawing.fields import Triangles, flat_outline, flat_sides, nodes_at
 from fenics_contact.report.drawing.style import COLOUR_MAP, EDGE, Mark
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.contacts import ContactRecord
 
 _THICK = 0.035  # of what is shown: how much of an obstacle is drawn
 _FEW, _FEW_CELLS = 60, 1000
@@ -22,7 +23,7 @@ def draw_flat(
     panel: Any,
     body: Any,
     view: View,
-    contacts: list[tuple[ContactTable, dict[str, Any]]],
+    contacts: list[tuple[ContactTable, ContactRecord]],
     obstacles: list[ObstacleSurface],
     limits: tuple[float, float],
 ) -> Any:
@@ -101,7 +102,7 @@ def _draw_obstacle(panel: Any, obstacle: ObstacleSurface, view: View) -> None:
 
 
 def _draw_points(
-    panel: Any, body: Any, view: View, contacts: list[tuple[ContactTable, dict[str, Any]]]
+    panel: Any, body: Any, view: View, contacts: list[tuple[ContactTable, ContactRecord]]
 ) -> None:
     """Contact points where they moved to, by their status."""
     said: set[str] = set()

@@ -12,9 +12,10 @@ from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import DOUBLE, marks, neighbourhood
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.run import Outcome
 
 
-def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Picture:
+def draw_mesh(body: Any, result: Outcome, table: ContactTable, path: Path) -> Picture:
     """Draw the mesh of a flat model: all of it, and around the contact with its points.
 
     Args:
@@ -27,8 +28,8 @@ def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path
 
     points = np.column_stack([table.numbers["x"], table.numbers["y"]])
     low, high = neighbourhood(points, table.closed)
-    model = result["model"]
-    title = f"Mesh {len(result['levels'])}: {model['cells']} cells, {model['dofs']} dofs"
+    model = result.model
+    title = f"Mesh {len(result.levels)}: {model['cells']} cells, {model['dofs']} dofs"
     figure, panels = new_figure("", (DOUBLE, 3.6), ncols=2)
     figure.set_layout_engine("compressed")  # for panels of equal scales
     figure.suptitle(title, x=0.01, ha="left", fontsize=8.5)
@@ -39,7 +40,7 @@ def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path
         )
         panel.set_aspect("equal")
         panel.autoscale()
-    for mark in marks(*result["contacts"]):
+    for mark in marks(*result.contacts):
         mine = np.isin(table.status, mark.status)
         look = {"markersize": 3.0, "zorder": 3, "clip_on": False}
         if mine.any():
@@ -49,13 +50,13 @@ def draw_mesh(body: Any, result: dict[str, Any], table: ContactTable, path: Path
     panels[1].set_xlim(max(low[0], ends[0, 0]) - margin[0], min(high[0], ends[0, 1]) + margin[0])
     panels[1].set_ylim(max(low[1], ends[1, 0]) - margin[1], min(high[1], ends[1, 1]) + margin[1])
     panels[1].legend(loc="lower right", frameon=True, framealpha=0.9, edgecolor="none")
-    axes = "rz" if model["kinematics"] == "axisymmetric" else "xy"
+    axes = "rz" if model.kinematics == "axisymmetric" else "xy"
     for panel in panels:
         panel.set_xlabel(f"${axes[0]}$")
     panels[0].set_ylabel(f"${axes[1]}$")
     save(figure, path, tight=True)
     caption = (
-        f"The mesh that the estimated errors led to, the last of {len(result['levels'])}: all of "
+        f"The mesh that the estimated errors led to, the last of {len(result.levels)}: all of "
         "it, and around the contact with its points."
     )
     return Picture(path, title, caption)

@@ -9,8 +9,8 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.report.drawing.fields import nodes_at
-from fenics_contact.results.contact_answers import is_rigid
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.contacts import ContactRecord
 
 _FACING = 0.5  # surfaces that curve more have a mean normal shorter than this
 
@@ -59,7 +59,7 @@ class ObstacleSurface:
 
 
 def obstacles_of(
-    body: Any, contacts: list[tuple[ContactTable, dict[str, Any]]]
+    body: Any, contacts: list[tuple[ContactTable, ContactRecord]]
 ) -> list[ObstacleSurface]:
     """The obstacles of a run in its end.
 
@@ -72,7 +72,7 @@ def obstacles_of(
 
 
 def obstacle_surface(
-    body: Any, rows: ContactTable, contact: dict[str, Any]
+    body: Any, rows: ContactTable, contact: ContactRecord
 ) -> ObstacleSurface | None:
     """The obstacle of a contact; None for springs, given pressures and bodies opposite.
 
@@ -81,7 +81,7 @@ def obstacle_surface(
         rows: Points of the contact.
         contact: Its entry in ``result.json``.
     """
-    if not is_rigid(contact) or "master" in contact:
+    if not contact.is_rigid or contact.master is not None:
         return None
     found, nodes = nodes_at(body, rows, contact)
     finite = np.isfinite(found.numbers["gap"])

@@ -16,15 +16,16 @@ from fenics_contact.report.bodies.view import View, choose_view
 from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, WIDE
-from fenics_contact.results.contact_answers import is_rigid
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.run import Outcome
 
 _STRESS = r"von Mises stress, $\sigma_{VM}$"
 _HEIGHTS = (1.0, 5.0)  # of a flat model's panel, in inches
 _FLAT = 0.35  # height over width of panels that have their colour bar below
 
 
-def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path) -> Picture:
+def draw_body(body: Any, result: Outcome, table: ContactTable, path: Path) -> Picture:
     """Draw the deformed mesh over the undeformed outline, with the contact points' status.
 
     Where the contact zone is small in the body, only its neighbourhood is drawn.
@@ -39,7 +40,7 @@ def draw_body(body: Any, result: dict[str, Any], table: ContactTable, path: Path
         InputError: A display is missing for a body in space; says what to install.
     """
     view = choose_view(body, result, table)
-    contacts = [(table.of(contact["name"]), contact) for contact in result["contacts"]]
+    contacts = [(table.of(contact.name), contact) for contact in result.contacts]
     obstacles = obstacles_of(body, contacts)
     low, high, beyond = colour_range(np.asarray(view.body["von Mises stress"]))
     title = "Deformed body" + (" near the contact" if view.is_near else "") + times(view.factor)
@@ -61,7 +62,7 @@ def times(factor: float) -> str:
     return "" if factor == 1 else f", displacements × {factor:g}"
 
 
-def _caption(view: View, contacts: list[tuple[ContactTable, dict[str, Any]]], beyond: float) -> str:
+def _caption(view: View, contacts: list[tuple[ContactTable, ContactRecord]], beyond: float) -> str:
     said = "The deformed body, coloured by the von Mises stress σ_VM"
     if beyond:
         said += f" (at single points up to {beyond:.3g})"
@@ -74,7 +75,7 @@ def _caption(view: View, contacts: list[tuple[ContactTable, dict[str, Any]]], be
     if contacts:
         said += " Points: " + ", ".join(mark.label for mark in view.marks)
         said += ", seen through the bodies." if view.hides else "."
-    if any(is_rigid(c) and "master" not in c for _, c in contacts):
+    if any(c.is_rigid and "master" not in c for _, c in contacts):
         what = "hatched" if view.flat else "translucent"
         said += f" The obstacle is {what}"
         said += "." if view.factor == 1 else "; gaps are magnified as displacements are."

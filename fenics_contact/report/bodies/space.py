@@ -17,10 +17,10 @@ from fenics_contact.report.contacts.maps import triangulation
 from fenics_contact.report.drawing.display import display
 from fenics_contact.report.drawing.fields import nodes_at, outline, surface, surface_edges
 from fenics_contact.report.drawing.style import COLOUR_MAP
-from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.contacts import ContactRecord
 
-Contacts = list[tuple[ContactTable, dict[str, Any]]]
+Contacts = list[tuple[ContactTable, ContactRecord]]
 
 _WIDTH, _HEIGHTS, _MARGIN = 1400, (0.45, 0.95), 1.04
 _STATUS = ("OPEN", "STICK", "SLIP")  # values 0, 1, 2 of the field `status`
@@ -204,7 +204,7 @@ def _add_slip(plotter: Any, body: Any, view: View, contacts: Contacts) -> None:
 
     starts, slips = [], []
     for rows, contact in contacts:
-        if not carries_shear(contact):
+        if not contact.carries_shear:
             continue
         found, nodes = nodes_at(body, rows, contact)
         moved = np.asarray(body.points)[nodes]

@@ -10,6 +10,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.run import Outcome
 
 _MOVE = 0.06  # of what is shown: the largest displacement, where it is magnified
 _READABLE = (0.02, 0.2)  # displacements of this size, over what is shown, are drawn as they are
@@ -60,7 +61,7 @@ class View:
         return right, np.cross(self.towards, right)
 
 
-def choose_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
+def choose_view(body: Any, result: Outcome, table: ContactTable) -> View:
     """The whole body, or the neighbourhood of a contact zone that is small in it.
 
     Args:
@@ -69,11 +70,11 @@ def choose_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
         table: The content of its ``contact.csv``.
     """
     low, high = np.array(body.bounds).reshape(3, 2).T
-    kinematics = result["model"]["kinematics"]
+    kinematics = result.model.kinematics
     flat, axial = kinematics != "3D", kinematics == "axisymmetric"
-    looks = marks(*result["contacts"])
-    pairs = [contact for contact in result["contacts"] if "master" in contact]
-    gap = max((contact["quantities"]["closed_gap"] for contact in pairs), default=0.0)
+    looks = marks(*result.contacts)
+    pairs = [contact for contact in result.contacts if contact.master is not None]
+    gap = max((contact.quantities["closed_gap"] for contact in pairs), default=0.0)
     hides = bool(pairs) and not flat
     front = np.zeros(3) if hides else _front(table)
     on_contact = body["status"] >= 0

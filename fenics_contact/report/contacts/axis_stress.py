@@ -15,6 +15,8 @@ from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLUMN, FORMULA, LINES
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.record import Quantities
 
 _DEPTH = 3.0  # what is shown, in contact radii
 _SINGULAR = 3.0  # a peak this many times the mean pressure says nothing: Hertz has 1.5
@@ -71,16 +73,16 @@ def _below(body: Any, heights: Array, surface: float, on_axis: Flags) -> Flags:
     return found
 
 
-def contact_radius(rows: ContactTable, contact: dict[str, Any]) -> float:
+def contact_radius(rows: ContactTable, contact: ContactRecord) -> float:
     """Outer radius of the contact zone, from its area and where it begins (length)."""
     inner = rows.numbers["x"][rows.closed].min()
-    return float(np.sqrt(contact["quantities"]["contact_area"] / np.pi + inner**2))
+    return float(np.sqrt(contact.quantities["contact_area"] / np.pi + inner**2))
 
 
 def draw_axis_stress(
     body: Any,
     rows: ContactTable,
-    contact: dict[str, Any],
+    contact: ContactRecord,
     path: Path,
     analytic: AnalyticContact | None = None,
 ) -> Picture | None:
@@ -100,9 +102,9 @@ def draw_axis_stress(
     if stress is None:
         return None
     radius = contact_radius(rows, contact)
-    unit, symbol = _unit(contact["quantities"])
+    unit, symbol = _unit(contact.quantities)
     shown = stress.depth <= _DEPTH * radius
-    title = f"Stresses on the axis below '{contact.get('slave', contact['name'])}'"
+    title = f"Stresses on the axis below '{contact.slave or contact.name}'"
     figure, (panel,) = new_figure(title, (COLUMN, 3.4))
     labels = (
         r"$\sigma_{zz}$",
@@ -144,7 +146,7 @@ def draw_axis_stress(
     return Picture(path, title, caption)
 
 
-def _unit(quantities: dict[str, Any]) -> tuple[float, str]:
+def _unit(quantities: Quantities) -> tuple[float, str]:
     """The peak of the pressure, or its mean where the peak is singular, and what it is called."""
     peak = quantities["max_contact_pressure"]
     carried = quantities.get("pressure_integral")  # not known of a run from before there was one

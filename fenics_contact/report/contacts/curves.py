@@ -16,9 +16,9 @@ from fenics_contact.report.drawing.figures import in_words, new_figure, save, su
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import FORMULA, WIDE
 from fenics_contact.report.formulas.recognition import AnalyticContact
-from fenics_contact.results.contact_answers import carries_shear, pressure_is_given
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.results.records.contacts import ContactRecord
 
 _MARGIN, _STRIP = 0.45, 0.16
 _HEIGHTS = {"contact pressure": 1.9, "friction traction": 1.9, "gap": 1.05}
@@ -26,12 +26,12 @@ _OWN_HEIGHT = 1.05  # of what a law keeps of its own
 _SYMBOLS = {"contact pressure": " p", "friction traction": " σ_T"}
 _POINTS = 400  # of a formula's curve
 
-_Draw = Callable[[Any, SurfaceLine, dict[str, Any]], None]
+_Draw = Callable[[Any, SurfaceLine, ContactRecord], None]
 
 
 def draw_curves(
     rows: ContactTable,
-    contact: dict[str, Any],
+    contact: ContactRecord,
     axes: str,
     path: Path,
     analytic: AnalyticContact | None = None,
@@ -79,13 +79,11 @@ def draw_curves(
 
 
 def _caption(
-    names: list[str], contact: dict[str, Any], axis: str, analytic: AnalyticContact | None
+    names: list[str], contact: ContactRecord, axis: str, analytic: AnalyticContact | None
 ) -> str:
     what = in_words([f"{name}{_SYMBOLS.get(name, '')}" for name in names])
     said = f"{what[0].upper()}{what[1:]} along the surface {surface_of(contact)} against {axis}."
-    status = (
-        "in contact and open" if not carries_shear(contact) else "that stick, slip and are open"
-    )
+    status = "in contact and open" if not contact.carries_shear else "that stick, slip and are open"
     said += f" The strip below shows the parts {status}."
     if analytic is not None:
         said += f" Black lines: {formula_words(analytic)}."
@@ -104,7 +102,7 @@ def formula_words(analytic: AnalyticContact) -> str:
     return words + ")"
 
 
-def draw_strip(panel: Any, line: SurfaceLine, contact: dict[str, Any]) -> None:
+def draw_strip(panel: Any, line: SurfaceLine, contact: ContactRecord) -> None:
     """A strip in the colours of the status along the surface."""
     colours = {status: mark.colour for mark in line.marks for status in mark.status}
     for start, end, status in line.runs():
@@ -124,9 +122,9 @@ def _legends(panels: list[Any]) -> None:
         said |= set(new)
 
 
-def _panels(line: SurfaceLine, contact: dict[str, Any]) -> list[str]:
+def _panels(line: SurfaceLine, contact: ContactRecord) -> list[str]:
     """The curves worth drawing: what is found, and what is not zero all along."""
-    found, frictional = not pressure_is_given(contact), carries_shear(contact)
+    found, frictional = not contact.pressure_is_given, contact.carries_shear
     apart = np.isfinite(line.rows.numbers["gap"]) & ~line.rows.closed
     return [
         *(["contact pressure"] if found or not frictional else []),
@@ -135,19 +133,19 @@ def _panels(line: SurfaceLine, contact: dict[str, Any]) -> list[str]:
     ]
 
 
-def _pressure(panel: Any, line: SurfaceLine, contact: dict[str, Any]) -> None:
+def _pressure(panel: Any, line: SurfaceLine, contact: ContactRecord) -> None:
     _plot(panel, line, line.rows.numbers["contact_pressure"])
     cut_peaks(panel, line.rows.numbers["contact_pressure"][line.rows.closed])
     panel.set_ylabel("contact pressure, $p$")
 
 
-def _friction(panel: Any, line: SurfaceLine, contact: dict[str, Any]) -> None:
+def _friction(panel: Any, line: SurfaceLine, contact: ContactRecord) -> None:
     """With the friction bound ±g, on the side (or sides) where the traction lies."""
     traction = line.traction
     _plot(panel, line, traction)
     cut_peaks(panel, traction[line.rows.closed])
     panel.set_ylabel(r"friction traction, $\sigma_T$")
-    coefficient = contact["parameters"]["friction_coefficient"]
+    coefficient = contact.parameters["friction_coefficient"]
     if not isinstance(coefficient, float | int) or coefficient == 0:
         return
     bound = coefficient * line.rows.numbers["contact_pressure"]
@@ -158,13 +156,13 @@ def _friction(panel: Any, line: SurfaceLine, contact: dict[str, Any]) -> None:
             label = None
 
 
-def _gap(panel: Any, line: SurfaceLine, contact: dict[str, Any]) -> None:
+def _gap(panel: Any, line: SurfaceLine, contact: ContactRecord) -> None:
     gap = line.rows.numbers["gap"]
     _plot(panel, line, np.where(np.isfinite(gap), gap, np.nan))
     panel.set_ylabel("gap")
 
 
-def _own(panel: Any, line: SurfaceLine, contact: dict[str, Any], array: PointArray) -> None:
+def _own(panel: Any, line: SurfaceLine, contact: ContactRecord, array: PointArray) -> None:
     _plot(panel, line, sizes(line.rows, array))
     panel.set_ylabel(label(array))
 

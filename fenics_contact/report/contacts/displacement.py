@@ -16,6 +16,7 @@ from fenics_contact.report.drawing.figures import in_words, new_figure, save, se
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, COLUMN, WIDE
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.contacts import ContactRecord
 
 _NEAR = 0.4  # contact zones whose neighbourhood is smaller than this share are looked at alone
 _HEIGHT, _STRIP, _MARGIN = 1.5, 0.16, 0.45
@@ -34,7 +35,7 @@ class SurfaceDisplacement:
     vectors: Array
 
     @classmethod
-    def of(cls, body: Any, rows: ContactTable, contact: dict[str, Any]) -> SurfaceDisplacement:
+    def of(cls, body: Any, rows: ContactTable, contact: ContactRecord) -> SurfaceDisplacement:
         """Take the displacement at the body's nodes.
 
         Args:
@@ -72,7 +73,7 @@ class SurfaceDisplacement:
 def draw_surface_displacement(
     body: Any,
     table: ContactTable,
-    contacts: list[dict[str, Any]],
+    contacts: list[ContactRecord],
     axes: str,
     path: Path,
 ) -> Picture:
@@ -98,7 +99,7 @@ def draw_surface_displacement(
         sharex="col",
     )
     for number, contact in enumerate(contacts):
-        found = SurfaceDisplacement.of(body, table.of(contact["name"]), contact)
+        found = SurfaceDisplacement.of(body, table.of(contact.name), contact)
         column = panels[number::count]
         _components(column, found)
         draw_strip(column[-1], found.line, contact)

@@ -18,9 +18,10 @@ from fenics_contact.report.drawing.fields import nodes_at
 from fenics_contact.report.drawing.figures import new_figure, set_title, style, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, marks
-from fenics_contact.results.contact_answers import carries_shear, own_arrays
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.load_history import Drive, History
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.run import Outcome
 
 # Load steps from which a run is worth an animation, and the frames that it has at most.
 FEWEST_STEPS, _MOST_FRAMES = 10, 60
@@ -41,7 +42,7 @@ class Film:
         drive: What is moved, with a value a frame; None where nothing moves.
     """
 
-    contact: dict[str, Any]
+    contact: ContactRecord
     time: Array
     frames: list[ContactTable]
     zone: ContactTable
@@ -52,8 +53,8 @@ class Film:
         cls,
         series: Iterable[tuple[float, Any]],
         rows: ContactTable,
-        contact: dict[str, Any],
-        result: dict[str, Any],
+        contact: ContactRecord,
+        result: Outcome,
         far: tuple[str, ...] = (),
     ) -> Film:
         """Take the fields at the contact's nodes.
@@ -79,7 +80,7 @@ class Film:
         return bool((self.zone.status != "OPEN").any())
 
 
-def frame_rows(rows: ContactTable, body: Any, contact: dict[str, Any]) -> ContactTable:
+def frame_rows(rows: ContactTable, body: Any, contact: ContactRecord) -> ContactTable:
     """The points of a contact that are nodes, with a step's fields in place of the last one's.
 
     Args:
@@ -91,7 +92,7 @@ def frame_rows(rows: ContactTable, body: Any, contact: dict[str, Any]) -> Contac
     traction = np.asarray(body["friction_traction"])[nodes]
     fields = {f"traction_{axis}": traction[:, i] for i, axis in enumerate("xyz")}
     fields["contact_pressure"] = np.asarray(body["contact_pressure"])[nodes]
-    for array in own_arrays(contact):
+    for array in contact.own_arrays:
         values = np.asarray(body[array.name]).reshape(-1, len(array.columns))[nodes]
         fields |= dict(zip(array.columns, values.T, strict=True))
     status = _STATUS[np.asarray(body["status"])[nodes].round().astype(int)]
@@ -99,12 +100,12 @@ def frame_rows(rows: ContactTable, body: Any, contact: dict[str, Any]) -> Contac
 
 
 def _drive(
-    result: dict[str, Any], contact: dict[str, Any], times: list[float], far: tuple[str, ...]
+    result: Outcome, contact: ContactRecord, times: list[float], far: tuple[str, ...]
 ) -> Drive | None:
     """What is moved last of what moves: of an obstacle, how it moves along the surface."""
     history = History.of(result)
-    drives = history.drives(result["contacts"], far)
-    own = [drive for drive in drives if f"'{contact['name']}'" in drive.title]
+    drives = history.drives(result.contacts, far)
+    own = [drive for drive in drives if f"'{contact.name}'" in drive.title]
     if not drives:
         return None
     drive = (own or drives)[-1]
@@ -126,7 +127,7 @@ def draw_film(film: Film, flat: bool, axes: str, path: Path) -> Picture:
         axes: Letters of the model's axes.
         path: Where to.
     """
-    rough = carries_shear(film.contact)
+    rough = film.contact.carries_shear
     names = ["line"] if flat else (["zones", "traction"] if rough else ["zones"])
     names += ["drive"] if film.drive else []
     widths = [_WIDTHS[name] for name in names]
@@ -215,7 +216,7 @@ class _Map:
         points = self._surface.points
         self._zones(panels[0], self._status[number])
         drawn = panels[:1]
-        if carries_shear(self._film.contact):
+        if self._film.contact.carries_shear:
             drawn = panels[:2]
             traction = self._traction[number]
             sizes = np.linalg.norm(traction, axis=1)
@@ -251,8 +252,8 @@ class _Line:
         self._film, self._axes = film, axes
         self._lines = [SurfaceLine.of(frame, film.contact) for frame in film.frames]
         self._view = SurfaceLine.of(film.zone, film.contact).view
-        given = film.contact["parameters"]["friction_coefficient"]
-        rough = carries_shear(film.contact)
+        given = film.contact.parameters["friction_coefficient"]
+        rough = film.contact.carries_shear
         self._coefficient = float(given) if isinstance(given, float | int) and rough else None
         self._values = [
             line.traction if rough else line.rows.numbers["contact_pressure"]

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
-from fenics_contact.results.contact_answers import pressure_is_given
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.contacts import ContactRecord
 
 
 @dataclass(frozen=True)
@@ -33,14 +32,14 @@ class SurfaceLine:
     marks: tuple[Mark, ...]
 
     @classmethod
-    def of(cls, rows: ContactTable, contact: dict[str, Any]) -> SurfaceLine:
+    def of(cls, rows: ContactTable, contact: ContactRecord) -> SurfaceLine:
         """The whole line where its pressure is given, else the contact zone's neighbourhood."""
         points = rows.vectors("x", "y")
         axis = int(np.argmax(np.ptp(points, axis=0)))
         order = np.argsort(points[:, axis], kind="stable")
         rows, position = rows.rows(order), points[order, axis]
         low, high = float(position[0]), float(position[-1])
-        if not pressure_is_given(contact):
+        if not contact.pressure_is_given:
             around = neighbourhood(position[:, None], rows.closed)
             low, high = max(low, float(around[0][0])), min(high, float(around[1][0]))
         return cls(rows, axis, position, (low, high), marks(contact))

@@ -16,16 +16,16 @@ from fenics_contact.report.contacts.own_arrays import label, shown_arrays, sizes
 from fenics_contact.report.drawing.figures import in_words, new_figure, plain, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, DOUBLE, EDGE, marks, neighbourhood
-from fenics_contact.results.contact_answers import carries_shear, pressure_is_given
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.results.records.contacts import ContactRecord
 
 _LONG = 3.0  # sides of triangles, over their median, that bridge what is no surface
 _MOST_ARROWS = 350
 _SHORT = 0.03  # of the longest: vectors that are left out
 _HEIGHTS = (1.8, 4.5)  # of a panel, in inches
 
-_Draw = Callable[[Any, Any, "Surface", dict[str, Any]], None]
+_Draw = Callable[[Any, Any, "Surface", ContactRecord], None]
 
 
 @dataclass(frozen=True)
@@ -45,12 +45,12 @@ class Surface:
     shown: Flags
 
     @classmethod
-    def of(cls, rows: ContactTable, contact: dict[str, Any]) -> Surface:
+    def of(cls, rows: ContactTable, contact: ContactRecord) -> Surface:
         """The whole surface where its pressure is given, else the zone's neighbourhood."""
         points = rows.vectors("x", "y", "z")
         axes = np.sort(np.argsort(np.ptp(points, axis=0))[-2:])
         points, shown = points[:, axes], np.ones(len(points), dtype=bool)
-        if not pressure_is_given(contact):
+        if not contact.pressure_is_given:
             low, high = neighbourhood(points, rows.closed)
             shown = ((points >= low) & (points <= high)).all(axis=1)
             rows, points = rows.rows(shown), points[shown]
@@ -103,7 +103,7 @@ def triangulation(points: Array) -> Any:
     return Triangulation(points[:, 0], points[:, 1], corners, mask=sides > _LONG * np.median(sides))
 
 
-def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> Picture:
+def draw_maps(rows: ContactTable, contact: ContactRecord, path: Path) -> Picture:
     """Draw what happens on a contact surface.
 
     Args:
@@ -112,7 +112,7 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> Pictur
         path: PNG file to write.
     """
     surface = Surface.of(rows, contact)
-    found, frictional = not pressure_is_given(contact), carries_shear(contact)
+    found, frictional = not contact.pressure_is_given, contact.carries_shear
     own = shown_arrays(surface.rows, contact)
     draw: dict[str, _Draw] = {
         "status": _status,
@@ -139,17 +139,17 @@ def draw_maps(rows: ContactTable, contact: dict[str, Any], path: Path) -> Pictur
     return Picture(path, title, f"{said[0].upper()}{said[1:]}")
 
 
-def _status(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) -> None:
+def _status(figure: Any, panel: Any, surface: Surface, contact: ContactRecord) -> None:
     """Points by their status, and their slip."""
     draw_status(panel, surface.points, surface.rows.status, contact)
     panel.legend(loc="lower left", bbox_to_anchor=(-0.05, 1.0), ncols=3, handletextpad=0.1)
     slip = surface.rows.vectors("slip_x", "slip_y", "slip_z")[:, surface.axes]
     slides = surface.arrows[surface.rows.status[surface.arrows] == "SLIP"]
-    if carries_shear(contact) and np.linalg.norm(slip[slides], axis=1).any():
+    if contact.carries_shear and np.linalg.norm(slip[slides], axis=1).any():
         panel.quiver(*surface.points[slides].T, *slip[slides].T, color="black", width=0.006)
 
 
-def draw_status(panel: Any, points: Array, status: Words, contact: dict[str, Any]) -> None:
+def draw_status(panel: Any, points: Array, status: Words, contact: ContactRecord) -> None:
     """Points in the colours of their status.
 
     Args:
@@ -172,13 +172,13 @@ def draw_status(panel: Any, points: Array, status: Words, contact: dict[str, Any
             panel.plot(*points[mine].T, **look)
 
 
-def _pressure(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) -> None:
+def _pressure(figure: Any, panel: Any, surface: Surface, contact: ContactRecord) -> None:
     pressure = surface.rows.numbers["contact_pressure"]
     colours = draw_values(panel, surface, pressure, min(pressure.min(), 0), pressure.max())
     figure.colorbar(colours, ax=panel, label="contact pressure, $p$", location="top", aspect=25)
 
 
-def _friction(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]) -> None:
+def _friction(figure: Any, panel: Any, surface: Surface, contact: ContactRecord) -> None:
     traction = surface.rows.vectors("traction_x", "traction_y", "traction_z")
     size = np.linalg.norm(traction, axis=1)
     colours = draw_values(panel, surface, size, 0, size.max())
@@ -188,7 +188,7 @@ def _friction(figure: Any, panel: Any, surface: Surface, contact: dict[str, Any]
 
 
 def _own(
-    figure: Any, panel: Any, surface: Surface, contact: dict[str, Any], array: PointArray
+    figure: Any, panel: Any, surface: Surface, contact: ContactRecord, array: PointArray
 ) -> None:
     """What a law keeps of its own; of vectors the size, and arrows."""
     size = sizes(surface.rows, array)

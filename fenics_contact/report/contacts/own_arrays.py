@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.results.contact_answers import own_arrays
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.results.records.contacts import ContactRecord
 
 
-def shown_arrays(rows: ContactTable, contact: dict[str, Any]) -> dict[str, PointArray]:
+def shown_arrays(rows: ContactTable, contact: ContactRecord) -> dict[str, PointArray]:
     """Those that are not zero everywhere, by what pictures call them.
 
     Args:
         rows: Points of a contact.
         contact: Its entry in ``result.json``.
     """
-    arrays = own_arrays(contact)
+    arrays = contact.own_arrays
     return {array.words: array for array in arrays if np.nan_to_num(sizes(rows, array)).any()}
 
 

@@ -14,12 +14,13 @@ from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLUMN, DOUBLE, FORMULA, marks
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.contacts import ContactRecord
 
 _REACH = 1.4  # what is shown, in radii of the formula's contact
 
 
 def draw_profile(
-    rows: ContactTable, contact: dict[str, Any], analytic: AnalyticContact, path: Path
+    rows: ContactTable, contact: ContactRecord, analytic: AnalyticContact, path: Path
 ) -> Picture:
     """Draw a point contact's pressure and friction against the distance from its middle.
 
@@ -64,7 +65,7 @@ def draw_profile(
 
 
 def _points(
-    panel: Any, distance: Array, values: Array, rows: ContactTable, contact: dict[str, Any]
+    panel: Any, distance: Array, values: Array, rows: ContactTable, contact: ContactRecord
 ) -> None:
     for mark in marks(contact):
         mine = np.isin(rows.status, mark.status)

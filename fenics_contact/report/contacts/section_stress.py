@@ -15,6 +15,8 @@ from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, WIDE, neighbourhood
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.run import Outcome
 
 _LEVELS = 12
 _SINGULAR = 1.3  # a peak this many times the 99th percentile is a corner's, not the contact's
@@ -112,9 +114,9 @@ def _plane(rows: ContactTable, normal: int) -> tuple[tuple[int, int], float]:
 
 def draw_section(
     body: Any,
-    result: dict[str, Any],
+    result: Outcome,
     rows: ContactTable,
-    contact: dict[str, Any],
+    contact: ContactRecord,
     path: Path,
     analytic: AnalyticContact | None = None,
 ) -> Picture | None:
@@ -131,7 +133,7 @@ def draw_section(
     Returns:
         None where there is nothing to show.
     """
-    flat = result["model"]["kinematics"] != "3D"
+    flat = result.model.kinematics != "3D"
     section = section_at(body, rows, flat)
     if section is None:
         return None
@@ -161,7 +163,7 @@ def draw_section(
     figure.colorbar(colours, ax=panel, label=label, shrink=0.85, aspect=28, pad=0.02)
     closed = rows.vectors("x", "y", "z")[rows.closed][:, list(section.axes)]
     panel.plot(*_ends(closed, section), "-", color="black", linewidth=2.2, clip_on=False, zorder=4)
-    letters = "rz" if result["model"]["kinematics"] == "axisymmetric" else "xyz"
+    letters = "rz" if result.model.kinematics == "axisymmetric" else "xyz"
     _mark(panel, section, value, place, letters)
     panel.set_aspect("equal")
     panel.set_xlim(section.low[0], section.high[0])

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.contacts import ContactRecord
 
 # Curved cells are drawn as 64, 16 or 4 triangles each: so many cells at most as 64, as 16.
 _FEW, _MANY = 300, 2_000
@@ -102,7 +103,7 @@ def largest_shear(stress: Array) -> Array:
 
 
 def nodes_at(
-    body: Any, rows: ContactTable, contact: dict[str, Any]
+    body: Any, rows: ContactTable, contact: ContactRecord
 ) -> tuple[ContactTable, Integers]:
     """The points of a contact that are nodes of the body, and the numbers of these nodes.
 
@@ -115,7 +116,7 @@ def nodes_at(
     nodes = np.asarray(body.points)[on_contact]
     distance, found = cKDTree(nodes).query(rows.vectors("x", "y", "z"))
     drawn = distance < 1e-6 * np.ptp(nodes)
-    if "master" in contact:  # beyond what faces it normals are others
+    if contact.master is not None:  # beyond what faces it normals are others
         drawn &= np.isfinite(rows.numbers["gap"])
     return rows.rows(drawn), on_contact[found[drawn]]
 

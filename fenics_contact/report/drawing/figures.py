@@ -11,6 +11,7 @@ from typing import Any
 from fenics_contact.common.atomic_files import replaced_file
 from fenics_contact.common.plain_text import printable
 from fenics_contact.report.drawing.style import STYLE
+from fenics_contact.results.records.contacts import ContactRecord
 
 _LETTER = 0.068  # width of a letter of a title in inches, about
 
@@ -88,11 +89,11 @@ def save_png(figure: Any, path: Path) -> None:
         figure.savefig(temporary)
 
 
-def surface_of(contact: dict[str, Any]) -> str:
+def surface_of(contact: ContactRecord) -> str:
     """The surface that a contact of ``result.json`` is of, and the one opposite, in words."""
-    if "master" in contact:
-        return f"'{contact['slave']}' against '{contact['master']}'"
-    return f"'{contact['name']}'"
+    if contact.master is not None:
+        return f"'{contact.slave}' against '{contact.master}'"
+    return f"'{contact.name}'"
 
 
 def in_words(parts: list[str]) -> str:
@@ -100,7 +101,7 @@ def in_words(parts: list[str]) -> str:
     return " and ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
 
 
-def title_of(panels: list[str], contact: dict[str, Any]) -> str:
+def title_of(panels: list[str], contact: ContactRecord) -> str:
     """Such as: Contact pressure and gap on 'top'."""
     words = in_words(panels)
     return f"{words[0].upper()}{words[1:]} on {surface_of(contact)}"

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags
-from fenics_contact.results.contact_answers import carries_shear
+from fenics_contact.results.records.contacts import ContactRecord
 
 # Widths in inches: of one column of a journal, of one and a half, and of two.
 COLUMN, WIDE, DOUBLE = 3.5, 5.5, 7.2
@@ -108,13 +107,13 @@ _CLOSED = Mark("in contact", ("STICK", "SLIP"), COLOURS["STICK"], "o", True)
 _OPEN = Mark("open", ("OPEN",), COLOURS["OPEN"], "o", False)
 
 
-def marks(*contacts: Mapping[str, Any]) -> tuple[Mark, ...]:
+def marks(*contacts: ContactRecord) -> tuple[Mark, ...]:
     """The marks of contacts: where none carries a force along the surface, nothing sticks or slips.
 
     Args:
         contacts: Their entries in ``result.json``.
     """
-    rough = any(carries_shear(contact) for contact in contacts)
+    rough = any(contact.carries_shear for contact in contacts)
     return (_STICK, _SLIP, _OPEN) if rough else (_CLOSED, _OPEN)
 
 

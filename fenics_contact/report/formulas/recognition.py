@@ -17,9 +17,9 @@ from fenics_contact.analytic.contact import HertzContact
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.formulas.apex_curvature import relative_curvature
 from fenics_contact.report.formulas.surface_cover import covers
-from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.load_history import History
+from fenics_contact.results.records.run import Outcome
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
 
@@ -90,7 +90,7 @@ class AnalyticContact:
 
 
 def recognise(
-    scene: Scene | None, result: dict[str, Any], table: ContactTable, body: Any
+    scene: Scene | None, result: Outcome, table: ContactTable, body: Any
 ) -> AnalyticContact | None:
     """The formulas of a run, None where there are none.
 
@@ -104,9 +104,9 @@ def recognise(
         table: The content of its ``contact.csv``.
         body: A pyvista grid of it.
     """
-    if scene is None or len(result["contacts"]) != 1 or scene.load or scene.thickness:
+    if scene is None or len(result.contacts) != 1 or scene.load or scene.thickness:
         return None
-    contact, rows = scene.contact[0], table.of(result["contacts"][0]["name"])
+    contact, rows = scene.contact[0], table.of(result.contacts[0].name)
     if contact.kind != "unilateral" or not rows.closed.any():
         return None
     found = _of_bodies if contact.against else _of_obstacle
@@ -117,7 +117,7 @@ def recognise(
 
 
 def _of_obstacle(
-    scene: Scene, result: dict[str, Any], rows: ContactTable, _: Any
+    scene: Scene, result: Outcome, rows: ContactTable, _: Any
 ) -> AnalyticContact | None:
     """A rigid obstacle on a half-space."""
     obstacle, moduli = scene.contact[0].obstacle, _moduli(scene.material)
@@ -151,7 +151,7 @@ def _of_obstacle(
 
 
 def _of_bodies(
-    scene: Scene, result: dict[str, Any], rows: ContactTable, body: Any
+    scene: Scene, result: Outcome, rows: ContactTable, body: Any
 ) -> AnalyticContact | None:
     """Two bodies whose surfaces are curved, each large against the contact."""
     contact = scene.contact[0]
@@ -166,7 +166,8 @@ def _of_bodies(
     both = [filled.get(name, filled.get("")) for name in sides]
     if len(filled) != len(scene.material) or not set(filled) <= {"", *names} or None in both:
         return None
-    slave = both[sides.index(result["contacts"][0]["slave"].split(".")[0])]
+    carrier = result.contacts[0].slave or contact.on
+    slave = both[sides.index(carrier.split(".")[0])]
     middle = dict(_mirrors(scene, result)).get(0)
     shape = relative_curvature(rows, body, middle)
     if shape is None:
@@ -191,7 +192,7 @@ def _of_bodies(
 
 def _with_force(
     scene: Scene,
-    result: dict[str, Any],
+    result: Outcome,
     line: bool,
     punch: bool,
     centre: Array,
@@ -202,14 +203,14 @@ def _with_force(
     mismatch: float,
 ) -> AnalyticContact | None:
     """The formulas for the force that was found, of the whole contact."""
-    force = result["contacts"][0]["quantities"]["normal_force"]
+    force = result.contacts[0].quantities["normal_force"]
     if force is None or force <= 0:
         return None
     whole = 2 ** len(_planes(result)) * force
     hertz = _hertz(whole, line, punch, modulus, radius)
     if not punch and hertz.radius > _NARROW * radius and _is_round(scene):
         return None
-    rough = carries_shear(result["contacts"][0])
+    rough = result.contacts[0].carries_shear
     changes = rough and (abs(mismatch) > _ALIKE or punch)
     name = "flat punch" if punch else "Hertz"
     smooth = AnalyticContact(
@@ -236,7 +237,7 @@ def _hertz(force: float, line: bool, punch: bool, modulus: float, radius: float)
 
 
 def _sheared(
-    smooth: AnalyticContact, scene: Scene, result: dict[str, Any], across: int
+    smooth: AnalyticContact, scene: Scene, result: Outcome, across: int
 ) -> AnalyticContact:
     """With Cattaneo's and Mindlin's friction, if it was pressed first, then sheared one way.
 
@@ -253,7 +254,7 @@ def _sheared(
         return smooth
     if normal is None or tangential is None:
         return smooth
-    if result["contacts"][0].get("slave", contact.on) != contact.on:
+    if result.contacts[0].slave not in (None, contact.on):
         tangential = -tangential  # the curve is of the slave's points, the force of `on`
     mirrored = dict(_mirrors(scene, result))
     axes = [i for i in range(tangential.shape[1]) if i != across and i not in mirrored]
@@ -286,13 +287,13 @@ def _is_held_as_one(scene: Scene) -> bool:
     return len(bodies) == len(groups) and all(isinstance(v, float | int) for v in values)
 
 
-def _planes(result: dict[str, Any]) -> list[tuple[int, float]]:
+def _planes(result: Outcome) -> list[tuple[int, float]]:
     """Axis and coordinate of the planes of symmetry."""
-    found = re.findall(r"([xyz]) = ([-+.\deE]+)", result["model"]["symmetry"])
+    found = re.findall(r"([xyz]) = ([-+.\deE]+)", result.model.symmetry)
     return [("xyz".index(axis), float(place)) for axis, place in found]
 
 
-def _mirrors(scene: Scene, result: dict[str, Any]) -> list[tuple[int, float]]:
+def _mirrors(scene: Scene, result: Outcome) -> list[tuple[int, float]]:
     """The same, and the axis of revolution."""
     return [*_planes(result), *([(0, 0.0)] if scene.kinematics == "axisymmetric" else [])]
 
@@ -327,9 +328,7 @@ def _axis_across(rows: ContactTable) -> int | None:
     return axis if np.abs(normals - flat).max() < _FLAT else None
 
 
-def _is_whole(
-    scene: Scene, result: dict[str, Any], analytic: AnalyticContact, rows: ContactTable
-) -> bool:
+def _is_whole(scene: Scene, result: Outcome, analytic: AnalyticContact, rows: ContactTable) -> bool:
     """Whether the surface covers the formula's contact, with its middle in planes of symmetry."""
     components = 3 if scene.kinematics == "3D" else 2
     across = int(np.argmax(np.abs(rows.vectors("nx", "ny", "nz").mean(axis=0))))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,9 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.figures import new_figure, plain, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, DOUBLE, FORMULA, LINES, WIDE
+from fenics_contact.results.records.model import LevelRecord
+from fenics_contact.results.records.run import Outcome
+from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.quantity_names import in_words
 
 _MARKS = "os^vDP"
@@ -18,17 +22,17 @@ _FEWEST = 3
 _TINY = 1e-18  # of the largest residual: what 0 is drawn as
 
 
-def draw_convergence(folder: Path, result: dict[str, Any]) -> list[Picture]:
+def draw_convergence(folder: Path, result: Outcome) -> list[Picture]:
     """Draw ``convergence.png``, and ``accuracy.png`` of an adaptive run.
 
     Args:
         folder: Where to.
         result: The content of its ``result.json``.
     """
-    steps = [step for step in result["steps"] if _shows(step.get("residual_history") or [])]
+    steps = [step for step in result.steps if _shows(step.imbalances)]
     drawn = [_iterations(steps, folder / "convergence.png")] if steps else []
-    if len(result.get("levels", [])) > 1:
-        drawn.append(_levels(result, folder / "accuracy.png"))
+    if result.accuracy is not None and len(result.levels) > 1:
+        drawn.append(_levels(result.levels, result.accuracy.asked, folder / "accuracy.png"))
     return drawn
 
 
@@ -37,12 +41,12 @@ def _shows(residuals: list[float]) -> bool:
     return len(residuals) >= _FEWEST and max(residuals) > 0
 
 
-def _iterations(steps: list[dict[str, Any]], path: Path) -> Picture:
+def _iterations(steps: list[StepRecord], path: Path) -> Picture:
     """Residuals of the load step that took most, and the iterations of all steps."""
-    hardest = max(steps, key=lambda step: len(step["residual_history"]))
+    hardest = max(steps, key=lambda step: len(step.imbalances))
     several = len(steps) > 1
     figure, panels = new_figure("", (DOUBLE if several else WIDE, 2.5), ncols=1 + several)
-    residuals = np.array(hardest["residual_history"], dtype=float)
+    residuals = np.array(hardest.imbalances, dtype=float)
     residuals = np.maximum(residuals, _TINY * residuals.max())
     numbers = np.arange(len(residuals))
     colour = COLOURS["STICK"]
@@ -50,7 +54,7 @@ def _iterations(steps: list[dict[str, Any]], path: Path) -> Picture:
     panels[0].set_xlabel("iteration of Newton's method")
     panels[0].set_ylabel("residual, $|F(u)|$")
     panels[0].xaxis.get_major_locator().set_params(integer=True)
-    title = "Convergence" + (f" of the load step at t = {hardest['load_factor']:.4g}" * several)
+    title = "Convergence" + (f" of the load step at t = {hardest.load_factor:.4g}" * several)
     panels[0].set_title(title)
     if several:
         _per_step(panels[1], steps)
@@ -64,11 +68,11 @@ def _iterations(steps: list[dict[str, Any]], path: Path) -> Picture:
     return Picture(path, "Convergence", caption)
 
 
-def _per_step(panel: Any, steps: list[dict[str, Any]]) -> None:
+def _per_step(panel: Any, steps: list[StepRecord]) -> None:
     """Newton's and outer iterations over the pseudo-time."""
-    time = np.array([step["load_factor"] for step in steps])
-    newton = [step["newton_iterations"] for step in steps]
-    outer = [step["outer_iterations"] for step in steps]
+    time = np.array([step.load_factor for step in steps])
+    newton = [step.newton_iterations for step in steps]
+    outer = [step.outer_iterations for step in steps]
     style = {"where": "mid"} if len(time) > 2 else {"where": "post"}
     panel.step(time, newton, color=COLOURS["STICK"], label="Newton", **style)
     panel.plot(time, newton, "o", color=COLOURS["STICK"], markersize=2.5)
@@ -81,16 +85,15 @@ def _per_step(panel: Any, steps: list[dict[str, Any]]) -> None:
     panel.legend(ncols=2, loc="upper left")
 
 
-def _levels(result: dict[str, Any], path: Path) -> Picture:
+def _levels(levels: list[LevelRecord], asked: Mapping[str, float], path: Path) -> Picture:
     """Estimated errors against dofs with their orders, or where dofs also fall, mesh by mesh."""
-    levels, asked = result["levels"], result["accuracy"]["asked"]
-    dofs = np.array([level["dofs"] for level in levels], dtype=float)
+    dofs = np.array([level.dofs for level in levels], dtype=float)
     grows = bool((np.diff(dofs) > 0).all())
     along = dofs if grows else np.arange(1.0, len(dofs) + 1)
     figure, (panel,) = new_figure("Estimated errors of the meshes", (WIDE, 2.8))
     panel.set_yscale("log")
     for number, name in enumerate(asked):
-        errors = np.array([level["errors"][name] or np.nan for level in levels], dtype=float)
+        errors = np.array([level.errors[name] or np.nan for level in levels], dtype=float)
         colour, dashes = LINES[number % len(LINES)]
         order = _order(dofs, errors) if grows else None
         label = plain(in_words(name)) + ("" if order is None else f", order {order:.2g}")

@@ -13,8 +13,9 @@ from fenics_contact.report.drawing.figures import new_figure, plain, save, set_t
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, COLUMN, DOUBLE, LINES, WIDE
 from fenics_contact.report.histories.hysteresis import Loop, last_loop
-from fenics_contact.results.contact_answers import carries_shear
 from fenics_contact.results.load_history import Drive, History
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.run import Outcome
 
 _HEIGHT, _MARGIN = 1.6, 0.45
 _MOST_DRIVES = 6
@@ -23,7 +24,7 @@ _SHOWN = 0.01
 _MANY = 60
 
 
-def draw_history(folder: Path, result: dict[str, Any], far: tuple[str, ...] = ()) -> list[Picture]:
+def draw_history(folder: Path, result: Outcome, far: tuple[str, ...] = ()) -> list[Picture]:
     """Draw ``history_*.png`` of a run with several load steps.
 
     Args:
@@ -34,7 +35,7 @@ def draw_history(folder: Path, result: dict[str, Any], far: tuple[str, ...] = ()
     history = History.of(result)
     if len(history.steps) < 2:
         return []
-    contacts = result["contacts"]
+    contacts = result.contacts
     drives = history.drives(contacts, far)[:_MOST_DRIVES]
     drawn = [_loops(history, drives, folder / "history_loops.png")] if drives else []
     if contacts:
@@ -70,7 +71,7 @@ def _legend(panel: Any) -> None:
         panel.legend()
 
 
-def draw_forces(history: History, contacts: list[dict[str, Any]], path: Path) -> Picture:
+def draw_forces(history: History, contacts: list[ContactRecord], path: Path) -> Picture:
     """Draw normal forces, and below them what friction gives, one curve an axis that counts.
 
     Args:
@@ -88,7 +89,7 @@ def draw_forces(history: History, contacts: list[dict[str, Any]], path: Path) ->
             normal, around = history.of_contact(number, "pressure_integral"), r", $\int p\,dA$"
         if normal is not None:
             wraps |= bool(around)
-            _line(panels[0], history.time, normal, plain(f"'{contact['name']}'") + around, number)
+            _line(panels[0], history.time, normal, plain(f"'{contact.name}'") + around, number)
     panels[0].set_ylabel("normal force, $P$")
     if wraps and len(contacts) == 1:
         panels[0].set_ylabel(r"pressure integral, $\int p\,dA$")
@@ -110,27 +111,27 @@ def draw_forces(history: History, contacts: list[dict[str, Any]], path: Path) ->
 
 
 def _friction_curves(
-    history: History, contacts: list[dict[str, Any]]
+    history: History, contacts: list[ContactRecord]
 ) -> Iterator[tuple[str, Array]]:
     """Label and values of the components of friction forces that are not next to nothing."""
     found = [history.of_contact(number, "friction_force") for number in range(len(contacts))]
     largest = max((float(np.abs(f).max()) for f in found if f is not None), default=0.0)
     for contact, forces in zip(contacts, found, strict=True):
-        if not carries_shear(contact) or forces is None or largest == 0:
+        if not contact.carries_shear or forces is None or largest == 0:
             continue
         for axis, values in zip("xyz", forces.T, strict=False):
             if np.abs(values).max() > _SHOWN * largest:
-                yield plain(f"'{contact['name']}'") + f", $Q_{axis}$", values
+                yield plain(f"'{contact.name}'") + f", $Q_{axis}$", values
 
 
-def _areas(history: History, contacts: list[dict[str, Any]], path: Path) -> Picture:
+def _areas(history: History, contacts: list[ContactRecord], path: Path) -> Picture:
     """In contact, and the part of it that sticks, one panel a contact."""
     figure, panels = _over_time("Areas in contact", [_HEIGHT] * len(contacts), history)
     for number, (contact, panel) in enumerate(zip(contacts, panels, strict=True)):
         closed = history.of_contact(number, "contact_area")
         sticks = history.of_contact(number, "stick_area")
         assert closed is not None and sticks is not None
-        rough = carries_shear(contact)
+        rough = contact.carries_shear
         colour, label = ("SLIP", "slip") if rough else ("STICK", "in contact")
         panel.fill_between(history.time, closed, color=COLOURS[colour], lw=0, label=label)
         if rough:
@@ -140,13 +141,13 @@ def _areas(history: History, contacts: list[dict[str, Any]], path: Path) -> Pict
         panel.set_ylabel("area, $A$")
         if len(contacts) > 1:
             panel.annotate(
-                plain(f"'{contact['name']}'"), (0.99, 0.97), va="top", ha="right",
+                plain(f"'{contact.name}'"), (0.99, 0.97), va="top", ha="right",
                 xycoords="axes fraction",
             )  # fmt: skip
         panel.legend(loc="upper left", ncols=2)
     save(figure, path)
     said = "Area in contact over the pseudo-time t"
-    if any(carries_shear(contact) for contact in contacts):
+    if any(contact.carries_shear for contact in contacts):
         said += ", and the parts of it that stick and slip"
     return Picture(path, "Areas in contact", said + ".")
 
@@ -160,7 +161,7 @@ def _energies(history: History, path: Path) -> Picture:
         "penalty_energy": "in springs of contacts, $E_p$",
     }
     work = np.abs(history.quantity("external_work")).max()
-    balances = "energy_defect" in history.steps[0]["quantities"]
+    balances = "energy_defect" in history.steps[0].quantities
     figure, panels = _over_time("Work and energies", [2.1, 1.1][: 1 + balances], history)
     for number, (name, label) in enumerate(names.items()):
         values = history.quantity(name)

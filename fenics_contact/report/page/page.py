@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import resources
-from typing import Any
 
 from markupsafe import Markup
 
@@ -17,7 +16,8 @@ from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.page import tables
 from fenics_contact.report.page.templates import render
 from fenics_contact.results.accuracy_messages import level_rows
-from fenics_contact.results.result import branch_rows
+from fenics_contact.results.records.run import RunRecord
+from fenics_contact.results.result_tables import branch_rows
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Content:
     """
 
     name: str
-    result: dict[str, Any]
+    result: RunRecord
     keeps_scene: bool
     pictures: list[Picture]
     convergence: list[Picture]
@@ -57,23 +57,23 @@ class Section:
 
 
 SECTIONS = (
-    Section("advice", "What to try", lambda content: not content.result["converged"]),
+    Section("advice", "What to try", lambda content: not content.result.converged),
     Section(
         "checks",
         "Checks",
         lambda content: bool(
-            content.result["checks"] or _branches(content.result) or _levels(content.result)
+            content.result.checks
+            or branch_rows(content.result.branches)
+            or level_rows(content.result)
         ),
     ),
-    Section(
-        "quantities", "Quantities and errors", lambda content: bool(content.result["quantities"])
-    ),
+    Section("quantities", "Quantities and errors", lambda content: bool(content.result.quantities)),
     Section("pictures", "Pictures", lambda content: bool(content.pictures)),
     Section("view-3d", "Interactive view", lambda content: bool(content.view)),
     Section("scene", "Scene"),
     Section("model", "Model"),
-    Section("contacts", "Contacts", lambda content: bool(content.result["contacts"])),
-    Section("iterations", "Iterations", lambda content: bool(content.result["steps"])),
+    Section("contacts", "Contacts", lambda content: bool(content.result.contacts)),
+    Section("iterations", "Iterations", lambda content: bool(content.result.steps)),
     Section("timings", "Time"),
     Section("versions", "Versions"),
     Section("cite", "How to cite"),
@@ -84,8 +84,8 @@ SECTIONS = (
 def page(content: Content) -> str:
     """The whole page."""
     result = content.result
-    last = result["steps"][-1] if result["steps"] else {}
-    imbalances = [f"{x:.3e}" for x in last.get("residual_history") or []]
+    last = result.steps[-1] if result.steps else None
+    imbalances = [f"{x:.3e}" for x in last.imbalances] if last else []
     style = resources.files(__package__).joinpath("report.css").read_text(encoding="utf-8")
     return render(
         "page.html",
@@ -94,36 +94,26 @@ def page(content: Content) -> str:
         sections=[section for section in SECTIONS if section.is_there(content)],
         tables=tables,
         program=program,
-        title=result["title"] or content.name,
+        title=result.title or content.name,
         style=Markup(style),
         outcome=_outcome(result),
         failures=tables.failures(result),
-        attempts=last.get("attempts", []),
-        branches=_branches(result),
-        levels=_levels(result),
+        attempts=last.attempts if last else [],
+        branches=branch_rows(result.branches),
+        levels=level_rows(result),
         last_imbalances=", ".join(imbalances) or "none",
-        ranks=result["model"].get("ranks", 1),
-        is_of_script=result["scene"].startswith("# This file cannot be run"),
+        ranks=result.model.ranks,
+        is_of_script=result.scene.startswith("# This file cannot be run"),
     )
 
 
-def _branches(result: dict[str, Any]) -> list[list[Any]]:
-    """Answers from other starts, by rows."""
-    return branch_rows(result.get("branches", []))
-
-
-def _levels(result: dict[str, Any]) -> list[list[str]]:
-    """The meshes on the way to an accuracy, by rows."""
-    return level_rows(result.get("levels", []), result.get("accuracy", {}))
-
-
-def _outcome(result: dict[str, Any]) -> str:
+def _outcome(result: RunRecord) -> str:
     """In a few words what came out."""
     wrong = tables.failures(result)
-    if result["passed"]:
-        return f"✓ OK: converged, and all {len(result['checks'])} checks passed"
-    if not result["converged"]:
+    if result.passed:
+        return f"✓ OK: converged, and all {len(result.checks)} checks passed"
+    if not result.converged:
         return "✗ Not converged"
     if wrong:
-        return f"✗ Not to be trusted: {len(wrong)} of {len(result['checks'])} checks failed"
+        return f"✗ Not to be trusted: {len(wrong)} of {len(result.checks)} checks failed"
     return "✗ Not as accurate as was asked for"

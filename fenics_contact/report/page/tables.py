@@ -3,24 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from markupsafe import Markup
 
 from fenics_contact.report.page.templates import bar, table, verdict
 from fenics_contact.results.check_messages import WORDS, compares, failure
-from fenics_contact.results.result import (
-    UNKNOWN,
-    Check,
-    error_bar,
-    error_rows,
+from fenics_contact.results.quantities import (
     has_true_value,
     idle_quantities,
-    motion_words,
     reactions_by_name,
-    share_words,
     without_value,
+)
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.model import Model, Seconds
+from fenics_contact.results.records.run import Outcome
+from fenics_contact.results.records.steps import CheckRecord, StepRecord
+from fenics_contact.results.result import check_of
+from fenics_contact.results.result_tables import (
+    UNKNOWN,
+    error_bar,
+    error_rows,
+    motion_words,
+    share_words,
 )
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 
@@ -28,51 +34,45 @@ _OF_A_CONTACT = ("slave", "master", "slave_reason", "uniqueness_limit")
 _MOST_STEPS = 60  # in a table; of more, the first, the last and the hardest
 
 
-def checks_table(result: dict[str, Any]) -> Markup:
+def checks_table(result: Outcome) -> Markup:
     """Every check with its value, its limit and how much of this it uses."""
     rows: list[list[str]] = [
         ["check", "", "value", "limit", "use of the limit", "what is compared"]
     ]
-    for name, check in result["checks"].items():
-        numbers = [_short(check["value"]), _short(check["limit"])]
-        rows.append([words(name), verdict(check["passed"]), *numbers, _use(check), compares(name)])
+    for name, check in result.checks.items():
+        numbers = [_short(check.value), _short(check.limit)]
+        rows.append([words(name), verdict(check.passed), *numbers, _use(check), compares(name)])
     return table(rows, "Checks of the physics")
 
 
-def _use(check: dict[str, Any]) -> Markup:
+def _use(check: CheckRecord) -> Markup:
     """The value over its limit; a value that is not a number is null in the file."""
-    value, limit = check["value"], check["limit"]
+    value, limit = check.value, check.limit
     if value is None or not limit:
-        return bar(0.0 if check["passed"] else 1.0, "", not check["passed"])
+        return bar(0.0 if check.passed else 1.0, "", not check.passed)
     share = value / limit
     said = _percent(share) if 1e-4 <= share < 10 else f"{share:.1g} times"
-    return bar(share, "below 0.01 %" if share < 1e-4 else said, not check["passed"])
+    return bar(share, "below 0.01 %" if share < 1e-4 else said, not check.passed)
 
 
-def failures(result: dict[str, Any]) -> list[str]:
+def failures(result: Outcome) -> list[str]:
     """What is wrong with each check that failed: how much, and where."""
     return [
-        said for name, check in result["checks"].items() if not check["passed"]
+        said for name, check in result.checks.items() if not check.passed
         for said in [_failure(name, check)]
     ]  # fmt: skip
 
 
-def _failure(name: str, check: dict[str, Any]) -> str:
-    value = math.nan if check["value"] is None else float(check["value"])
-    found = Check(
-        value,
-        float(check["limit"] or 0.0),
-        check.get("contact", ""),
-        tuple(check.get("place", ())),
-        check.get("kind", ""),
-        check.get("part", ""),
-    )
+def _failure(name: str, check: CheckRecord) -> str:
+    found = check_of(check)
     if name not in WORDS or (WORDS[name].kinds and found.kind not in WORDS[name].kinds):
         return f"{words(name)}: {written(found.value)} exceeds the limit, {written(found.limit)}"
     return f"{failure(name, found)} (limit: {written(found.limit)})"
 
 
-def quantities_table(found: dict[str, Any], contacts: list[dict[str, Any]], caption: str) -> Markup:
+def quantities_table(
+    found: Outcome | ContactRecord, contacts: list[ContactRecord], caption: str
+) -> Markup:
     """Quantities with their error bars where there are some, without those that say nothing.
 
     Args:
@@ -80,8 +80,8 @@ def quantities_table(found: dict[str, Any], contacts: list[dict[str, Any]], capt
         contacts: That it is of.
         caption: Of the table.
     """
-    idle, errors = idle_quantities(contacts), found.get("errors") or {}
-    quantities = found["quantities"]
+    idle, errors = idle_quantities(contacts), found.errors
+    quantities = found.quantities
     if len(contacts) > 1:  # each has its own table
         idle |= set(OF_ONE_CONTACT)
     rows: list[list[str]] = [["quantity", "value", *(_BARS if errors else ())]]
@@ -112,56 +112,55 @@ def _percent(share: float) -> str:
     return f"{percent:.2g} %" if percent < 99.5 else f"{percent:.0f} %"
 
 
-def errors_table(result: dict[str, Any]) -> Markup:
+def errors_table(result: Outcome) -> Markup:
     """Where the errors come from; nothing where none were estimated.
 
     With those of each contact and each support where there are several.
     """
-    idle = idle_quantities(result["contacts"])
-    errors = {words(key): row for key, row in result.get("errors", {}).items() if key not in idle}
-    for contact in result["contacts"] if len(result["contacts"]) > 1 else ():
-        of_contact = contact.get("errors", {})
+    idle = idle_quantities(result.contacts)
+    errors = {words(key): row for key, row in result.errors.items() if key not in idle}
+    for contact in result.contacts if len(result.contacts) > 1 else ():
+        of_contact = contact.errors
         forces = [key for key in OF_ONE_CONTACT if key in of_contact and key not in idle]
-        errors |= {f"{words(key)} of {contact['name']}": of_contact[key] for key in forces}
-    reactions = result.get("reactions", {})
-    for name, found in reactions.items() if len(reactions) > 1 else ():
-        errors |= {f"reaction of {name}": row for row in found.get("errors", {}).values()}
+        errors |= {f"{words(key)} of {contact.name}": of_contact[key] for key in forces}
+    for name, found in result.reactions.items() if len(result.reactions) > 1 else ():
+        errors |= {f"reaction of {name}": row for row in found.errors.values()}
     rows = error_rows(errors)
     return table(rows, "Estimated errors by source") if rows else Markup()
 
 
-def reactions_table(result: dict[str, Any]) -> Markup:
+def reactions_table(result: Outcome) -> Markup:
     """Resultants of the supports of each name, with error bars; nothing without any."""
-    found = reactions_by_name(result["supports"])
-    said = result.get("reactions", {})  # there is none in older files
-    errors = {name: said.get(name, {}).get("errors", {}).get("reaction") for name in found}
+    found = reactions_by_name(result.supports)
+    # Files of earlier versions have no ``reactions``.
+    errors = {name: of.errors.get("reaction") for name, of in result.reactions.items()}
     has_bars = any(row is not None for row in errors.values())
     rows: list[list[str]] = [["support", "reaction", *(_BARS if has_bars else ())]]
     for name, force in found.items():
-        bars = _with_share(error_bar(errors[name]), force) if has_bars else []
+        bars = _with_share(error_bar(errors.get(name)), force) if has_bars else []
         rows.append([name, written(force), *bars])
     return table(rows, "Reactions of supports") if found else Markup()
 
 
-def model_table(model: dict[str, Any]) -> Markup:
+def model_table(model: Model) -> Markup:
     """The model, with its free rigid motions and how near to the limit it is in words."""
-    motions = [motion_words(motion) for motion in model.get("rigid_motions", [])]
-    share = share_words(model.get("used_share_of_limit_load", 0.0))
-    said = model | {
+    motions = [motion_words(motion) for motion in model.rigid_motions]
+    said = {
+        **model,
         "rigid_motions": "; ".join(motions) or "none",
-        "used_share_of_limit_load": share,
+        "used_share_of_limit_load": share_words(model.used_share_of_limit_load),
     }
     return plain_table(said, "The model")
 
 
-def contact_table(contact: dict[str, Any]) -> Markup:
+def contact_table(contact: ContactRecord) -> Markup:
     """A contact's own parameters."""
-    kind = {"contact": contact["contact"], "friction law": contact["law"]}
+    kind = {"contact": contact.contact, "friction law": contact.law}
     kind |= {key: contact[key] for key in _OF_A_CONTACT if key in contact}
-    return plain_table({**kind, **contact["parameters"]}, f"Contact '{contact['name']}'")
+    return plain_table({**kind, **contact.parameters}, f"Contact '{contact.name}'")
 
 
-def steps_table(steps: list[dict[str, Any]]) -> Markup:
+def steps_table(steps: list[StepRecord]) -> Markup:
     """Load steps with their iterations and the imbalance that was left."""
     rows = [["step", "time", "Newton steps", "passes of the loop on the pressure"]]
     rows[0] += ["contraction", "imbalance before", "at the end", "accepted"]
@@ -169,33 +168,33 @@ def steps_table(steps: list[dict[str, Any]]) -> Markup:
     return table(rows, "Load steps")
 
 
-def _shown(steps: list[dict[str, Any]]) -> Iterator[tuple[int, list[str]]]:
+def _shown(steps: list[StepRecord]) -> Iterator[tuple[int, list[str]]]:
     """Rows of the load steps, of very many only some."""
     numbers = range(len(steps))
     if len(steps) > _MOST_STEPS:
-        hardest = sorted(numbers, key=lambda n: -steps[n]["newton_iterations"])[:20]
+        hardest = sorted(numbers, key=lambda n: -steps[n].newton_iterations)[:20]
         numbers = sorted({*numbers[:20], *numbers[-20:], *hardest})  # type: ignore[assignment]
     for number in numbers:
         step = steps[number]
-        history = step.get("residual_history") or [None]
-        limit, contraction = step.get("imbalance_limit"), step.get("outer_contraction")
+        history = step.residual_history or [None]
+        limit, contraction = step.imbalance_limit, step.outer_contraction
         yield (
             number,
             [
                 str(number + 1),
-                written(step["load_factor"]),
-                str(step["newton_iterations"]),
-                str(step["outer_iterations"]),
+                written(step.load_factor),
+                str(step.newton_iterations),
+                str(step.outer_iterations),
                 "" if contraction is None else f"{contraction:.2g}",
                 *("" if x is None else f"{x:.2e}" for x in (history[0], history[-1], limit)),
             ],
         )
 
 
-def timings_table(timings: dict[str, float]) -> Markup:
+def timings_table(timings: Seconds) -> Markup:
     """Seconds by phase, with bars of their shares."""
     rows: list[list[str]] = [["phase", "seconds", "share"]]
-    total = timings["total"]
+    total = timings.total
     for name, seconds in timings.items():
         share = seconds / total if total else 0.0
         said = "" if name == "total" else bar(share, f"{100 * share:.0f} %")
@@ -203,7 +202,7 @@ def timings_table(timings: dict[str, float]) -> Markup:
     return table(rows, "Seconds by phase")
 
 
-def plain_table(values: dict[str, Any], caption: str) -> Markup:
+def plain_table(values: Mapping[str, Any], caption: str) -> Markup:
     """Names and values."""
     return table([[words(key), written(value)] for key, value in values.items()], caption, False)
 

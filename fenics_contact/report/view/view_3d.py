@@ -19,9 +19,9 @@ from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.report.page.templates import render
 from fenics_contact.report.view.revolved import revolved
 from fenics_contact.report.view.surface import Surface, boundary, surface_of
-from fenics_contact.results.contact_answers import own_arrays
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.point_arrays import PointArray, of_several_contacts
+from fenics_contact.results.records.run import Outcome
 
 _MOVE = 0.06  # of what is shown: the largest displacement, where it is magnified
 _READABLE = 0.02  # from which it is seen as it is
@@ -59,7 +59,7 @@ class View:
         return self.kinematics.startswith("plane")
 
 
-def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
+def make_view(body: Any, result: Outcome, table: ContactTable) -> View:
     """The view of a run.
 
     Args:
@@ -67,7 +67,7 @@ def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
         result: The content of its ``result.json``.
         table: The content of its ``contact.csv``.
     """
-    kinematics = result["model"]["kinematics"]
+    kinematics = result.model.kinematics
     shown = {"von Mises stress": "σ_VM", "displacement": "|u|"}
     fields = {name: np.asarray(body[name], dtype=float) for name in ("displacement", "status")}
     kinds = _kinds(result)
@@ -82,7 +82,7 @@ def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
             shown["friction traction"] = "|σ_T|"
         for array, values in _own(body, result):
             fields[array.words], shown[array.words] = values, f"({array.unit})"
-    contacts = [(table.of(contact["name"]), contact) for contact in result["contacts"]]
+    contacts = [(table.of(contact.name), contact) for contact in result.contacts]
     fields["obstacle"] = _obstacles(body, obstacles_of(body, contacts))
     make = revolved if kinematics == "axisymmetric" else surface_of
     surface = make(body, fields)
@@ -98,9 +98,9 @@ def make_view(body: Any, result: dict[str, Any], table: ContactTable) -> View:
     return View(surface, kinematics, kinds, shown, factors, zone, _towards(front, aside))
 
 
-def _own(body: Any, result: dict[str, Any]) -> Iterator[tuple[PointArray, Array]]:
+def _own(body: Any, result: Outcome) -> Iterator[tuple[PointArray, Array]]:
     """What laws keep of their own at the nodes, vectors by their length, unless it is all zero."""
-    arrays = [array for contact in result["contacts"] for array in own_arrays(contact)]
+    arrays = [array for contact in result.contacts for array in contact.own_arrays]
     for array in of_several_contacts(arrays):
         values = np.asarray(body[array.name], dtype=float)
         values = np.linalg.norm(values, axis=1) if array.is_vector else values
@@ -108,9 +108,9 @@ def _own(body: Any, result: dict[str, Any]) -> Iterator[tuple[PointArray, Array]
             yield array, values
 
 
-def _kinds(result: dict[str, Any]) -> tuple[Mark, ...]:
+def _kinds(result: Outcome) -> tuple[Mark, ...]:
     """States of contact points: open, stick and slip, or without any friction open and closed."""
-    *closed, still_open = marks(*result["contacts"])
+    *closed, still_open = marks(*result.contacts)
     return still_open, *closed
 
 
@@ -130,7 +130,7 @@ def _obstacles(body: Any, obstacles: list[ObstacleSurface]) -> Array:
     return found
 
 
-def _factors(surface: Surface, zone: Array | None, result: dict[str, Any]) -> list[float]:
+def _factors(surface: Surface, zone: Array | None, result: Outcome) -> list[float]:
     """Undeformed, as it is and, where that is too little to be seen, magnified.
 
     Gaps between bodies are not magnified: those that have closed would seem open, or overlapped.
@@ -140,8 +140,8 @@ def _factors(surface: Surface, zone: Array | None, result: dict[str, Any]) -> li
     if largest == 0 or largest >= _READABLE * size:
         return [0.0, 1.0]
     factor = _round(_MOVE * size / largest)
-    pairs = [contact for contact in result["contacts"] if "master" in contact]
-    gap = max((contact["quantities"]["closed_gap"] for contact in pairs), default=0.0)
+    pairs = [contact for contact in result.contacts if contact.master is not None]
+    gap = max((contact.quantities["closed_gap"] for contact in pairs), default=0.0)
     return [0.0, 1.0, factor] if factor * gap <= _MISFIT * size else [0.0, 1.0]
 
 

@@ -11,17 +11,12 @@ from __future__ import annotations
 import dataclasses
 import logging
 import time
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from mpi4py import MPI
 
-from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import FenicsContactError, StoppedError
-from fenics_contact.common.parallel import total
-from fenics_contact.evaluate.contact_areas import edges
-from fenics_contact.mesh.size_field import SINGULAR
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.accuracy_messages import (
     level_line,
@@ -30,11 +25,13 @@ from fenics_contact.results.accuracy_messages import (
     reached,
     source_advice,
 )
+from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Seconds
 from fenics_contact.results.result import Result
 from fenics_contact.scene.accuracy import Accuracy
 from fenics_contact.scene.quantity_names import in_words
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.adaptive.next_mesh import Wish, hindrance, next_mesh
+from fenics_contact.simulation.adaptive.mesh_wish import MeshWish, UsedUpError
+from fenics_contact.simulation.adaptive.next_mesh import hindrance
 from fenics_contact.simulation.adaptive.relative_errors import (
     Errors,
     is_met,
@@ -51,31 +48,8 @@ from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 
 logger = logging.getLogger(__name__)
 
-# Of the cells, from one level to the next: at least and at most so many times as many.
-_LEAST, _MOST = 1.2, 4.0
-# Likewise, at most, while few cells make most of the error: more of the others would not help.
-_MOST_AT_POINTS = 2.0
-# Likewise, at least, where the edges of contact or stick get smaller ones.
-_FEWER = 0.5
-# Order of a quantity's error over that of the energy norm's, before there are two levels.
-_FIRST_ORDER = 1.4
-# What an error is to become over what is allowed.
-_AIM_AT = 0.85
-# What an area's error is to become over what is allowed: cells at an edge are few, and it varies by
-# chance. And by how much these become smaller at the most, at once.
-_EDGE_AIM, _EDGE_LEAST = 0.5, 0.1
-# Quantities that are as wrong as the edge of contact, or of stick, is far from its place.
-_AREAS = (
-    ("contact_area", "slip_area", "contact_radius"),
-    ("stick_area", "slip_area", "stick_radius"),
-)
-# Meshes in a row on which an error may be unknown; and what it is then, over what is allowed.
-_PATIENCE, _UNKNOWN = 3, 2.0
-# Share that is left to the mesh whatever others take: they are to become smaller, too.
-_LEFT = 0.3
-# Of the dofs allowed: what Gmsh makes of sizes is about so many, not just so many.
-_FILLED = 0.9
-_TRIES = 3
+# Meshes in a row on which an error may be unknown.
+_PATIENCE = 3
 
 SolveLevel = Callable[[Run, Unknowns | None], Result]
 
@@ -85,7 +59,7 @@ class AdaptiveRun:
 
     Attributes:
         run: That of the result: of the last level that was solved.
-        levels: What came out of each, as in ``result.json``.
+        levels: What came out of each.
 
     Args:
         first: The scene made ready on its first mesh.
@@ -98,7 +72,7 @@ class AdaptiveRun:
     def __init__(self, first: Run, has_own_body: bool = False) -> None:
         assert first.scene.accuracy is not None
         self.run = first
-        self.levels: list[dict[str, Any]] = []
+        self.levels: list[LevelRecord] = []
         self._accuracy: Accuracy = first.scene.accuracy
         self._has_own_body = has_own_body
         self._seconds: dict[str, float] = {}
@@ -132,7 +106,7 @@ class AdaptiveRun:
                 return self._with_levels(last, reason)
             try:
                 run = self._next_run(errors, result)
-            except _UsedUpError as error:
+            except UsedUpError as error:
                 return self._with_levels(last, str(error))
             except StoppedError:
                 return self._interrupted(last)
@@ -146,14 +120,14 @@ class AdaptiveRun:
             self._seconds[phase] = self._seconds.get(phase, 0.0) + seconds
         local, energy = run.budget.local, result.quantities["strain_energy"]
         self.levels.append(
-            {
-                "dofs": result.model["dofs"],
-                "cells": result.model["cells"],
-                "seconds": result.timings["total"] + self._between,
-                "energy_error": None if local is None else _over_energy(local, energy),
-                "errors": {name: found["total"] for name, found in errors.items()},
-                "sources": errors,
-            }
+            LevelRecord(
+                dofs=result.model.dofs,
+                cells=result.model.cells,
+                seconds=result.timings.total + self._between,
+                energy_error=None if local is None else _over_energy(local, energy),
+                errors={name: found["total"] for name, found in errors.items()},
+                sources=errors,
+            )
         )
         self._history.add(result)
         logger.info(level_line(len(self.levels), self.levels[-1], self.asked))
@@ -209,7 +183,7 @@ class AdaptiveRun:
                 return f"the answer has no {in_words(name)}"
             if self.run.budget.local is None or sources != ["mesh"]:
                 return f"the error of {name} by {' and '.join(sources)} could not be estimated"
-        last = [level["errors"] for level in self.levels[-_PATIENCE:]]
+        last = [level.errors for level in self.levels[-_PATIENCE:]]
         for name in unknown:
             if len(last) == _PATIENCE and all(level[name] is None for level in last):
                 why = "; under a corner the pressure has no bound" if "pressure" in name else ""
@@ -225,114 +199,17 @@ class AdaptiveRun:
             return any(contact.regularisation_parameter == "auto" for contact in scene.contact)
         return False
 
-    def _edges(self, errors: Errors) -> Array:
-        """Sizes that cells at edges of contact and stick are not to exceed, on this rank.
-
-        An area is as wrong as a share of the pieces that its edge passes through: the error goes
-        with their size.
-        """
-        run = self.run
-        assert run.solution is not None
-        rows = [np.zeros((0, 4))]
-        for contact, state in zip(run.problem.contacts, run.solution.states, strict=True):
-            for areas, found in zip(_AREAS, edges(contact, state), strict=True):
-                ratio = self._mesh_ratio(errors, self._asked_of(areas, contact.label))
-                if ratio > 0:
-                    share = float(np.clip(_EDGE_AIM / ratio, _EDGE_LEAST, 1.0))
-                    rows.append(found * [1, 1, 1, share])
-        return np.concatenate(rows)
-
-    def _asked_of(self, quantities: Sequence[str], contact: str = "") -> list[str]:
-        """The names asked for that are of some quantities, of a contact or of all."""
-        found = {text: self.run.scene.names.find(text) for text in self.asked}
-        return [
-            text
-            for text, name in found.items()
-            if name.quantity in quantities and (not contact or name.owner in ("", contact))
-        ]
-
-    def _mesh_ratio(self, errors: Errors, names: Sequence[str]) -> float:
-        """The mesh's error over what is left to it, the largest of some quantities."""
-        ratios = [0.0]
-        for name in names:
-            found = errors[name]
-            others = sum(others_than_mesh(found).values())
-            left = max(self.asked[name] - others, _LEFT * self.asked[name])
-            ratios.append(_UNKNOWN if found["mesh"] is None else found["mesh"] / left)
-        return max(ratios)
-
     def _next_run(self, errors: Errors, result: Result) -> Run:
         """The scene on the next mesh; collective."""
         began = time.perf_counter()
-        body, scene = self._next_body(errors), balanced(self.run.scene, result, errors, self.asked)
+        wish = MeshWish(self.run, self.levels, self.asked, errors)
+        body = wish.mesh(self._has_own_body)
+        scene = balanced(self.run.scene, result, errors, self.asked)
         comm = self.run.problem.comm
         self._between = comm.bcast(time.perf_counter() - began)
         for phase in ("mesh", "total"):
             self._seconds[phase] += self._between
         return Run(scene, comm, body)
-
-    def _next_body(self, errors: Errors) -> Body:
-        """A mesh of as many cells as the errors ask for; collective.
-
-        Raises:
-            _UsedUpError: That is more than allowed.
-        """
-        run = self.run
-        assert run.budget.local is not None  # else it would have ended
-        squared, at_edges = run.budget.local.squared, self._edges(errors)
-        cells, dofs = self.levels[-1]["cells"], self.levels[-1]["dofs"]
-        most = cells * self._accuracy.max_dofs / dofs
-        has_edges = total(run.problem.comm, len(at_edges)) > 0
-        wanted = cells * self._growth(errors, has_edges)
-        used_up = _UsedUpError(
-            f"the accuracy.max_dofs = {self._accuracy.max_dofs} do not suffice for a finer mesh"
-        )
-        if _LEAST * cells > most:
-            raise used_up
-        wanted = min(wanted, _FILLED * most)
-        for _ in range(_TRIES):
-            wish = Wish(wanted, squared, at_edges)
-            body = next_mesh(run.scene, run.problem, wish, self._has_own_body)
-            found = body.mesh.topology.index_map(body.dimension).size_global
-            if found <= most:
-                return body
-            wanted *= _FILLED * most / found
-        raise used_up
-
-    def _growth(self, errors: Errors, has_edges: bool) -> float:
-        """How many times as many cells the errors ask for, but for those of areas, at edges."""
-        order = self.run.problem.spaces.degree / self.run.problem.body.dimension
-        areas = self._asked_of([*_AREAS[0], *_AREAS[1]]) if has_edges else []
-        growths = [
-            (self._mesh_ratio(errors, (name,)) / _AIM_AT)
-            ** (1 / np.clip(self._observed_order(name, order), order, 2 * order))
-            for name in errors
-            if name not in areas
-        ]
-        least = _FEWER if has_edges and growths else _LEAST
-        most = _MOST_AT_POINTS if self._is_at_points() else _MOST
-        return float(np.clip(max(growths, default=0.0), least, most))
-
-    def _is_at_points(self) -> bool:
-        """Whether few cells, as those at singular points, make most of the error."""
-        assert self.run.budget.local is not None
-        squared, comm = self.run.budget.local.squared, self.run.problem.comm
-        whole = total(comm, squared.sum())
-        large = squared > SINGULAR * whole / self.levels[-1]["cells"]
-        return bool(total(comm, squared[large].sum()) > 0.5 * whole)
-
-    def _observed_order(self, name: str, order: float) -> float:
-        """Of a quantity's error in the number of cells, between the last two levels.
-
-        At first it is taken to be between that of the energy norm and twice that.
-        """
-        if len(self.levels) < 2:
-            return _FIRST_ORDER * order
-        before, now = (level["sources"][name]["mesh"] for level in self.levels[-2:])
-        more = self.levels[-1]["cells"] / self.levels[-2]["cells"]
-        if not (before and now) or more < _LEAST:
-            return _FIRST_ORDER * order
-        return float(np.log(before / now) / np.log(more))
 
     def _failed(self, result: Result, last: Result | None) -> Result:
         """A level that did not converge, or was interrupted: the one before stands."""
@@ -350,20 +227,16 @@ class AdaptiveRun:
         words = not_reached(reason) if reason else reached(len(self.levels))
         return dataclasses.replace(
             without_bars(result, self._history.runaways()),
-            timings=self._seconds or result.timings,
+            timings=Seconds(**self._seconds) if self._seconds else result.timings,
             verdict=f"{result.verdict} {words}",
             levels=self.levels,
-            accuracy={"asked": self.asked, "reached": not reason, "reason": reason},
+            accuracy=AccuracyRecord(asked=self.asked, reached=not reason, reason=reason),
         )
 
 
 def _over_energy(local: LocalErrors, energy: float) -> float | None:
     """Error of the displacement over it, in the energy norm."""
     return float(local.total / np.sqrt(2 * energy)) if energy > 0 else None
-
-
-class _UsedUpError(Exception):
-    """What the scene allows does not suffice for another level."""
 
 
 def adaptive_plan(run: Run) -> str:

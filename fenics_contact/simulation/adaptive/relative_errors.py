@@ -75,9 +75,9 @@ def _of_owner(result: Result, name: QuantityName) -> tuple[Mapping[str, Any], Ma
         return result.quantities, result.errors
     if name.quantity == "reaction":
         of_supports = result.reactions[name.owner]
-        return of_supports, of_supports.get("errors", {})
-    contact = next(contact for contact in result.contacts if contact["name"] == name.owner)
-    return contact["quantities"], contact.get("errors", {})
+        return of_supports, of_supports.errors
+    contact = next(contact for contact in result.contacts if contact.name == name.owner)
+    return contact.quantities, contact.errors
 
 
 def _given(values: Mapping[str, Any], quantity: str) -> str:
@@ -108,7 +108,7 @@ def _largest_force(result: Result) -> float:
 
 
 def _parts(result: Result) -> list[Mapping[str, Any]]:
-    return [*(contact["quantities"] for contact in result.contacts), *result.reactions.values()]
+    return [*(contact.quantities for contact in result.contacts), *result.reactions.values()]
 
 
 def others_than_mesh(found: Mapping[str, float | None]) -> dict[str, float]:

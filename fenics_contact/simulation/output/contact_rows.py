@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.plain_text import one_line
-from fenics_contact.results.contact_answers import own_arrays
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.contact_table import CSV_HEADER
 from fenics_contact.results.point_arrays import WRITTEN, of_several_contacts
+from fenics_contact.results.records.contacts import ContactRecord
 
 
-def contact_rows(points: ContactPoints, contacts: Sequence[Mapping[str, Any]]) -> list[list[str]]:
+def contact_rows(points: ContactPoints, contacts: Sequence[ContactRecord]) -> list[list[str]]:
     """The header and a row a point; what laws keep of their own stands behind the status.
 
     Args:
         points: All of them.
         contacts: As in ``result.json``.
     """
-    own = of_several_contacts(array for contact in contacts for array in own_arrays(contact))
-    names = [one_line(contact["name"]) for contact in contacts]
+    own = of_several_contacts(array for contact in contacts for array in contact.own_arrays)
+    names = [one_line(contact.name) for contact in contacts]
     head = [*CSV_HEADER, *(column for array in own for column in array.columns)]
     columns = [_without_round_off(points.coordinates), _without_round_off(points.normals)]
     for array in WRITTEN:

@@ -19,6 +19,7 @@ from fenics_contact.common.atomic_files import make_folder, naming, replace_file
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import failing_together
 from fenics_contact.common.parallel import on_root
+from fenics_contact.results.load_history import Announce
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Steps
 from fenics_contact.scene.writing import write_scene
@@ -60,7 +61,7 @@ def solve_and_write(
     state: StateFile | None = None,
     saved: SavedRun | None = None,
     stopped: Callable[[], bool] | None = None,
-    announce: Callable[[int, dict[str, Any]], None] | None = None,
+    announce: Announce | None = None,
     guess: Unknowns | None = None,
 ) -> Result:
     """Solve, and write the files of a run, those of steps as they are accepted; collective.
@@ -92,7 +93,7 @@ def _solve(
     state: StateFile | None,
     saved: SavedRun | None,
     stopped: Callable[[], bool] | None,
-    announce: Callable[[int, dict[str, Any]], None] | None,
+    announce: Announce | None,
     guess: Unknowns | None,
 ) -> Result:
     """As ``solve_and_write``, without the scene's file; its text goes into the result's."""
@@ -108,7 +109,7 @@ def solve_levels_and_write(
     first: Run,
     folder: Path,
     stopped: Callable[[], bool] | None = None,
-    announce: Callable[[int, dict[str, Any]], None] | None = None,
+    announce: Announce | None = None,
 ) -> Result:
     """Solve a scene that asks for an accuracy, and write the files of its last level; collective.
 
@@ -207,8 +208,8 @@ class StepFiles:
         with self._run.timings.phase("output"):
             self.catch_up()
             steps = self._run.steps
-            before = steps[-2]["load_factor"] if len(steps) > 1 else 0.0
-            if is_kept(self._run.scene.steps, steps[-1]["load_factor"], before, self._fields.most):
+            before = steps[-2].load_factor if len(steps) > 1 else 0.0
+            if is_kept(self._run.scene.steps, steps[-1].load_factor, before, self._fields.most):
                 self.add_fields()
 
     def complete(self) -> None:
@@ -224,11 +225,11 @@ class StepFiles:
     def add_fields(self) -> None:
         """Those of the last step."""
         steps = self._run.steps
-        self._fields.write(self._run.forces, steps[-1]["load_factor"], len(steps))
+        self._fields.write(self._run.forces, steps[-1].load_factor, len(steps))
 
     @property
     def _has_last(self) -> bool:
-        return bool(self._fields.last == self._run.steps[-1]["load_factor"])
+        return bool(self._fields.last == self._run.steps[-1].load_factor)
 
 
 def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
@@ -273,7 +274,7 @@ def _write_tables(result: Result, folder: Path, scene: str) -> None:
 
 def _write_result(result: Result, folder: Path, scene: str) -> None:
     # Last, and in one move: where it exists, the run is complete.
-    content = _finite(result.as_dict()) | {"scene": scene}
+    content = _finite(result.record(scene).as_dict())
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     replace_file(folder / "result.json", f"{text}\n".encode())
 
@@ -289,7 +290,7 @@ def _finite(value: Any) -> Any:
     """JSON has no infinity: such numbers become null."""
     if isinstance(value, dict):
         return {key: _finite(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
+    if isinstance(value, list):
         return [_finite(entry) for entry in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None

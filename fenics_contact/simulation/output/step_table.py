@@ -10,6 +10,8 @@ from typing import Any
 
 from fenics_contact.common.atomic_files import append, replace_file
 from fenics_contact.common.plain_text import one_line
+from fenics_contact.results.records.record import Quantities
+from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.quantity_names import VECTORS
 from fenics_contact.scene.values import AXES
 
@@ -26,11 +28,11 @@ class StepTable:
         self._columns: list[str] = []
         self._rows = 0
 
-    def follow(self, steps: Sequence[Mapping[str, Any]]) -> None:
+    def follow(self, steps: Sequence[StepRecord]) -> None:
         """Append the rows of the steps that were accepted since the last time.
 
         Args:
-            steps: All so far, as in ``result.json``.
+            steps: All so far.
         """
         rows = [row_of(step) for step in steps[self._rows :]]
         for row in rows:
@@ -47,28 +49,27 @@ class StepTable:
         write(self._path, text.getvalue().encode())
 
 
-def row_of(step: Mapping[str, Any]) -> dict[str, Any]:
+def row_of(step: StepRecord) -> dict[str, Any]:
     """A load step by column.
 
     Quantities are those of the whole model and, where there are several contacts, then those
     of each, as ``contact.quantity``; vectors by component, as ``quantity_x``. What has no value
     is empty.
     """
-    components = len(step["quantities"]["reaction"])
+    components = len(step.quantities["reaction"])
     row = {
-        "time": step["load_factor"],
-        "newton_iterations": step["newton_iterations"],
-        "outer_iterations": step["outer_iterations"],
-        **_by_component(step["quantities"], components),
+        "time": step.load_factor,
+        "newton_iterations": step.newton_iterations,
+        "outer_iterations": step.outer_iterations,
+        **_by_component(step.quantities, components),
     }
-    contacts = step["contacts"]
-    for contact in contacts if len(contacts) > 1 else []:
-        found = _by_component(contact["quantities"], components)
-        row |= {f"{one_line(contact['name'])}.{name}": value for name, value in found.items()}
+    for contact in step.contacts if len(step.contacts) > 1 else []:
+        found = _by_component(contact.quantities, components)
+        row |= {f"{one_line(contact.name)}.{name}": value for name, value in found.items()}
     return row
 
 
-def _by_component(quantities: Mapping[str, Any], components: int) -> dict[str, Any]:
+def _by_component(quantities: Quantities, components: int) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, given in quantities.items():
         value = [None] * components if given is None and name in VECTORS else given

@@ -22,6 +22,8 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.snapshot import ContactMemory, remember
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.earlier_results import steps_in_todays_terms
+from fenics_contact.results.records.steps import StepRecord
+from fenics_contact.results.result_file import steps_of
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.restart import fingerprint
 from fenics_contact.simulation.restart.node_keys import NodalKeys, found_among, gather_keyed
@@ -41,7 +43,7 @@ class SavedRun:
 
     Attributes:
         last: Its last accepted load step.
-        steps: Records of all steps, as in ``result.json``.
+        steps: Records of all steps.
         pace: What is to come next.
         forces: Largest of all steps (force).
         energy: Sums of its energy book.
@@ -49,7 +51,7 @@ class SavedRun:
     """
 
     last: AcceptedStep
-    steps: list[dict[str, Any]]
+    steps: list[StepRecord]
     pace: list[float]
     forces: float
     energy: list[float]
@@ -92,7 +94,7 @@ class StateFile:
         """Take away that of an earlier run; collective."""
         on_root(self._comm, lambda: self.path.unlink(missing_ok=True))
 
-    def save(self, load_steps: LoadSteps, steps: list[dict[str, Any]], energy: list[float]) -> None:
+    def save(self, load_steps: LoadSteps, steps: list[StepRecord], energy: list[float]) -> None:
         """Write the last accepted step of a history; collective.
 
         Args:
@@ -109,7 +111,7 @@ class StateFile:
             "made_for": self._made_for,
             "time": last.unknowns.time,
             "time_before": None if last.before is None else last.before.time,
-            "steps": steps,
+            "steps": [step.as_dict() for step in steps],
             "pace": load_steps.pace.state,
             "forces": load_steps.newton.system.earlier_forces,
             "energy": energy,
@@ -148,7 +150,7 @@ class StateFile:
         self._require_same(header["made_for"])
         said, signs = header["solution"], [c.sides.on_sign for c in self._problem.contacts]
         axisymmetric = self._problem.spaces.kinematics == "axisymmetric"
-        steps = steps_in_todays_terms(header["steps"], signs, axisymmetric)
+        steps = steps_of(steps_in_todays_terms(header["steps"], signs, axisymmetric))
         before = header["time_before"]
         last = AcceptedStep(
             unknowns=self._unknowns("last", header["time"], arrays),
@@ -163,9 +165,9 @@ class StateFile:
                 friction_force=[],
                 friction_bound=[],
                 states=[],
-                residual_history=tuple(steps[-1]["residual_history"]),
-                newton_iterations=steps[-1]["newton_iterations"],
-                outer_iterations=steps[-1]["outer_iterations"],
+                residual_history=tuple(np.array(steps[-1].residual_history, dtype=float).tolist()),
+                newton_iterations=steps[-1].newton_iterations,
+                outer_iterations=steps[-1].outer_iterations,
                 strategy=said["strategy"],
                 imbalance_limit=said["imbalance_limit"],
                 factorisations=0,

@@ -10,13 +10,16 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Hashable, Mapping, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.results.records.contacts import ReactionRecord, SupportRecord
 from fenics_contact.results.result import Result
 from fenics_contact.scene.quantity_names import Reaction
+
+Held = TypeVar("Held", SupportRecord, ReactionRecord)
 
 # What a move is over the one before, at the least, of what does not converge. Half is the order of
 # a force beside a displacement r^½, the strongest singularity of a body that is not torn, on cells
@@ -103,9 +106,9 @@ def without_bars(result: Result, keys: Sequence[Hashable]) -> Result:
     for number, contact in enumerate(result.contacts):
         rows = {
             name: _stripped(row) if (number, name) in keys else row
-            for name, row in contact.get("errors", {}).items()
+            for name, row in contact.errors.items()
         }
-        contacts.append({**contact, "errors": rows} if rows else contact)
+        contacts.append(dataclasses.replace(contact, errors=rows))
     supports = [
         _without_bar(row, Reaction(number), keys) for number, row in enumerate(result.supports)
     ]
@@ -123,11 +126,11 @@ def without_bars(result: Result, keys: Sequence[Hashable]) -> Result:
     )
 
 
-def _without_bar(found: dict[str, Any], key: Reaction, keys: Sequence[Hashable]) -> dict[str, Any]:
+def _without_bar(found: Held, key: Reaction, keys: Sequence[Hashable]) -> Held:
     """A support, or supports of one name, likewise."""
-    if key not in keys or "errors" not in found:
+    if key not in keys or not found.errors:
         return found
-    return {**found, "errors": {"reaction": _stripped(found["errors"]["reaction"])}}
+    return dataclasses.replace(found, errors={"reaction": _stripped(found.errors["reaction"])})
 
 
 def said(keys: Sequence[Hashable], result: Result) -> str:
@@ -135,11 +138,11 @@ def said(keys: Sequence[Hashable], result: Result) -> str:
     words = []
     for key in keys:
         if isinstance(key, Reaction):
-            of = result.supports[key.of]["name"] if isinstance(key.of, int) else key.of
+            of = result.supports[key.of].label if isinstance(key.of, int) else key.of
             words.append(f"reaction of '{of}'")
             continue
         name = str(key[1] if isinstance(key, tuple) else key).replace("_", " ")
-        of = f" of '{result.contacts[key[0]]['name']}'" if isinstance(key, tuple) else ""
+        of = f" of '{result.contacts[key[0]].name}'" if isinstance(key, tuple) else ""
         words.append(name + of)
     words = list(dict.fromkeys(words))
     listed = " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
@@ -161,14 +164,14 @@ def _all(result: Result) -> list[tuple[Hashable, Mapping[str, float | None], Any
     ]
     for number, contact in enumerate(result.contacts):
         found += [
-            ((number, name), row, contact["quantities"][name])
-            for name, row in contact.get("errors", {}).items()
+            ((number, name), row, contact.quantities[name]) for name, row in contact.errors.items()
         ]
-    parts: list[tuple[int | str, Any]] = [*enumerate(result.supports), *result.reactions.items()]
+    parts: list[tuple[int | str, SupportRecord | ReactionRecord]] = [
+        *enumerate(result.supports),
+        *result.reactions.items(),
+    ]
     found += [
-        (Reaction(of), part["errors"]["reaction"], part["reaction"])
-        for of, part in parts
-        if "errors" in part
+        (Reaction(of), part.errors["reaction"], part.reaction) for of, part in parts if part.errors
     ]
     return [row for row in found if row[2] is not None]
 

@@ -8,7 +8,7 @@ together is taken to be their sum.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from fenics_contact.evaluate.nodal_forces import BulkForces
@@ -18,7 +18,8 @@ from fenics_contact.evaluate.quantities import (
     support_reactions,
 )
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.result import QUANTITIES, reactions_by_name
+from fenics_contact.results.quantities import QUANTITIES, reactions_by_name
+from fenics_contact.results.records.contacts import ReactionRecord, SupportRecord
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
@@ -66,11 +67,11 @@ class ErrorBudget:
     local: LocalErrors | None = None
     unbounded: dict[Hashable, str] = field(default_factory=dict)
 
-    def of_contact(self, number: int) -> dict[str, Any]:
+    def of_contact(self, number: int) -> dict[str, Row]:
         """``errors`` of a contact for ``result.json``, where there are any."""
-        return {"errors": self.contacts[number]} if self.contacts else {}
+        return self.contacts[number] if self.contacts else {}
 
-    def of_supports(self, supports: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    def of_supports(self, supports: list[SupportRecord]) -> list[SupportRecord]:
         """``supports`` of ``result.json``, with ``errors`` where there are any.
 
         Args:
@@ -79,17 +80,16 @@ class ErrorBudget:
         if not self.supports:
             return supports
         rows = zip(supports, self.supports, strict=True)
-        return [support | {"errors": errors} for support, errors in rows]
+        return [replace(support, errors=errors) for support, errors in rows]
 
-    def of_reactions(self, supports: list[dict[str, Any]]) -> dict[str, dict[str, Any]]:
+    def of_reactions(self, supports: list[SupportRecord]) -> dict[str, ReactionRecord]:
         """``reactions`` of ``result.json``, with ``errors`` where there are any.
 
         Args:
             supports: As of ``of_supports``.
         """
         return {
-            name: {"reaction": reaction}
-            | ({"errors": self.reactions[name]} if name in self.reactions else {})
+            name: ReactionRecord(reaction=reaction, errors=self.reactions.get(name, {}))
             for name, reaction in reactions_by_name(supports).items()
         }
 
@@ -167,10 +167,10 @@ class _Measure:
         return found | _reactions(supports)
 
 
-def _reactions(supports: list[dict[str, Any]]) -> dict[Hashable, Any]:
+def _reactions(supports: list[SupportRecord]) -> dict[Hashable, Any]:
     """Of each support, and of those of each name together."""
     found: dict[Hashable, Any] = {
-        Reaction(number): row["reaction"] for number, row in enumerate(supports)
+        Reaction(number): row.reaction for number, row in enumerate(supports)
     }
     return found | {Reaction(name): sum_ for name, sum_ in reactions_by_name(supports).items()}
 

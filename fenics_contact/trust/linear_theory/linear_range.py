@@ -6,7 +6,7 @@ through what holds it, there is no result.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -102,7 +102,7 @@ def _worst(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     return next(row for row in rows if row["value"] >= most * (1 - _ROUND_OFF))
 
 
-def worst_step(steps: Sequence[dict[str, Any]], what: str) -> dict[str, Any] | None:
+def worst_step(steps: Sequence[Mapping[str, Any]], what: str) -> dict[str, Any] | None:
     """Of load steps as in ``result.json``, the row of the one where something is largest.
 
     Args:
@@ -120,7 +120,7 @@ def worst_step(steps: Sequence[dict[str, Any]], what: str) -> dict[str, Any] | N
     return max(rows, key=lambda row: float(row["value"])) if rows else None
 
 
-def linear_range(steps: Sequence[dict[str, Any]]) -> Check | None:
+def linear_range(steps: Sequence[Mapping[str, Any]]) -> Check | None:
     """Nothing is turned inside out or passes through what holds it, in any load step.
 
     Args:

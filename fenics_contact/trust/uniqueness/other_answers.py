@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -15,6 +14,8 @@ from fenics_contact.evaluate.quantities import (
     support_reactions,
 )
 from fenics_contact.problem.problem import Problem
+from fenics_contact.results.records.contacts import BranchContact
+from fenics_contact.results.records.steps import BranchRecord
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
@@ -35,16 +36,16 @@ class OtherAnswers:
     """
 
     limits: dict[str, tuple[float, float]] = field(default_factory=dict)
-    branches: list[dict[str, Any]] = field(default_factory=list)
+    branches: list[BranchRecord] = field(default_factory=list)
     without_answer: int = 0
 
-    def limit(self, contact: str) -> dict[str, float]:
-        """``uniqueness_limit`` of a contact for ``result.json``, where there is one."""
-        return {"uniqueness_limit": self.limits[contact][0]} if contact in self.limits else {}
+    def limit(self, contact: str) -> float | None:
+        """``uniqueness_limit`` of a contact for ``result.json``, None where there is none."""
+        return self.limits[contact][0] if contact in self.limits else None
 
     def words(self) -> str:
         """Sentences for the verdict, or nothing; an answer that fails a check counts for none."""
-        others = [branch["start"] for branch in self.branches[1:] if branch["passed"]]
+        others = [branch.start for branch in self.branches[1:] if branch.passed]
         if others:
             starts = " and ".join(f"'{start}'" for start in others)
             return (
@@ -94,20 +95,20 @@ def look_around(load_steps: LoadSteps) -> OtherAnswers:
     return OtherAnswers(limits, branches, without_answer)
 
 
-def _branch(problem: Problem, start: str, solution: Solution) -> dict[str, Any]:
+def _branch(problem: Problem, start: str, solution: Solution) -> BranchRecord:
     forces = BulkForces(problem, solution)
     reactions, _ = support_reactions(forces)
     by_contact = [
         contact_quantities(problem, solution, number) for number in range(len(problem.contacts))
     ]
     checks = run_checks(forces, reactions)
-    return {
-        "start": start,
-        "newton_iterations": solution.newton_iterations,
-        "passed": all(check.passed for check in checks.values()),
-        "quantities": global_quantities(forces, reactions, by_contact),
-        "contacts": [
-            {"name": contact.label, "quantities": found}
+    return BranchRecord(
+        start=start,
+        newton_iterations=solution.newton_iterations,
+        passed=all(check.passed for check in checks.values()),
+        quantities=global_quantities(forces, reactions, by_contact),
+        contacts=[
+            BranchContact(name=contact.label, quantities=found)
             for contact, found in zip(problem.contacts, by_contact, strict=True)
         ],
-    }
+    )

@@ -12,9 +12,10 @@ import numpy as np
 
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.scene.conditions import Point, Support
 from fenics_contact.scene.contact import Contact, Obstacle
 from fenics_contact.scene.material import Material
-from fenics_contact.scene.scene import Discretisation, Point, Scene, Support
+from fenics_contact.scene.scene import Discretisation, Scene
 from fenics_contact.verification.error_bars.case import (
     BarCase,
     Element,

@@ -1,7 +1,5 @@
 """Pictures of two bodies that touch: nodes of both may lie at the same place."""
 
-import json
-
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -14,6 +12,7 @@ from fenics_contact.report.drawing.fields import read_body
 from fenics_contact.report.drawing.figures import surface_of
 from fenics_contact.report.drawing.style import COLOURS
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.result_file import read_result
 from tests.contact.pair_bodies import Box, boxes
 from tests.report.test_gallery import BELOW, LINE, coarse, drawn, has_colour, pixels, write_run  # noqa: F401
 
@@ -44,17 +43,17 @@ def pressed(kinematics="plane strain", down=0.01, aside=0.0, **contact):
 
 def files_of(folder):
     """The body, the contact points and the result of a run."""
-    result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    result = read_result(folder)
     return read_body(folder), ContactTable.read(folder / "contact.csv"), result
 
 
 def test_displacement_is_that_of_the_slave_where_nodes_coincide(tmp_path):
     assert drawn(pressed(aside=0.2), tmp_path, squares()) == {*LINE, *BELOW}
     body, table, result = files_of(tmp_path)
-    found = SurfaceDisplacement.of(body, table, result["contacts"][0])
+    found = SurfaceDisplacement.of(body, table, result.contacts[0])
     assert len(found.tangential) == 9
     assert found.tangential == pytest.approx(0.2, abs=0.02)  # the lower one stays
-    assert surface_of(result["contacts"][0]) == "'upper.y0' against 'lower.y1'"
+    assert surface_of(result.contacts[0]) == "'upper.y0' against 'lower.y1'"
 
 
 @pytest.mark.parametrize("slave", ["on", "against"])
@@ -79,7 +78,7 @@ def test_gaps_that_closed_are_not_torn_open_by_magnification(tmp_path):
         folder = tmp_path / str(gap)
         write_run(pressed(down=0.005 + gap), folder, squares(gap))
         body, table, result = files_of(folder)
-        assert result["contacts"][0]["quantities"]["closed_gap"] == pytest.approx(gap)
+        assert result.contacts[0]["quantities"]["closed_gap"] == pytest.approx(gap)
         body["von Mises stress"] = np.zeros(body.n_points)
         factors.append(choose_view(body, result, table).factor)
     assert factors[0] >= 10 and factors[1] == 1

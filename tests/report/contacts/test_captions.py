@@ -9,6 +9,7 @@ from fenics_contact.report.contacts.section_stress import draw_section
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.report.histories import load_steps as history_pictures
 from fenics_contact.report.histories.load_steps import draw_history
+from tests.records import made_run
 from tests.report.drawing.test_style import CONTACT, points, strip
 
 pytestmark = pytest.mark.serial
@@ -71,13 +72,15 @@ def cycled(law="incremental", other_work=0.0, turns=1.0, deeper=0.0):
 def test_the_area_of_a_loop_is_what_dissipates_only_where_nothing_else_works(
     change, said, tmp_path
 ):
-    loops = draw_history(tmp_path, cycled(**change))[0]
+    loops = draw_history(tmp_path, made_run(cycled(**change)))[0]
     assert said in loops.caption
 
 
 @pytest.mark.parametrize("law", ["incremental", "none"])
 def test_without_friction_nothing_is_said_to_stick(law, tmp_path):
-    (areas,) = (p for p in draw_history(tmp_path, cycled(law)) if p.path.stem == "history_areas")
+    (areas,) = (
+        p for p in draw_history(tmp_path, made_run(cycled(law))) if p.path.stem == "history_areas"
+    )
     assert ("stick and slip" in areas.caption) == (law != "none")
     assert areas.caption.endswith(".")
 
@@ -96,7 +99,7 @@ def test_any_name_can_be_drawn(monkeypatch, tmp_path):
     result["contacts"] = [result["contacts"][0] | {"name": name} for name in HOSTILE]
     for step in result["steps"]:
         step["contacts"] *= 2
-    draw_history(tmp_path, result)
+    draw_history(tmp_path, made_run(result))
     assert any("\\$\\frac\\$" in text for text in texts), texts
     assert any("\\u061ca\\x1b[2J" in text for text in texts), texts
     assert not any("\u061c" in text or "\x1b" in text for text in texts)
@@ -118,6 +121,6 @@ def test_largest_shear_of_hertz(line, tmp_path):
     rows = points(np.linspace(-1, 1, 11), status=status)
     hertz = HertzContact(force=1.0, radius=1.0, peak=100.0)
     formula = AnalyticContact("Hertz", hertz, line, False, np.zeros(3), 0.1, smooth=True)
-    result = {"model": {"kinematics": "plane strain"}}
+    result = made_run({})
     picture = draw_section(body, result, rows, CONTACT, tmp_path / "stress.png", formula)
     assert said in picture.caption

@@ -1,7 +1,5 @@
 """What is drawn along lines, the axis and the surface, against Hertz's solution."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -11,6 +9,7 @@ from fenics_contact.report.contacts.displacement import SurfaceDisplacement
 from fenics_contact.report.contacts.section_stress import section_at
 from fenics_contact.report.drawing.fields import read_body
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.result_file import read_result
 from tests.report.test_gallery import small_sphere, write_run
 
 pytestmark = pytest.mark.serial
@@ -19,8 +18,8 @@ pytestmark = pytest.mark.serial
 def sphere_files(folder, coefficient):
     """The body, the contact points and the result of a small sphere."""
     write_run(small_sphere(0.25, friction_coefficient=coefficient), folder)
-    result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-    return read_body(folder), ContactTable.read(folder / "contact.csv"), result["contacts"][0]
+    result = read_result(folder)
+    return read_body(folder), ContactTable.read(folder / "contact.csv"), result.contacts[0]
 
 
 def test_stress_below_a_sphere(tmp_path):

@@ -1,7 +1,5 @@
 """What laws keep of their own is drawn: on lines and maps, in films, as colours to choose."""
 
-import json
-
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -13,6 +11,7 @@ from fenics_contact.report.drawing.fields import read_body
 from fenics_contact.report.report import write_report
 from fenics_contact.report.view.view_3d import make_view
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.result_file import read_result
 from fenics_contact.simulation.output import run_folder as files
 from tests.contact.laws.test_own_arrays import STEPS, polished  # noqa: F401
 from tests.simulation.output.test_run_folder import block, cycled
@@ -23,7 +22,7 @@ pytestmark = [pytest.mark.serial, pytest.mark.usefixtures("polished")]
 def written(folder, kinematics="plane strain", cells=(8, 4)):
     prepared = Run(cycled(STEPS, kinematics), MPI.COMM_SELF, block(MPI.COMM_SELF, cells))
     assert files.solve_and_write(prepared, folder).converged
-    return json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    return read_result(folder)
 
 
 @pytest.mark.parametrize(("kinematics", "cells"), [("plane strain", (8, 4)), ("3D", (4, 3, 2))])
@@ -45,14 +44,14 @@ def test_frames_of_films_have_those_of_their_step(tmp_path):
     result = written(tmp_path)
     body, table = read_body(tmp_path), ContactTable.read(tmp_path / "contact.csv")
     body["slid_way"] = 2 * np.asarray(body["slid_way"])
-    rows = frame_rows(table, body, result["contacts"][0])
+    rows = frame_rows(table, body, result.contacts[0])
     twice = 2 * table.numbers["slid_way"].max()
     assert rows.numbers["slid_way"].max() == pytest.approx(twice)
 
 
 def test_what_is_zero_everywhere_is_not_drawn(tmp_path):
     result = written(tmp_path)
-    table, contact = ContactTable.read(tmp_path / "contact.csv"), result["contacts"][0]
+    table, contact = ContactTable.read(tmp_path / "contact.csv"), result.contacts[0]
     assert list(shown_arrays(table, contact)) == ["slid way", "drift"]
     table.numbers["slid_way"][:] = 0.0
     assert list(shown_arrays(table, contact)) == ["drift"]

@@ -1,5 +1,6 @@
 """Pictures are legible in grey, are the same in every run, and need no display of the user's."""
 
+import dataclasses
 import os
 import subprocess
 import sys
@@ -19,14 +20,12 @@ from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.style import COLOURS, LINES
 from fenics_contact.report.histories.hysteresis import last_loop
 from fenics_contact.results.contact_table import ContactTable
+from tests.records import made_contact, made_run
 
 pytestmark = pytest.mark.serial
-CONTACT = {
-    "name": "top",
-    "contact": "unilateral",
-    "law": "static",
-    "parameters": {"friction_coefficient": 0.5},
-}
+CONTACT = made_contact(
+    name="top", contact="unilateral", law="static", parameters={"friction_coefficient": 0.5}
+)
 
 
 def points(x, y=0.0, status=None, normal=(0.0, 1.0, 0.0)):
@@ -146,14 +145,14 @@ def test_obstacle_is_where_the_gap_says_at_all_times():
     assert obstacle.then(before).at(1)[:, 1] == pytest.approx(x**2 - 0.2)
     apart = strip(lambda p: 0 * p, lambda x: 0 * x)
     assert obstacle.then(apart) is None
-    assert obstacle_surface(body, rows, CONTACT | {"contact": "winkler"}) is None
+    assert obstacle_surface(body, rows, dataclasses.replace(CONTACT, contact="winkler")) is None
 
 
 @pytest.mark.parametrize("count", [0, 1])
 def test_points_are_told_of_where_there_are_contacts(count, tmp_path):
     body = strip(lambda p: 0 * p, lambda x: 0 * x)
     body["von Mises stress"] = np.asarray(body.points)[:, 0]
-    result = {"model": {"kinematics": "plane strain"}, "contacts": count * [CONTACT]}
+    result = made_run({"contacts": count * [dict(CONTACT)]})
     drawn = draw_body(body, result, points(np.linspace(-1, 1, 11)), tmp_path / "deformed.png")
     assert ("Points: " in drawn.caption) == (count > 0)
 

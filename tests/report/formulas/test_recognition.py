@@ -12,6 +12,7 @@ from fenics_contact.body.held_dofs import HeldDofs, SymmetryPlane
 from fenics_contact.report.formulas.recognition import recognise
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.scene.values import Profile
+from tests.records import made_run
 
 pytestmark = pytest.mark.serial
 MODULUS = formulas.plane_strain_modulus(1000, 0.3)
@@ -48,7 +49,7 @@ LINE, WHOLE = table(np.linspace(0, 1, 41)), table(np.linspace(-1, 1, 81))
 
 
 def result(force, friction=(), law="none", symmetry="none", name="contact"):
-    """As ``result.json`` has it; forces of all load steps."""
+    """A run with these forces at its load steps."""
     forces = np.atleast_1d(force)
     friction = np.atleast_2d(friction) if len(friction) else np.zeros((len(forces), 2))
     steps = [
@@ -61,11 +62,16 @@ def result(force, friction=(), law="none", symmetry="none", name="contact"):
         for number, (p, q) in enumerate(zip(forces.tolist(), friction.tolist(), strict=True))
     ]
     contact = {"name": name, "law": law, "quantities": {"normal_force": float(forces[-1])}}
-    return {
-        "model": {"symmetry": symmetry, "kinematics": ""},
-        "contacts": [contact],
-        "steps": steps,
-    }
+    return made_run({"model": {"symmetry": symmetry}, "contacts": [contact], "steps": steps})
+
+
+def mirrored(run, symmetry):
+    return dataclasses.replace(run, model=dataclasses.replace(run.model, symmetry=symmetry))
+
+
+def of_two_bodies(run):
+    contact = dataclasses.replace(run.contacts[0], slave="up.contact", master="low.contact")
+    return dataclasses.replace(run, contacts=[contact])
 
 
 @pytest.mark.parametrize("shape", ["paraboloid", "sphere"])
@@ -202,7 +208,7 @@ def test_other_results_have_no_formula():
     good = result(HERTZ.force)
     assert recognise(pressed(), good, LINE, None) is not None
     assert recognise(None, good, LINE, None) is None
-    two = good | {"contacts": 2 * good["contacts"]}
+    two = dataclasses.replace(good, contacts=2 * good.contacts)
     assert recognise(pressed(), two, LINE, None) is None
     assert recognise(pressed(), result(0.0), LINE, None) is None
     assert recognise(pressed(), good, table(np.linspace(0, 1, 41), closed=0.0), None) is None
@@ -302,8 +308,7 @@ def pair(kinematics="plane strain"):
         support=(Support("low.face", {"y": 0}), Support("up.face", {"y": -0.1})),
         contact=(Contact("up.contact", against="low.contact"),),
     )
-    found = result(2.0)
-    found["contacts"][0] |= {"slave": "up.contact", "master": "low.contact"}
+    found = of_two_bodies(result(2.0))
     return scene, found
 
 
@@ -358,14 +363,14 @@ def test_half_of_two_real_cylinders():
     """A circle is no parabola: the apex of what is fitted to one side is beside the plane."""
     body, rows = half(10.0)
     scene, found = pair()
-    found["model"]["symmetry"] = "half (x = 0)"
-    found["contacts"][0]["quantities"]["normal_force"] = 0.3
+    found = mirrored(found, "half (x = 0)")
+    found.contacts[0].quantities["normal_force"] = 0.3
     compliance = 1 / MODULUS + 1 / formulas.plane_strain_modulus(500, 0.2)
     expected = formulas.line_contact(1 / compliance, 5.0, 0.6)
     recognised = recognise(scene, found, rows, body)
     assert recognised.centre[0] == 0
     assert recognised.hertz.radius == pytest.approx(expected.radius, rel=2e-3)
-    found["model"]["symmetry"] = "half (x = 1)"
+    found = mirrored(found, "half (x = 1)")
     assert recognise(scene, found, rows, body) is None
 
 
@@ -373,7 +378,7 @@ def test_a_ring_of_contact_has_no_formula():
     """Bodies of revolution touch at a point only where their apexes lie on the axis."""
     scene, found = pair("axisymmetric")
     body, rows = half(10.0)
-    found["contacts"][0]["quantities"]["normal_force"] = 0.05
+    found.contacts[0].quantities["normal_force"] = 0.05
     assert recognise(scene, found, rows, body) is not None
     body, rows = half(10.0, start=5.0)
     assert recognise(scene, found, rows, body) is None
@@ -391,8 +396,7 @@ def test_friction_of_two_bodies_that_are_stretched_has_no_formula():
         "up.contact", against="low.contact", law="incremental", friction_coefficient=0.3
     )
     scene = dataclasses.replace(scene, material=(Material(1000, 0.3),), contact=(rough,))
-    found = result([2.0] * 3, [[0, 0], [-0.15, 0], [-0.3, 0]], "incremental")
-    found["contacts"][0] |= {"slave": "up.contact", "master": "low.contact"}
+    found = of_two_bodies(result([2.0] * 3, [[0, 0], [-0.15, 0], [-0.3, 0]], "incremental"))
     shift = Support("up.face", {"x": 0.01})
     stretched = (Support("low.left", {"x": -0.05}), Support("low.right", {"x": 0.05}))
     uneven = (Support("up.face", {"x": Profile("x", (-1, 1), (0, 1))}),)
@@ -405,5 +409,5 @@ def test_friction_of_two_bodies_that_are_stretched_has_no_formula():
 def test_large_contact_of_two_bodies_has_no_formula():
     body, rows = discs(10.0)
     scene, found = pair()
-    found["contacts"][0]["quantities"]["normal_force"] = 100.0  # a = .87, bodies 2 wide
+    found.contacts[0].quantities["normal_force"] = 100.0  # a = .87, bodies 2 wide
     assert recognise(scene, found, rows, body) is None

@@ -7,7 +7,9 @@ from typing import Any
 from markupsafe import Markup
 
 from fenics_contact.report.page.page import Content, page
+from tests.records import made_run
 
 
 def page_of(result: dict[str, Any], scene: str = "", keeps_scene: bool = True) -> str:
-    return page(Content("folder", {"scene": scene} | result, keeps_scene, [], [], Markup()))
+    record = made_run({"scene": scene} | result)
+    return page(Content("folder", record, keeps_scene, [], [], Markup()))

@@ -28,7 +28,7 @@ from fenics_contact.report.page.templates import bar, html, table
 from fenics_contact.report.report import write_report
 from fenics_contact.report.view.view_3d import make_view, view_html
 from fenics_contact.results.contact_table import ContactTable
-from fenics_contact.results.result import idle_quantities
+from fenics_contact.results.quantities import idle_quantities
 from fenics_contact.results.result_file import read_result
 from fenics_contact.simulation.output import run_folder as files
 from tests.report.page.pages import page_of
@@ -104,10 +104,10 @@ def test_the_page_holds_everything_in_order(run):
     shown = {image["data-file"] for image in reader.images}
     assert shown == {picture.path.name for picture in written}
     assert all(image["alt"] for image in reader.images)
-    result = json.loads((folder / "result.json").read_text())
-    shown = result["quantities"].keys() - idle_quantities(result["contacts"])
+    result = read_result(folder)
+    shown = result.quantities.keys() - idle_quantities(result.contacts)
     assert len(shown) > 6
-    for name in (*result["checks"], *shown, *result["versions"]):
+    for name in (*result.checks, *shown, *result.versions):
         assert name.replace("_", " ") in text, name
     assert html((folder / "scene.toml").read_text()) in text
     assert "@article{CamposOdenKikuchi1982" in text

@@ -36,7 +36,7 @@ from fenics_contact.mesh.size_field import (
     graded,
     next_sizes,
 )
-from fenics_contact.simulation.adaptive import levels as adaptivity
+from fenics_contact.simulation.adaptive import mesh_wish
 from fenics_contact.simulation.adaptive import targets as accuracy_asked
 from fenics_contact.simulation.adaptive.levels import AdaptiveRun
 from fenics_contact.simulation.adaptive.transfer import fitted
@@ -297,7 +297,7 @@ def test_failure_keeps_the_last_level(folder, monkeypatch):
     def fail(*arguments):
         raise InputError("Gmsh says: no")
 
-    monkeypatch.setattr(adaptivity, "next_mesh", fail)
+    monkeypatch.setattr(mesh_wish, "next_mesh", fail)
     scene = load_scene(SPHERE, ["contact.0.friction_coefficient=0", "accuracy=1e-4", *COARSE])
     found = files.solve_levels_and_write(Run(scene, COMM), folder)
     assert found.exit_code == 3

@@ -2,7 +2,6 @@
 
 import csv
 import dataclasses
-import json
 
 import numpy as np
 import pytest
@@ -202,7 +201,7 @@ def test_curves_over_the_steps(tmp_path):
 def test_curves_over_the_steps_in_space(tmp_path):
     pytest.importorskip("matplotlib")
     prepared = Run(cycled(kinematics="3D"), MPI.COMM_SELF, block(MPI.COMM_SELF, (2, 2, 1)))
-    result = json.loads(json.dumps(prepared.solve().as_dict()))
+    result = prepared.solve()
     assert {picture.path.name for picture in draw_history(tmp_path, result)} == HISTORY
     assert all((tmp_path / name).stat().st_size > 10_000 for name in HISTORY)
 
@@ -220,7 +219,7 @@ def test_loops_hold_the_work_that_was_done():
         dataclasses.replace(scene, contact=(turned,), support=supports), COMM, block()
     ).solve()
     for result, symbols in ((by_obstacle, "PQ"), (by_support, "RR")):
-        drives = History.of(json.loads(json.dumps(result.as_dict()))).drives(result.contacts)
+        drives = History.of(result).drives(result.contacts)
         assert [drive.force.split("$")[1][0] for drive in drives] == list(symbols)
         done = sum(
             float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x)))

@@ -28,6 +28,8 @@ from fenics_contact.cli.summary import print_result
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import support_reactions
 from fenics_contact.results.check_messages import WORDS, compares
+from fenics_contact.results.records.model import RigidMotion
+from fenics_contact.results.records.steps import BranchRecord
 from fenics_contact.simulation import verdict
 from fenics_contact.trust.checks.comparison import balance, worst_of
 from fenics_contact.trust.checks.run_checks import all_checks
@@ -484,13 +486,17 @@ def test_page_and_terminal_show_all_answers_and_the_free_motions(capsys, tmp_pat
     result = solved(stacked).solve()
     quantities = {"friction_force": [1.5, 0.0], "stick_area": 0.25, "slip_area": 0.0}
     branches = [
-        {"start": start, "passed": passed, "quantities": {"normal_force": force, **quantities}}
+        BranchRecord(
+            start=start,
+            newton_iterations=1,
+            passed=passed,
+            quantities={"normal_force": force, **quantities},
+        )
         for start, passed, force in (("as solved", True, 7.125), ("all sticks", False, 8.375))
     ]
-    motion = {"motion": "translation along x of 'lid'", "bodies": ["lid"], "resisted_by": []}
-    shown = dataclasses.replace(
-        result, branches=branches, model={**result.model, "rigid_motions": [motion]}
-    )
+    motion = RigidMotion(motion="translation along x of 'lid'", bodies=["lid"], resisted_by=[])
+    model = dataclasses.replace(result.model, rigid_motions=[motion])
+    shown = dataclasses.replace(result, branches=branches, model=model)
     page = unescape(page_of(shown.as_dict()))
     row = "".join(f"<td>{cell}</td>" for cell in ("8.375", "1.5, 0", "0.25", "0", "FAILED"))
     row = f'<th scope="row">all sticks</th>{row}'

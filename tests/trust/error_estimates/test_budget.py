@@ -11,7 +11,7 @@ from mpi4py import MPI
 from fenics_contact import Load, Run, Steps, run
 from fenics_contact.cli.program import main
 from fenics_contact.cli.summary import print_result
-from fenics_contact.results.result import error_bar
+from fenics_contact.results.result_tables import error_bar
 from fenics_contact.trust.error_estimates.budget import SOURCES
 from tests.report.page.pages import page_of
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, with_solver

@@ -23,6 +23,7 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.results.records.steps import BranchRecord
 from fenics_contact.trust.uniqueness.other_answers import OtherAnswers
 from tests.contact.pair_bodies import Box, boxes
 from tests.scenes import box_body
@@ -225,11 +226,14 @@ def test_a_cylinder_along_a_plane_of_symmetry_has_its_limit_whatever_its_axis():
 
 
 def test_an_answer_that_fails_a_check_is_none():
-    branches = [{"start": start, "passed": start != "apart"} for start in ("as solved", "apart")]
+    branches = [
+        BranchRecord(start=start, newton_iterations=1, passed=start != "apart", quantities={})
+        for start in ("as solved", "apart")
+    ]
     assert OtherAnswers(branches=branches).words() == ""
     limits = {"pad": (1.0, 2.0)}
     assert "none was found from other starts" in OtherAnswers(limits, branches).words()
-    branches.append({"start": "all sticks", "passed": True})
+    branches.append(dataclasses.replace(branches[0], start="all sticks"))
     assert (
         "2 were found, the others from the starts 'all sticks';"
         in OtherAnswers(limits, branches).words()

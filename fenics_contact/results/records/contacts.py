@@ -1,0 +1,188 @@
+"""Contacts and supports, at the end of a run, of a load step or in one of several answers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.results.records.record import Errors, Quantities, Record
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LawAnswers(Record):
+    """What the laws of a contact answer, for pages and pictures.
+
+    Attributes:
+        pressure_is_given: Whether the pressure is the scene's, and nothing of it is found.
+        is_rigid: Whether what stands opposite is not to be entered.
+        carries_shear: Whether forces along the surface act: friction, or glue.
+    """
+
+    pressure_is_given: bool
+    is_rigid: bool
+    carries_shear: bool
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ArrayRecord(Record):
+    """What a law keeps of its own at the contact points, as columns of `contact.csv` and a field.
+
+    Attributes:
+        name: Of the field.
+        unit: Such as `length`.
+        is_vector: Whether it has a component along each axis.
+        column: Its name in `contact.csv`; of a vector, what stands before `_x`, `_y` and `_z`.
+    """
+
+    name: str
+    unit: str
+    is_vector: bool
+    column: str
+
+
+def array_record(array: PointArray) -> ArrayRecord:
+    """An array at contact points as ``result.json`` has it."""
+    column = array.column or array.name
+    return ArrayRecord(name=array.name, unit=array.unit, is_vector=array.is_vector, column=column)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ContactRecord(Record):
+    """A contact, in the order of the scene.
+
+    Attributes:
+        name: That of the scene.
+        contact: `prescribed`, `unilateral`, `winkler`, `bonded`, or the name of a further law.
+        law: Of friction: `none`, `static`, `incremental`, `stick`, or the name of a further law.
+        answers: What its laws answer.
+        slave: Between bodies: the surface whose points carry the contact.
+        master: Between bodies: the surface opposite.
+        slave_reason: Between bodies: why it is this one.
+        parameters: Those of its laws as used, also when chosen automatically; `varies` of one that
+            varies in space.
+        arrays: What its laws keep of their own at the points.
+        uniqueness_limit: Estimate of the friction coefficient up to which the answer is the only
+            one.
+        quantities: Of this contact alone; empty without an answer.
+        errors: Estimated errors of these.
+    """
+
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
+        {"arrays", "answers", "slave", "master", "slave_reason", "uniqueness_limit", "errors"}
+    )
+
+    name: str
+    contact: str
+    law: str
+    answers: LawAnswers | None = None
+    slave: str | None = None
+    master: str | None = None
+    slave_reason: str | None = None
+    parameters: Mapping[str, Any]
+    arrays: list[ArrayRecord] = field(default_factory=list)
+    uniqueness_limit: float | None = None
+    quantities: Quantities
+    errors: Errors = field(default_factory=dict)
+
+    @property
+    def own_arrays(self) -> tuple[PointArray, ...]:
+        """What its laws keep of their own at the points, and files and pictures have."""
+        return tuple(PointArray(**array) for array in self.arrays)
+
+    @property
+    def pressure_is_given(self) -> bool:
+        """Whether the pressure is the scene's, and nothing of it is found."""
+        return self._answers.pressure_is_given
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether what stands opposite is not to be entered, so that it is drawn as a solid."""
+        return self._answers.is_rigid
+
+    @property
+    def carries_shear(self) -> bool:
+        """Whether forces along the surface act: friction, or glue."""
+        return self._answers.carries_shear
+
+    @property
+    def _answers(self) -> LawAnswers:
+        """Those of the file; in earlier ones, of before they were written, those of its laws."""
+        return self.answers or LawAnswers(
+            pressure_is_given=self.contact == "prescribed",
+            is_rigid=self.contact in ("unilateral", "bonded"),
+            carries_shear=self.law != "none",
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StepContact(Record):
+    """A contact at the end of a load step.
+
+    Attributes:
+        name: That of the scene.
+        regularisation_parameter: ε of the step, where it does not follow from pressures to come
+            (length).
+        quantities: Of this contact alone.
+    """
+
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"regularisation_parameter"})
+
+    name: str
+    regularisation_parameter: float | None = None
+    quantities: Quantities
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BranchContact(Record):
+    """A contact in one of several answers.
+
+    Attributes:
+        name: That of the scene.
+        quantities: Of this contact alone.
+    """
+
+    name: str
+    quantities: Quantities
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SupportRecord(Record):
+    """A support, a plane of symmetry or the outer boundary of a half-space.
+
+    Attributes:
+        name: By default that of its group; several may have the same.
+        on: The group.
+        reaction: Resultant on the body, a vector (force).
+        displacement: Mean of what it holds along each axis, null along others, a vector (length).
+        errors: Estimated error of the reaction.
+    """
+
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"name", "errors"})
+
+    name: str | None = None
+    on: str
+    reaction: list[float]
+    displacement: list[float | None] = field(default_factory=list)
+    errors: Errors = field(default_factory=dict)
+
+    @property
+    def label(self) -> str:
+        """Its name; in files of earlier versions supports have none but that of their group."""
+        return self.on if self.name is None else self.name
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ReactionRecord(Record):
+    """All supports of one name together.
+
+    Attributes:
+        reaction: Resultant on the body, a vector (force).
+        errors: Estimated error of it.
+    """
+
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"errors"})
+
+    reaction: list[float]
+    errors: Errors = field(default_factory=dict)

@@ -1,0 +1,84 @@
+"""What an object of ``result.json`` is in the program: a frozen dataclass that also has keys."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, TypeVar
+
+Class = TypeVar("Class", bound=type)
+# By name: a number, a list for a vector, None where there is no value.
+Quantities = Mapping[str, Any]
+# Source → estimated absolute error, and their ``total``; None where it was not estimated.
+ErrorRow = Mapping[str, float | None]
+Errors = Mapping[str, ErrorRow]
+
+
+@dataclass(frozen=True, eq=False)
+class Record(Mapping[str, Any]):
+    """An object of ``result.json``: its attributes are the keys.
+
+    Scripts may as well read it by the keys that stand in the file, ``contact["quantities"]``;
+    those that are left out there are not among them.
+
+    Attributes:
+        LEFT_OUT: Keys that are left out of the file where their value is None or empty.
+    """
+
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset()
+
+    def is_written(self, name: str) -> bool:
+        """Whether an attribute stands in the file."""
+        return name not in self.LEFT_OUT or getattr(self, name) not in (None, "", [], (), {})
+
+    def __iter__(self) -> Iterator[str]:
+        return (field.name for field in fields(self) if self.is_written(field.name))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __getitem__(self, key: str) -> Any:
+        if key not in tuple(self):
+            raise KeyError(key)
+        return getattr(self, key)
+
+    def as_dict(self) -> dict[str, Any]:
+        """With all that is in it, as dictionaries and lists."""
+        return {key: plain(value) for key, value in self.items()}
+
+
+def plain(value: Any) -> Any:
+    """Records and all that is in them as dictionaries and lists.
+
+    Args:
+        value: A record, or what may stand in one.
+    """
+    if isinstance(value, Mapping):
+        return {key: plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(entry) for entry in value]
+    return value
+
+
+def meanings(record: type) -> dict[str, str]:
+    """What each attribute of a record is, as its docstring and those of its bases say it.
+
+    Args:
+        record: Its class.
+    """
+    found: dict[str, str] = {}
+    for one in reversed(record.__mro__):
+        text = inspect.cleandoc(one.__doc__ or "").partition("\nAttributes:\n")[2]
+        entries = re.findall(r"^    (\w+): (.*(?:\n {5,}.*)*)", text, re.MULTILINE)
+        found |= {name: " ".join(words.split()) for name, words in entries}
+    return {field.name: found[field.name] for field in fields(record) if field.name in found}
+
+
+def described(record: Class) -> Class:
+    """Have a record's docstring say what all its attributes are, those of its bases as well."""
+    summary = inspect.cleandoc(record.__doc__ or "").partition("\nAttributes:\n")[0]
+    lines = [f"    {name}: {words}" for name, words in meanings(record).items()]
+    record.__doc__ = "\n".join([summary, "Attributes:", *lines])
+    return record

@@ -1,0 +1,80 @@
+"""All of ``result.json``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from fenics_contact.results.records.contacts import ContactRecord, ReactionRecord, SupportRecord
+from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Model, Seconds
+from fenics_contact.results.records.record import Errors, Quantities, Record
+from fenics_contact.results.records.steps import BranchRecord, CheckRecord, StepRecord
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Outcome(Record):
+    """What a run found, but for its checks.
+
+    Attributes:
+        title: That of the scene.
+        converged: Whether Newton's method and the loop on friction came to an end.
+        verdict: In words: whether to trust it, or what went wrong and what to try.
+        model: What was solved, and how.
+        contacts: Each contact, in scene order.
+        supports: Each support.
+        reactions: Name → all supports of that name together.
+        quantities: Of the whole model, at the end; empty without an answer.
+        steps: Each load step.
+        checks: Name → check of the physics.
+        branches: All answers that were found, where the scene asks for others.
+        errors: Quantity → source → estimated absolute error, and their `total`; null where it was
+            not estimated.
+        levels: Meshes on the way; left out where the scene asks for no accuracy.
+        accuracy: What it asked for, and whether that was reached.
+        error_notes: Sentences that say which errors were not estimated, and why.
+        timings: Where the time went.
+        versions: Program or library → version.
+    """
+
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"accuracy"})
+
+    title: str
+    converged: bool
+    verdict: str
+    model: Model
+    contacts: list[ContactRecord]
+    supports: list[SupportRecord]
+    reactions: Mapping[str, ReactionRecord] = field(default_factory=dict)
+    quantities: Quantities
+    steps: list[StepRecord]
+    checks: Mapping[str, Any]
+    branches: list[BranchRecord] = field(default_factory=list)
+    errors: Errors = field(default_factory=dict)
+    levels: list[LevelRecord] = field(default_factory=list)
+    accuracy: AccuracyRecord | None = None
+    error_notes: list[str] = field(default_factory=list)
+    timings: Seconds
+    versions: Mapping[str, str]
+
+    def is_written(self, name: str) -> bool:
+        """Whether an attribute stands in the file: levels where an accuracy was asked for."""
+        return super().is_written("accuracy" if name == "levels" else name)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RunRecord(Outcome):
+    """The whole of `result.json`.
+
+    Attributes:
+        passed: Whether it converged, to the accuracy asked for, and every check holds.
+        scene: Text of the scene that was solved.
+    """
+
+    passed: bool
+    checks: Mapping[str, CheckRecord]
+    scene: str
+
+    def __iter__(self) -> Iterator[str]:
+        """As in the file, where ``passed`` stands beside ``converged``."""
+        return iter(dict.fromkeys(("title", "converged", "passed", *super().__iter__())))

@@ -1,0 +1,77 @@
+"""What a run found, as rows of a table and in short words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from fenics_contact.results.records.model import RigidMotion
+from fenics_contact.results.records.record import ErrorRow, Errors
+from fenics_contact.results.records.steps import BranchRecord
+from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
+
+# What answers of one scene are told apart by.
+_OF_BRANCHES = ("normal_force", "friction_force", "stick_area", "slip_area")
+
+
+def branch_rows(branches: Sequence[BranchRecord]) -> list[list[Any]]:
+    """A table of all answers that were found, its head first; empty where there is but one."""
+    if len(branches) < 2:
+        return []
+    names = [name.replace("_", " ") for name, _ in _of_branch(branches[0])]
+    rows: list[list[Any]] = [["answer from the start", *names, "checks"]]
+    for branch in branches:
+        numbers = [value for _, value in _of_branch(branch)]
+        rows.append([branch.start, *numbers, "ok" if branch.passed else "FAILED"])
+    return rows
+
+
+def _of_branch(branch: BranchRecord) -> Iterator[tuple[str, Any]]:
+    """Name and value of each number, resultants of several contacts contact by contact."""
+    for key in _OF_BRANCHES:
+        if key in OF_ONE_CONTACT and len(branch.contacts) > 1:
+            for contact in branch.contacts:
+                yield f"{key} of '{contact.name}'", contact.quantities[key]
+        else:
+            yield key, branch.quantities[key]
+
+
+def motion_words(motion: RigidMotion) -> str:
+    """A rigid motion, and what may resist it."""
+    return f"{motion.motion}: resisted by {', '.join(motion.resisted_by) or 'nothing'}"
+
+
+def share_words(share: float) -> str:
+    """The used share of a limit load: no scene at the limit is run, so none is said to be."""
+    words = f"{share:.6g}"
+    return "just below 1, the limit" if words == "1" else words
+
+
+# In place of an error that was not estimated.
+UNKNOWN = "?"
+
+
+def error_bar(row: ErrorRow | None) -> str:
+    """The total of a row of ``errors``; ``?`` where it was not estimated, or not in full.
+
+    Args:
+        row: Source → error, and ``total``; None for a quantity that has none.
+    """
+    total = None if row is None else row["total"]
+    return UNKNOWN if total is None else f"{total:.1e}"
+
+
+def error_rows(errors: Errors) -> list[list[str]]:
+    """A table of estimated errors by source, its head first; empty where there are none.
+
+    Args:
+        errors: By quantity, in words.
+    """
+    if not errors:
+        return []
+    sources = list(next(iter(errors.values())))
+    rows = [["quantity", *sources]]
+    for name, row in errors.items():
+        cells = [UNKNOWN if value is None else f"{value:.1e}" for value in row.values()]
+        rows.append([name, *cells])
+    return rows

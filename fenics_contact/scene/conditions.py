@@ -1,0 +1,119 @@
+"""What is done to a body: supports and loads; and points at which it is looked at."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Annotated
+
+from pydantic import Field
+
+from fenics_contact.scene.quantity_names import require_name
+from fenics_contact.scene.values import (
+    RAMP,
+    AxisName,
+    LoadPath,
+    Number,
+    Text,
+    Value,
+    Vector,
+    scene_class,
+)
+
+
+@scene_class
+class Support:
+    """Prescribed displacement components (the paper's Γ_D).
+
+    >>> Support("left", {"x": 0, "y": lambda x: 0.01 * x[1]}).path(2.0)
+    1.0
+    """
+
+    on: Annotated[Text, Field(description="physical group: a boundary, or the whole body")]
+    displacement: Annotated[
+        Mapping[AxisName, Value],
+        Field(min_length=1, description="component → value (length), such as `{ x = 0 }`"),
+    ]
+    path: Annotated[LoadPath, Field(description="of the displacement over the load steps")] = RAMP
+    name: Annotated[
+        Text | None,
+        Field(
+            description="name in the results, by default that of the group; reactions of supports "
+            "of the same name add up"
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        if self.name is not None:
+            require_name(self.name)
+
+    @property
+    def label(self) -> str:
+        """Name in results and messages."""
+        return self.name or self.on
+
+
+@scene_class
+class Load:
+    """A given load (the paper's f): exactly one of the three kinds.
+
+    >>> Load("right", traction=(-300, 0), pressure=300)
+    Traceback (most recent call last):
+    fenics_contact.common.errors.SceneError: Load: give exactly one of traction, pressure and body_force
+    """  # noqa: E501
+
+    on: Annotated[Text, Field(description="physical group: boundary, or body for a body force")]
+    traction: Annotated[
+        Vector | None, Field(description="force per area, one entry per axis (stress)")
+    ] = None
+    pressure: Annotated[
+        Value | None, Field(description="pressure, > 0 pushes on the body (stress)")
+    ] = None
+    body_force: Annotated[
+        Vector | None, Field(description="force per volume, one entry per axis")
+    ] = None
+    path: Annotated[LoadPath, Field(description="of the load over the load steps")] = RAMP
+
+    def __post_init__(self) -> None:
+        if sum(kind is not None for kind in (self.traction, self.pressure, self.body_force)) != 1:
+            raise ValueError("give exactly one of traction, pressure and body_force")
+
+    @property
+    def kind(self) -> str:
+        """The key that it is given by, such as ``traction``."""
+        kinds = ("traction", "pressure", "body_force")
+        return next(kind for kind in kinds if getattr(self, kind) is not None)
+
+    @property
+    def components(self) -> tuple[Value, ...]:
+        """What is given: one entry per axis, of a pressure one."""
+        value = getattr(self, self.kind)
+        return value if isinstance(value, tuple) else (value,)
+
+
+@scene_class
+class Point:
+    """A point of the body at which the displacement is a quantity.
+
+    ``Point("middle", (0, 0))`` makes ``displacement_middle``, one entry an axis (length).
+    """
+
+    name: Annotated[
+        Text,
+        Field(
+            description="the quantity is `displacement_` and this name; letters, digits, `-`, `_`"
+        ),
+    ]
+    at: Annotated[
+        tuple[Number, ...],
+        Field(
+            min_length=2,
+            max_length=3,
+            description="its place in the undeformed body, one entry per axis (length); where "
+            "two bodies touch it belongs to the first mesh",
+        ),
+    ]
+
+    def __post_init__(self) -> None:
+        if not re.fullmatch(r"[\w-]+", self.name):
+            raise ValueError(f"name = '{self.name}' may have only letters, digits, '-' and '_'")

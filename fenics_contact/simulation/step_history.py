@@ -1,0 +1,124 @@
+"""What comes out of the load steps of a run, and all there is of the last one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+from fenics_contact.common.timings import Timings
+from fenics_contact.evaluate.energy_balance import EnergyBook
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.evaluate.quantities import (
+    contact_quantities,
+    global_quantities,
+    support_reactions,
+)
+from fenics_contact.problem.problem import Problem
+from fenics_contact.results.records.contacts import StepContact
+from fenics_contact.results.records.steps import Largest, StepRecord
+from fenics_contact.results.result import Check
+from fenics_contact.simulation.description import regularisation_of
+from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.checks.run_checks import run_checks
+from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_range
+
+
+class StepHistory:
+    """The load steps that were accepted.
+
+    Args:
+        problem: The model.
+        timings: To which what it takes is counted.
+
+    Attributes:
+        steps: What came out of each.
+        book: Work and energies along them.
+        solution: Nodal values of this rank of the last one, None before there is one.
+        forces: Nodal forces that the bulk needs there.
+        by_contact: Quantities of each contact there.
+        supports: Each support there.
+    """
+
+    def __init__(self, problem: Problem, timings: Timings) -> None:
+        self._problem, self._timings = problem, timings
+        self.steps: list[StepRecord] = []
+        self.solution: Solution | None = None
+
+    def begin(self, steps: Sequence[StepRecord]) -> None:
+        """Forget all, but steps of an earlier run to go on from."""
+        self.steps = list(steps)
+        self.book = EnergyBook(self._problem)
+        self.solution = None
+
+    def resume(self, solution: Solution, energy: Sequence[float]) -> None:
+        """Take over the last step of an earlier run; collective.
+
+        Args:
+            solution: Of that step.
+            energy: Sums of its energy book.
+        """
+        self._measure(solution)
+        self.book.resume(energy, self.forces, self._reactions)
+
+    def add(self, time: float, solution: Solution) -> None:
+        """Keep what came out of a load step, before slip is counted anew; collective.
+
+        Args:
+            time: Its pseudo-time.
+            solution: Of the step.
+        """
+        quantities = self._measure(solution)
+        self.book.count(self.forces, self._reactions)
+        quantities |= self.book.quantities(quantities)
+        with self._timings.phase("output"):
+            sizes = self._linear_range.of(solution)
+        self.steps.append(
+            StepRecord(
+                load_factor=time,
+                newton_iterations=solution.newton_iterations,
+                outer_iterations=solution.outer_iterations,
+                outer_contraction=solution.contraction,
+                attempts=list(solution.attempts),
+                residual_history=list(solution.residual_history),
+                imbalance_limit=solution.imbalance_limit,
+                quantities=quantities,
+                contacts=[
+                    StepContact(
+                        name=contact.label,
+                        regularisation_parameter=regularisation_of(contact),
+                        quantities=found,
+                    )
+                    for contact, found in zip(self._problem.contacts, self.by_contact, strict=True)
+                ],
+                supports=self.supports,
+                linear_range={what: Largest(**row) for what, row in sizes.items()},
+            )
+        )
+
+    def checks(self) -> dict[str, Check]:
+        """Of the last load step; collective."""
+        with self._timings.phase("output"):
+            checks = run_checks(self.forces, self._reactions, len(self.steps))
+            balance = self.book.check(self.steps[-1].quantities)
+            checks |= {} if balance is None else {"energy_balance": balance}
+            small = linear_range(self.steps)
+            checks |= {} if small is None else {"linear_range": small}
+        return checks
+
+    def _measure(self, solution: Solution) -> dict[str, Any]:
+        """Forces and quantities of a load step; collective."""
+        self.solution = solution
+        with self._timings.phase("output"):
+            self.forces = BulkForces(self._problem, solution)
+            self._reactions, self.supports = support_reactions(self.forces)
+            self.by_contact = [
+                contact_quantities(self._problem, solution, number)
+                for number in range(len(self._problem.contacts))
+            ]
+            return global_quantities(self.forces, self._reactions, self.by_contact)
+
+    @cached_property
+    def _linear_range(self) -> LinearRange:
+        """Strains and rotations of its load steps; collective, where it is first asked for."""
+        return LinearRange(self._problem)
