@@ -33,6 +33,9 @@ QUANTITIES = (
     "penalty_energy",
 )
 
+# Of a quantity: a number, or the components of a vector.
+QuantityValue = float | Sequence[float]
+
 
 def has_true_value(name: str) -> bool:
     """Whether a quantity has a true value to be apart from: then an error bar, or a ``?``."""

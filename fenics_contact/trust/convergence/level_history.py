@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.results.result import Result
+from fenics_contact.results.result import QuantityValue, Result
 from fenics_contact.scene.quantity_names import Reaction
 
 # What a move is over the one before, at the least, of what does not converge. Half is the order of
@@ -154,9 +154,9 @@ def _stripped(row: Mapping[str, float | None]) -> dict[str, float | None]:
     return {**row, "mesh": None, "total": None}
 
 
-def _all(result: Result) -> list[tuple[Hashable, Mapping[str, float | None], Any]]:
+def _all(result: Result) -> list[tuple[Hashable, Mapping[str, float | None], QuantityValue]]:
     """Key, row of errors and value of every quantity."""
-    found: list[tuple[Hashable, Mapping[str, float | None], Any]] = [
+    found: list[tuple[Hashable, Mapping[str, float | None], QuantityValue]] = [
         (name, row, result.quantities[name]) for name, row in result.errors.items()
     ]
     for number, contact in enumerate(result.contacts):
