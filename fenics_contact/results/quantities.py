@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from fenics_contact.results.records.contacts import ContactRecord, SupportRecord
 from fenics_contact.results.records.record import Quantities
 
+# Of a quantity: a number, or the components of a vector.
+QuantityValue = float | Sequence[float]
+
 
 @dataclass(frozen=True)
 class Quantity:

@@ -10,11 +10,12 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Hashable, Mapping, Sequence
 from itertools import pairwise
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.results.quantities import QuantityValue
 from fenics_contact.results.records.contacts import ReactionRecord, SupportRecord
 from fenics_contact.results.result import Result
 from fenics_contact.scene.quantity_names import Reaction
@@ -157,9 +158,9 @@ def _stripped(row: Mapping[str, float | None]) -> dict[str, float | None]:
     return {**row, "mesh": None, "total": None}
 
 
-def _all(result: Result) -> list[tuple[Hashable, Mapping[str, float | None], Any]]:
+def _all(result: Result) -> list[tuple[Hashable, Mapping[str, float | None], QuantityValue]]:
     """Key, row of errors and value of every quantity."""
-    found: list[tuple[Hashable, Mapping[str, float | None], Any]] = [
+    found: list[tuple[Hashable, Mapping[str, float | None], QuantityValue]] = [
         (name, row, result.quantities[name]) for name, row in result.errors.items()
     ]
     for number, contact in enumerate(result.contacts):

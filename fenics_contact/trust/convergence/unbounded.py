@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from typing import Any
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.problem.problem import Problem
+from fenics_contact.results.quantities import QuantityValue
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.trust.convergence.displacement_jumps import Jump, displacement_jumps
 
@@ -37,7 +37,7 @@ class Unbounded:
         self._jumps = displacement_jumps(problem, displacement, time)
 
     def strip(
-        self, rows: Mapping[Hashable, Row], answer: Mapping[Hashable, Any]
+        self, rows: Mapping[Hashable, Row], answer: Mapping[Hashable, QuantityValue]
     ) -> tuple[dict[Hashable, Row], dict[Hashable, str]]:
         """Rows of an error budget without the error by the mesh of what does not converge.
 
@@ -126,7 +126,7 @@ class Unbounded:
         return f"reaction of '{supports[key.of].label if isinstance(key.of, int) else key.of}'"
 
 
-def _is_given(key: Hashable, row: Row, value: Any) -> bool:
+def _is_given(key: Hashable, row: Row, value: QuantityValue | None) -> bool:
     """Whether loads alone make a quantity what it is, so that the mesh has no part in it."""
     name = key[1] if isinstance(key, tuple) else key
     if name in (*_PEAKS, *_ENERGIES) or row["mesh"] is None or value is None:

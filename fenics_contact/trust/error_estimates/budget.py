@@ -18,7 +18,7 @@ from fenics_contact.evaluate.quantities import (
     support_reactions,
 )
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.quantities import QUANTITIES, reactions_by_name
+from fenics_contact.results.quantities import QUANTITIES, QuantityValue, reactions_by_name
 from fenics_contact.results.records.contacts import ReactionRecord, SupportRecord
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
@@ -144,9 +144,9 @@ class _Measure:
         assert load_steps.last is not None
         self._problem = load_steps.problem
         self._answer = load_steps.last.solution
-        self._of_answer: dict[Hashable, Any] = {}
+        self._of_answer: dict[Hashable, QuantityValue] = {}
 
-    def __call__(self, solution: Solution) -> dict[Hashable, Any]:
+    def __call__(self, solution: Solution) -> dict[Hashable, QuantityValue]:
         """Of a solution; collective."""
         if solution is not self._answer:
             return self._measured(solution)
@@ -154,28 +154,28 @@ class _Measure:
             self._of_answer = self._measured(solution)
         return self._of_answer
 
-    def _measured(self, solution: Solution) -> dict[Hashable, Any]:
+    def _measured(self, solution: Solution) -> dict[Hashable, QuantityValue]:
         problem = self._problem
         forces = BulkForces(problem, solution)
         reactions, supports = support_reactions(forces)
         contacts = [contact_quantities(problem, solution, i) for i in range(len(problem.contacts))]
         every = global_quantities(forces, reactions, contacts)
-        found: dict[Hashable, Any] = _known(every)
+        found: dict[Hashable, QuantityValue] = _known(every)
         found.update(problem.points.quantities(solution.displacement))
         for number, of_contact in enumerate(contacts):
             found |= {(number, name): value for name, value in _known(of_contact).items()}
         return found | _reactions(supports)
 
 
-def _reactions(supports: list[SupportRecord]) -> dict[Hashable, Any]:
+def _reactions(supports: list[SupportRecord]) -> dict[Hashable, QuantityValue]:
     """Of each support, and of those of each name together."""
-    found: dict[Hashable, Any] = {
+    found: dict[Hashable, QuantityValue] = {
         Reaction(number): row.reaction for number, row in enumerate(supports)
     }
     return found | {Reaction(name): sum_ for name, sum_ in reactions_by_name(supports).items()}
 
 
-def _known(quantities: Mapping[str, Any]) -> dict[Hashable, Any]:
+def _known(quantities: Mapping[str, Any]) -> dict[Hashable, QuantityValue]:
     """Those that have a true value, and one here: the force along no axis is none."""
     return {name: quantities[name] for name in QUANTITIES if quantities.get(name) is not None}
 
@@ -308,9 +308,11 @@ _WORDS = {
 }
 
 
-def _recorded(step: Mapping[str, Any], answer: Mapping[Hashable, Any]) -> dict[Hashable, Any]:
+def _recorded(
+    step: Mapping[str, Any], answer: Mapping[Hashable, QuantityValue]
+) -> dict[Hashable, QuantityValue]:
     """Quantities of a load step by the keys of ``_Measure``, those that it has."""
-    found: dict[Hashable, Any] = dict(answer) | _reactions(step["supports"])
+    found: dict[Hashable, QuantityValue] = dict(answer) | _reactions(step["supports"])
     for key in answer:
         if isinstance(key, str | tuple):
             of, name = (step["contacts"][key[0]], key[1]) if isinstance(key, tuple) else (step, key)

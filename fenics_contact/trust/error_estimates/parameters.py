@@ -13,6 +13,8 @@ import logging
 from collections.abc import Callable, Hashable, Sequence
 from functools import partial
 
+import numpy as np
+
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
@@ -125,7 +127,7 @@ def _all_small(found: Errors, answer: Quantities, contacts: int) -> bool:
     telling: list[tuple[Hashable, Hashable]] = list(_OF_ALL)
     for number in range(contacts):
         telling += [((number, a), (number, b)) for a, b in _OF_A_CONTACT]
-    return all(found[a] <= _LARGE * abs(answer[b]) for a, b in telling)
+    return all(found[a] <= _LARGE * np.abs(answer[b]) for a, b in telling)
 
 
 def _stiffen(left: float, problem: Problem) -> None:

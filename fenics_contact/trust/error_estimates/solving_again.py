@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.problem.problem import Problem
+from fenics_contact.results.quantities import QuantityValue
 from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
@@ -21,7 +21,7 @@ from fenics_contact.solve.newton.solution import Solution
 logger = logging.getLogger(__name__)
 
 # By name, or by a contact's number and the name.
-Quantities = Mapping[Hashable, Any]
+Quantities = Mapping[Hashable, QuantityValue]
 Measure = Callable[[Solution], Quantities]
 Change = Callable[[Problem], None]
 

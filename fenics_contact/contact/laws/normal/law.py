@@ -13,10 +13,10 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.values import Value
+from fenics_contact.scene.values import PositionFunction, Profile
 
 # What the scene gives of a law: a number, a profile or a function, None of what it leaves out.
-Parameter = Value | None
+Parameter = float | Profile | PositionFunction | None
 # A linear form of what is given, in full, and the share of it that acts at a pseudo-time.
 GivenLoad = tuple[CompiledForm, Callable[[float], float]]
 
