@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from rich import box
 from rich.markup import escape
@@ -96,7 +95,7 @@ def _conditions(scene: Scene) -> list[str]:
     return lines
 
 
-def _given(value: Any) -> str:
+def _given(value: object) -> str:
     """A value of a scene, or that it varies."""
     if isinstance(value, tuple):
         return f"({', '.join(map(_given, value))})"
@@ -162,9 +161,9 @@ def _print_branches(console: Terminal, result: Result) -> None:
     """All answers that were found, where there are several."""
     rows = branch_rows(result.branches)
     if rows:
-        table = _table(*rows[0])
+        table = _table(*map(in_figures, rows[0]))
         for row in rows[1:]:
-            table.add_row(*(in_figures(cell) for cell in row))
+            table.add_row(*map(in_figures, row))
         console.print(table)
 
 

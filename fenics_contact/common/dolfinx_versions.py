@@ -14,7 +14,7 @@ import dolfinx.mesh
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx.mesh import exterior_facet_indices
+from dolfinx.mesh import Mesh, MeshTags, exterior_facet_indices
 from mpi4py import MPI
 from numpy.typing import NDArray
 
@@ -50,7 +50,9 @@ def create_mesh(
     )
 
 
-def distributed_tags(mesh: Any, dimension: int, entities: Integers, tags: NDArray[np.int32]) -> Any:
+def distributed_tags(
+    mesh: Mesh, dimension: int, entities: Integers, tags: NDArray[np.int32]
+) -> MeshTags:
     """Mesh tags of entities given on rank 0 by their nodes."""
     local, values = dolfinx.io.distribute_entity_data(mesh, dimension, entities, tags)
     mesh.topology.create_connectivity(dimension, mesh.topology.dim)
@@ -60,7 +62,9 @@ def distributed_tags(mesh: Any, dimension: int, entities: Integers, tags: NDArra
     )
 
 
-def refined(mesh: Any, cells: NDArray[np.int32], tags: list[Any]) -> tuple[Any, list[Any]]:
+def refined(
+    mesh: Mesh, cells: NDArray[np.int32], tags: list[MeshTags]
+) -> tuple[Mesh, list[MeshTags]]:
     """A mesh on one rank with all edges of some cells halved, and its tags of cells or facets."""
     dimension = mesh.topology.dim
     mesh.topology.create_entities(1)
@@ -75,7 +79,7 @@ def refined(mesh: Any, cells: NDArray[np.int32], tags: list[Any]) -> tuple[Any, 
     return finer, [dolfinx.mesh.transfer_meshtag(t, finer, parents, sides) for t in tags]
 
 
-def nodes_of_entities(mesh: Any, dimension: int, entities: NDArray[np.int32]) -> Integers:
+def nodes_of_entities(mesh: Mesh, dimension: int, entities: NDArray[np.int32]) -> Integers:
     """Numbers of each entity's points in the mesh's geometry, (entities, points)."""
     mesh.topology.create_connectivity(dimension, mesh.topology.dim)
     mesh.topology.create_connectivity(mesh.topology.dim, dimension)
@@ -85,21 +89,21 @@ def nodes_of_entities(mesh: Any, dimension: int, entities: NDArray[np.int32]) ->
     return np.asarray(found, dtype=np.int64).reshape(len(entities), -1)
 
 
-def input_nodes(mesh: Any) -> Integers:
+def input_nodes(mesh: Mesh) -> Integers:
     """Numbers that the geometry nodes of each cell had where the mesh was made, (cells, nodes)."""
     geometry = mesh.geometry
     nodes = geometry.dofmaps[0] if DOLFINX_VERSION >= (0, 11) else geometry.dofmap
     return np.asarray(geometry.input_global_indices[nodes])
 
 
-def exterior_facets(mesh: Any) -> NDArray[np.int32]:
+def exterior_facets(mesh: Mesh) -> NDArray[np.int32]:
     """Owned facets on the boundary of the body."""
     mesh.topology.create_connectivity(mesh.topology.dim - 1, mesh.topology.dim)
     return np.asarray(dolfinx.mesh.exterior_facet_indices(mesh.topology))
 
 
 def create_submesh(
-    mesh: Any, dimension: int, entities: NDArray[np.int32]
+    mesh: Mesh, dimension: int, entities: NDArray[np.int32]
 ) -> tuple[Any, NDArray[np.int32]]:
     """A mesh of some entities, and the entity that each of its cells is."""
     submesh, entity_map = dolfinx.mesh.create_submesh(mesh, dimension, entities)[:2]
@@ -126,7 +130,7 @@ def interpolation_points(element: Any) -> Array:
     return np.asarray(points() if callable(points) else points)
 
 
-def interior_element(mesh: Any, degree: int) -> Any:
+def interior_element(mesh: Mesh, degree: int) -> Any:
     """Discontinuous Lagrange element with all its nodes inside the cell.
 
     On quadrilaterals and hexahedra they are Gauss points.
@@ -139,32 +143,32 @@ def interior_element(mesh: Any, degree: int) -> Any:
     )
 
 
-def quadrature_rule(mesh: Any, degree: int) -> tuple[Array, Array]:
+def quadrature_rule(mesh: Mesh, degree: int) -> tuple[Array, Array]:
     """Points and weights of the rule that integrals over cells use, on the reference cell."""
     cell = getattr(basix.CellType, mesh.topology.cell_name())
     points, weights = basix.make_quadrature(cell, degree)
     return np.asarray(points), np.asarray(weights)
 
 
-def quadrature_points(mesh: Any, degree: int) -> Array:
+def quadrature_points(mesh: Mesh, degree: int) -> Array:
     """Points of that rule."""
     return quadrature_rule(mesh, degree)[0]
 
 
-def geometry_nodes(mesh: Any) -> NDArray[np.int32]:
+def geometry_nodes(mesh: Mesh) -> NDArray[np.int32]:
     """Numbers of each cell's points in the mesh's geometry, (cells, points)."""
     geometry = mesh.geometry
     return np.asarray(geometry.dofmaps[0] if hasattr(geometry, "dofmaps") else geometry.dofmap)
 
 
-def geometry_layout(mesh: Any) -> Any:
+def geometry_layout(mesh: Mesh) -> Any:
     """Which of a cell's points in the mesh's geometry are on which of its sides."""
     geometry = mesh.geometry
     element = geometry.cmaps[0] if DOLFINX_VERSION >= (0, 11) else geometry.cmap
     return element.create_dof_layout()
 
 
-def is_tensor_cell(mesh: Any) -> bool:
+def is_tensor_cell(mesh: Mesh) -> bool:
     """Whether the cells are quadrilaterals or hexahedra."""
     return mesh.topology.cell_name() in ("quadrilateral", "hexahedron")
 

@@ -6,7 +6,7 @@ import importlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fenics_contact.common.errors import InputError
 from fenics_contact.report.bodies.film import MOST_BODIES, Overview, draw_body_film
@@ -30,6 +30,9 @@ from fenics_contact.results.records.run import RunRecord
 from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.scene import Scene
 
+if TYPE_CHECKING:
+    from pyvista import UnstructuredGrid
+
 
 @dataclass(frozen=True)
 class _Run:
@@ -47,7 +50,7 @@ class _Run:
     folder: Path
     result: RunRecord
     table: ContactTable
-    body: Any
+    body: UnstructuredGrid
     scene: Scene | None
     analytic: AnalyticContact | None
 

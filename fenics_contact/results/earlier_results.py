@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from fenics_contact.results.records.record import Quantities
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 
 # What cannot be told from what was written.
@@ -58,7 +59,7 @@ def steps_in_todays_terms(
     return [_of_model(step, signs, axisymmetric) for step in steps]
 
 
-def is_earlier(quantities: Mapping[str, Any]) -> bool:
+def is_earlier(quantities: Quantities) -> bool:
     """Whether a contact's quantities are of before they had today's meaning."""
     return bool(quantities) and "pressure_integral" not in quantities
 
@@ -86,9 +87,7 @@ def _of_model(found: Mapping[str, Any], signs: Signs, axisymmetric: bool) -> dic
     return {**found, "quantities": quantities, **({"contacts": contacts} if contacts else {})}
 
 
-def _of_contact(
-    quantities: Mapping[str, Any], sign: float | None, axisymmetric: bool
-) -> dict[str, Any]:
+def _of_contact(quantities: Quantities, sign: float | None, axisymmetric: bool) -> dict[str, Any]:
     if not is_earlier(quantities):
         return dict(quantities)
     friction = None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from fenics_contact.results.records.model import RigidMotion
 from fenics_contact.results.records.record import ErrorRow, Errors
@@ -14,19 +13,19 @@ from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 _OF_BRANCHES = ("normal_force", "friction_force", "stick_area", "slip_area")
 
 
-def branch_rows(branches: Sequence[BranchRecord]) -> list[list[Any]]:
+def branch_rows(branches: Sequence[BranchRecord]) -> list[list[object]]:
     """A table of all answers that were found, its head first; empty where there is but one."""
     if len(branches) < 2:
         return []
     names = [name.replace("_", " ") for name, _ in _of_branch(branches[0])]
-    rows: list[list[Any]] = [["answer from the start", *names, "checks"]]
+    rows: list[list[object]] = [["answer from the start", *names, "checks"]]
     for branch in branches:
         numbers = [value for _, value in _of_branch(branch)]
         rows.append([branch.start, *numbers, "ok" if branch.passed else "FAILED"])
     return rows
 
 
-def _of_branch(branch: BranchRecord) -> Iterator[tuple[str, Any]]:
+def _of_branch(branch: BranchRecord) -> Iterator[tuple[str, object]]:
     """Name and value of each number, resultants of several contacts contact by contact."""
     for key in _OF_BRANCHES:
         if key in OF_ONE_CONTACT and len(branch.contacts) > 1:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from html import escape
-from typing import Any
 
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.results.quantities import idle_quantities, without_value
@@ -41,7 +40,7 @@ def quantity_rows(result: Result, key: str) -> list[tuple[str, str, str]]:
     return rows
 
 
-def in_figures(value: Any) -> str:
+def in_figures(value: object) -> str:
     """A number, the components of a vector, or a word."""
     if isinstance(value, float):
         return f"{value:.6g}"

@@ -117,11 +117,11 @@ def as_accuracy(value: Any) -> Any:
     return keys | {"of": {name: float(share) for name, share in named}}
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: object) -> bool:
     return isinstance(value, float | int) and not isinstance(value, bool)
 
 
-def _is_name(key: str, value: Any) -> bool:
+def _is_name(key: str, value: object) -> bool:
     """Whether a key is, or a table begins, the name of a quantity that has no key of its own."""
     return isinstance(value, Mapping) or (looks_like_quantity(key) and key not in QUANTITIES)
 

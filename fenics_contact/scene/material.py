@@ -22,7 +22,7 @@ def _stiffness_matrix(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else value
 
 
-def _depth(value: Any) -> int:
+def _depth(value: object) -> int:
     """How deep lists are nested, by the first of each."""
     depth = 0
     while isinstance(value, list | tuple) and value:

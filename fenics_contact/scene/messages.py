@@ -87,7 +87,7 @@ def _beside_the_point(problem: Any) -> bool:
     return problem["type"] == "callable_type" or (problem["type"] == "float_type" and is_table)
 
 
-def _shown(value: Any) -> str:
+def _shown(value: object) -> str:
     """A value, in so many words at the most."""
     return "a function" if callable(value) else reprlib.Repr(maxstring=60, maxother=60).repr(value)
 
@@ -122,7 +122,7 @@ def _known_path(location: tuple[Any, ...], data: Any) -> list[Any]:
     return path
 
 
-def written(path: Sequence[Any]) -> str:
+def written(path: Sequence[object]) -> str:
     """A location as users write it: ``contact[0].pressure``."""
     text = ""
     for step in path:

@@ -95,7 +95,7 @@ def _parsed(text: str, path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: cannot be read: {error}") from None
 
 
-def _refuse_extremes(data: Any, file: Path, path: tuple[Any, ...] = ()) -> None:
+def _refuse_extremes(data: object, file: Path, path: tuple[object, ...] = ()) -> None:
     """Numbers whose squares or products would overflow are slips of the pen."""
     if len(path) > _DEEPEST:
         raise InputError(f"{file}: {written(path)[:60]}…: tables within tables, too many")

@@ -291,7 +291,7 @@ def _require_axes(obstacle: Obstacle | None, dimension: int, key: str) -> None:
             raise ValueError(f"{key}.{name} has {len(vector)} entries; it needs {dimension}")
 
 
-def _profiles(part: Any) -> Iterator[Profile]:
+def _profiles(part: object) -> Iterator[Profile]:
     """All profiles inside a scene or a part of it."""
     if isinstance(part, Profile):
         yield part

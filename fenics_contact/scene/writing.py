@@ -115,7 +115,7 @@ def _plain(value: Any, key: str = "") -> Any:
     return value
 
 
-def _texts(value: Any) -> Iterator[str]:
+def _texts(value: object) -> Iterator[str]:
     """All texts in a table."""
     if isinstance(value, str):
         yield value

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import logging
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
 
 from mpi4py import MPI
 
@@ -25,6 +24,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.results.load_history import Announce, step_line
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, Seconds
+from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check, Result
 from fenics_contact.scene.scene import Scene
@@ -216,7 +216,7 @@ class Run:
             return self._interrupted()
         return self._evaluate()
 
-    def contacts(self, quantities: list[dict[str, Any]] | None = None) -> list[ContactRecord]:
+    def contacts(self, quantities: Sequence[Quantities] | None = None) -> list[ContactRecord]:
         """``contacts`` of ``result.json``.
 
         Args:

@@ -132,7 +132,7 @@ def test_doubts_are_all_on_the_page():
 def test_every_check_and_exit_code_has_its_line():
     added = [
         node.value
-        for node in ast.walk(TREES["simulation/scene_run.py"])
+        for node in ast.walk(TREES["simulation/step_history.py"])
         if isinstance(node, ast.AugAssign) and getattr(node.target, "id", "") == "checks"
     ]
     checks = [

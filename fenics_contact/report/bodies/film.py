@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,11 @@ from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from pyvista import UnstructuredGrid
 
 Contacts = list[tuple[ContactTable, ContactRecord]]
 
@@ -48,7 +53,9 @@ class Overview:
     corners: Array
 
     @classmethod
-    def of(cls, bodies: Iterable[Any], result: Outcome, table: ContactTable) -> Overview | None:
+    def of(
+        cls, bodies: Iterable[UnstructuredGrid], result: Outcome, table: ContactTable
+    ) -> Overview | None:
         """Look at all frames: where anything ever touches, and the largest displacement.
 
         Args:
@@ -81,9 +88,9 @@ def _size(vectors: Array) -> float:
 
 
 def draw_body_film(
-    series: Iterable[tuple[float, Any]],
+    series: Iterable[tuple[float, UnstructuredGrid]],
     overview: Overview,
-    body: Any,
+    body: UnstructuredGrid,
     contacts: Contacts,
     path: Path,
 ) -> Picture:
@@ -129,7 +136,7 @@ class _Flat:
 
     def draw(
         self,
-        body: Any,
+        body: UnstructuredGrid,
         view: View,
         contacts: Contacts,
         obstacles: list[ObstacleSurface],
@@ -154,31 +161,29 @@ class _Space:
 
     def __init__(self, overview: Overview) -> None:
         self._overview = overview
-        self._figure: Any = None
-        self._panel: Any = None
+        self._drawn: tuple[Figure, Axes] | None = None
 
     def draw(
         self,
-        body: Any,
+        body: UnstructuredGrid,
         view: View,
         contacts: Contacts,
         obstacles: list[ObstacleSurface],
         title: str,
     ) -> NDArray[np.uint8]:
         """A frame's pixels, (height, width, 3)."""
-        overview, is_first = self._overview, self._figure is None
+        overview, is_first = self._overview, self._drawn is None
         picture = render(body, view, [], obstacles, overview.limits, overview.corners, _PIXELS)
-        if is_first:
-            self._figure, self._panel = framed(
-                picture, overview.view, overview.limits, overview.beyond
-            )
-            add_legend(self._panel, title)
-        self._panel.images[0].set_data(picture)
-        self._panel.set_title(title, pad=16)
-        return _pixels(self._figure, is_first)
+        if self._drawn is None:
+            self._drawn = framed(picture, overview.view, overview.limits, overview.beyond)
+            add_legend(self._drawn[1], title)
+        figure, panel = self._drawn
+        panel.images[0].set_data(picture)
+        panel.set_title(title, pad=16)
+        return _pixels(figure, is_first)
 
 
-def _pixels(figure: Any, is_first: bool) -> NDArray[np.uint8]:
+def _pixels(figure: Figure, is_first: bool) -> NDArray[np.uint8]:
     """What a figure shows; from the first frame on nothing moves any more."""
     if is_first:
         figure.set_dpi(_DPI)

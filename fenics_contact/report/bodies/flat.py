@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,18 +15,23 @@ from fenics_contact.report.drawing.style import COLOUR_MAP, EDGE, Mark
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
+    from pyvista import UnstructuredGrid
+
 _THICK = 0.035  # of what is shown: how much of an obstacle is drawn
 _FEW, _FEW_CELLS = 60, 1000
 
 
 def draw_flat(
-    panel: Any,
-    body: Any,
+    panel: Axes,
+    body: UnstructuredGrid,
     view: View,
     contacts: list[tuple[ContactTable, ContactRecord]],
     obstacles: list[ObstacleSurface],
     limits: tuple[float, float],
-) -> Any:
+) -> ScalarMappable:
     """Draw a deformed flat body with its stress, where it was, its contact points and obstacles.
 
     Args:
@@ -55,7 +60,7 @@ def draw_flat(
         zorder=0.5,
     )
     moved = np.asarray(view.body.points) + view.factor * np.asarray(view.body["displacement"])
-    sides: Any = moved[flat_sides(view.body)[0]][:, :, :2]
+    sides = moved[flat_sides(view.body)[0]][:, :, :2]
     width = 0.5 if view.body.n_cells < _FEW_CELLS else 0.25
     panel.add_collection(
         LineCollection(sides, colors="white", linewidths=width, alpha=0.5, zorder=0.6)
@@ -85,7 +90,7 @@ def _frame(view: View, points: Array) -> tuple[Array, Array]:
     return low - margin, high + margin
 
 
-def _draw_obstacle(panel: Any, obstacle: ObstacleSurface, view: View) -> None:
+def _draw_obstacle(panel: Axes, obstacle: ObstacleSurface, view: View) -> None:
     """Hatched, from its surface on."""
     axis = int(np.argmax(np.ptp(obstacle.points[:, :2], axis=0)))
     order = np.argsort(obstacle.points[:, axis])
@@ -102,7 +107,10 @@ def _draw_obstacle(panel: Any, obstacle: ObstacleSurface, view: View) -> None:
 
 
 def _draw_points(
-    panel: Any, body: Any, view: View, contacts: list[tuple[ContactTable, ContactRecord]]
+    panel: Axes,
+    body: UnstructuredGrid,
+    view: View,
+    contacts: list[tuple[ContactTable, ContactRecord]],
 ) -> None:
     """Contact points where they moved to, by their status."""
     said: set[str] = set()
@@ -134,7 +142,7 @@ def point_look(mark: Mark, few: bool = True) -> dict[str, Any]:
     }
 
 
-def add_legend(panel: Any, title: str, all_marks: tuple[Mark, ...] = ()) -> None:
+def add_legend(panel: Axes, title: str, all_marks: tuple[Mark, ...] = ()) -> None:
     """The legend above the panel, and the title above that.
 
     Args:

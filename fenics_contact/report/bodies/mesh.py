@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,8 +14,11 @@ from fenics_contact.report.drawing.style import DOUBLE, marks, neighbourhood
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.run import Outcome
 
+if TYPE_CHECKING:
+    from pyvista import UnstructuredGrid
 
-def draw_mesh(body: Any, result: Outcome, table: ContactTable, path: Path) -> Picture:
+
+def draw_mesh(body: UnstructuredGrid, result: Outcome, table: ContactTable, path: Path) -> Picture:
     """Draw the mesh of a flat model: all of it, and around the contact with its points.
 
     Args:
@@ -33,7 +36,7 @@ def draw_mesh(body: Any, result: Outcome, table: ContactTable, path: Path) -> Pi
     figure, panels = new_figure("", (DOUBLE, 3.6), ncols=2)
     figure.set_layout_engine("compressed")  # for panels of equal scales
     figure.suptitle(title, x=0.01, ha="left", fontsize=8.5)
-    lines: Any = np.asarray(body.points)[flat_sides(body)[0]][:, :, :2]
+    lines = np.asarray(body.points)[flat_sides(body)[0]][:, :, :2]
     for panel, width in zip(panels, (0.15, 0.3), strict=True):
         panel.add_collection(
             LineCollection(lines, colors="#566573", linewidths=width, rasterized=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.report.drawing.fields import nodes_at
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
+
+if TYPE_CHECKING:
+    from pyvista import UnstructuredGrid
 
 _FACING = 0.5  # surfaces that curve more have a mean normal shorter than this
 
@@ -34,7 +37,7 @@ class ObstacleSurface:
     normals: Array
     nodes: Integers
 
-    def then(self, body: Any) -> ObstacleSurface | None:
+    def then(self, body: UnstructuredGrid) -> ObstacleSurface | None:
         """Where it stood at another time, from the points that touched it; None without any.
 
         Obstacles move without turning, so that all their offsets change by the same.
@@ -59,7 +62,7 @@ class ObstacleSurface:
 
 
 def obstacles_of(
-    body: Any, contacts: list[tuple[ContactTable, ContactRecord]]
+    body: UnstructuredGrid, contacts: list[tuple[ContactTable, ContactRecord]]
 ) -> list[ObstacleSurface]:
     """The obstacles of a run in its end.
 
@@ -72,7 +75,7 @@ def obstacles_of(
 
 
 def obstacle_surface(
-    body: Any, rows: ContactTable, contact: ContactRecord
+    body: UnstructuredGrid, rows: ContactTable, contact: ContactRecord
 ) -> ObstacleSurface | None:
     """The obstacle of a contact; None for springs, given pressures and bodies opposite.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +20,18 @@ from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.figure import Figure
+    from pyvista import UnstructuredGrid
+
 _STRESS = r"von Mises stress, $\sigma_{VM}$"
 _HEIGHTS = (1.0, 5.0)  # of a flat model's panel, in inches
 _FLAT = 0.35  # height over width of panels that have their colour bar below
 
 
-def draw_body(body: Any, result: Outcome, table: ContactTable, path: Path) -> Picture:
+def draw_body(body: UnstructuredGrid, result: Outcome, table: ContactTable, path: Path) -> Picture:
     """Draw the deformed mesh over the undeformed outline, with the contact points' status.
 
     Where the contact zone is small in the body, only its neighbourhood is drawn.
@@ -82,7 +88,7 @@ def _caption(view: View, contacts: list[tuple[ContactTable, ContactRecord]], bey
     return said
 
 
-def flat_figure(view: View) -> tuple[Any, Any]:
+def flat_figure(view: View) -> tuple[Figure, Axes]:
     """A figure for a flat body, and its panel."""
     across, up = (view.high - view.low)[:2]
     margin = 1.3 if up < _FLAT * across else 0.6
@@ -94,7 +100,7 @@ def flat_figure(view: View) -> tuple[Any, Any]:
     return figure, panel
 
 
-def add_bar(figure: Any, panel: Any, colours: Any, beyond: bool) -> None:
+def add_bar(figure: Figure, panel: Axes, colours: ScalarMappable, beyond: bool) -> None:
     """The colour bar of the stress, below wide panels; an arrow at its end where some is beyond."""
     low, high = np.sort(np.array([panel.get_xlim(), panel.get_ylim()])).T
     across, up = high - low
@@ -110,7 +116,7 @@ def framed(
     view: View,
     limits: tuple[float, float],
     beyond: bool = False,
-) -> tuple[Any, Any]:
+) -> tuple[Figure, Axes]:
     """A figure around a picture of a body in space: colour bar, axes, and marks for a legend."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -129,7 +135,7 @@ def framed(
     return figure, panel
 
 
-def _axes(panel: Any, view: View) -> None:
+def _axes(panel: Axes, view: View) -> None:
     """Which way x, y and z point, in the lower left corner."""
     right, up = view.screen
     look = {"arrowstyle": "-|>", "linewidth": 0.8, "color": "0.2", "mutation_scale": 6}

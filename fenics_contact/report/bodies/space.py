@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import closing
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ from fenics_contact.report.drawing.style import COLOUR_MAP
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
+if TYPE_CHECKING:
+    from pyvista import DataSet, Plotter, UnstructuredGrid
+
 Contacts = list[tuple[ContactTable, ContactRecord]]
 
 _WIDTH, _HEIGHTS, _MARGIN = 1400, (0.45, 0.95), 1.04
@@ -30,7 +33,7 @@ _ARROW, _APART = 0.06, 0.035  # over what is shown: the longest, and how far the
 
 
 def render(
-    body: Any,
+    body: UnstructuredGrid,
     view: View,
     contacts: Contacts,
     obstacles: list[ObstacleSurface],
@@ -103,7 +106,7 @@ def _look(view: View, corners: Array, pixels: int) -> tuple[tuple[int, int], Arr
     return (pixels, tall), centre, 0.5 * max(height, width * tall / pixels)
 
 
-def _add_body(plotter: Any, view: View, limits: tuple[float, float]) -> None:
+def _add_body(plotter: Plotter, view: View, limits: tuple[float, float]) -> None:
     """The undeformed outline in grey, the deformed body in colour, its cells in white."""
     level = 3 if view.body.n_cells < _FEW_CELLS else 1
     block = cut_to(view.body, view) if view.is_near else view.body
@@ -125,7 +128,7 @@ def _add_body(plotter: Any, view: View, limits: tuple[float, float]) -> None:
     plotter.add_mesh(cells, color="white", line_width=1.5, opacity=0.6)
 
 
-def cut_to(shape: Any, view: View) -> Any:
+def cut_to(shape: DataSet, view: View) -> DataSet:
     """What of it lies inside the view."""
     for axis, normal in enumerate("xyz"):
         if shape.n_cells and shape.bounds[2 * axis + 1] > view.high[axis]:
@@ -135,7 +138,7 @@ def cut_to(shape: Any, view: View) -> Any:
     return shape
 
 
-def _add_obstacle(plotter: Any, view: View, obstacle: ObstacleSurface) -> None:
+def _add_obstacle(plotter: Plotter, view: View, obstacle: ObstacleSurface) -> None:
     """A translucent surface with its rim."""
     import pyvista
 
@@ -165,7 +168,7 @@ def _in_front(view: View, points: Array, steps: float = 1.0) -> Array:
     return points + steps * nearer * view.towards
 
 
-def _add_points(plotter: Any, view: View) -> None:
+def _add_points(plotter: Plotter, view: View) -> None:
     """Contact points where they moved to: balls in the colour of their status, with a rim."""
     import pyvista
 
@@ -198,7 +201,7 @@ def _radius(points: Array, size: float) -> float:
     return float(np.clip(0.26 * np.median(near[:, 1]), _BALL[0] * size, _BALL[1] * size))
 
 
-def _add_slip(plotter: Any, body: Any, view: View, contacts: Contacts) -> None:
+def _add_slip(plotter: Plotter, body: UnstructuredGrid, view: View, contacts: Contacts) -> None:
     """Arrows of the slip, where there is some, not at every point where these are close."""
     import pyvista
 

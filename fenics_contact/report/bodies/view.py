@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.run import Outcome
+
+if TYPE_CHECKING:
+    from pyvista import UnstructuredGrid
 
 _MOVE = 0.06  # of what is shown: the largest displacement, where it is magnified
 _READABLE = (0.02, 0.2)  # displacements of this size, over what is shown, are drawn as they are
@@ -36,7 +39,7 @@ class View:
         axisymmetric: Whether x is the radius.
     """
 
-    body: Any
+    body: UnstructuredGrid
     low: Array
     high: Array
     is_near: bool
@@ -61,7 +64,7 @@ class View:
         return right, np.cross(self.towards, right)
 
 
-def choose_view(body: Any, result: Outcome, table: ContactTable) -> View:
+def choose_view(body: UnstructuredGrid, result: Outcome, table: ContactTable) -> View:
     """The whole body, or the neighbourhood of a contact zone that is small in it.
 
     Args:
@@ -91,21 +94,21 @@ def choose_view(body: Any, result: Outcome, table: ContactTable) -> View:
     return View(body, low, high, False, flat, sight, looks, factor, hides, axial)
 
 
-def cells_inside(body: Any, view: View) -> Any:
+def cells_inside(body: UnstructuredGrid, view: View) -> UnstructuredGrid:
     """Of the body at another time, the cells that a view from near by shows."""
     if not view.is_near:
         return body
     return _cells_around(body, view.low, view.high)
 
 
-def _cells_around(body: Any, low: Array, high: Array) -> Any:
+def _cells_around(body: UnstructuredGrid, low: Array, high: Array) -> UnstructuredGrid:
     """The cells in a box and somewhat around, so that it stays full where they move."""
     aside = _AROUND * (high - low).max()
     inside = ((body.points >= low - aside) & (body.points <= high + aside)).all(axis=1)
     return _cells_at(body, inside)
 
 
-def _factor(body: Any, low: Array, high: Array, closed_gap: float) -> float:
+def _factor(body: UnstructuredGrid, low: Array, high: Array, closed_gap: float) -> float:
     """Magnification of the displacements.
 
     Gaps between bodies are not magnified: where they have closed, bodies that are drawn with
@@ -126,7 +129,7 @@ def _factor(body: Any, low: Array, high: Array, closed_gap: float) -> float:
     return factor if fits else 1.0
 
 
-def _cells_at(body: Any, points: Any) -> Any:
+def _cells_at(body: UnstructuredGrid, points: Flags) -> UnstructuredGrid:
     """The cells that have one of the points; VTK 9.3's own extraction crashes now and then."""
     corners = body.cell_connectivity.reshape(body.n_cells, -1)  # all cells are of one type
     kept = points[corners].any(axis=1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.record import Quantities
+
+if TYPE_CHECKING:
+    from pyvista import UnstructuredGrid
 
 _DEPTH = 3.0  # what is shown, in contact radii
 _SINGULAR = 3.0  # a peak this many times the mean pressure says nothing: Hertz has 1.5
@@ -37,7 +40,7 @@ class AxisStress:
     radial: Array
 
     @classmethod
-    def of(cls, body: Any, rows: ContactTable) -> AxisStress | None:
+    def of(cls, body: UnstructuredGrid, rows: ContactTable) -> AxisStress | None:
         """None where the body has no axis, or the contact does not lie across it.
 
         Args:
@@ -64,7 +67,7 @@ class AxisStress:
         return shear
 
 
-def _below(body: Any, heights: Array, surface: float, on_axis: Flags) -> Flags:
+def _below(body: UnstructuredGrid, heights: Array, surface: float, on_axis: Flags) -> Flags:
     """The nodes of the cells on the axis below a surface: a node there may be on either side."""
     corners = body.cell_connectivity.reshape(body.n_cells, -1)  # all cells are of one type
     below = on_axis[corners].any(axis=1) & (heights[corners].mean(axis=1) < surface)
@@ -80,7 +83,7 @@ def contact_radius(rows: ContactTable, contact: ContactRecord) -> float:
 
 
 def draw_axis_stress(
-    body: Any,
+    body: UnstructuredGrid,
     rows: ContactTable,
     contact: ContactRecord,
     path: Path,

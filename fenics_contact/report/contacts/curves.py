@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -20,13 +20,16 @@ from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.point_arrays import PointArray
 from fenics_contact.results.records.contacts import ContactRecord
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 _MARGIN, _STRIP = 0.45, 0.16
 _HEIGHTS = {"contact pressure": 1.9, "friction traction": 1.9, "gap": 1.05}
 _OWN_HEIGHT = 1.05  # of what a law keeps of its own
 _SYMBOLS = {"contact pressure": " p", "friction traction": " σ_T"}
 _POINTS = 400  # of a formula's curve
 
-_Draw = Callable[[Any, SurfaceLine, ContactRecord], None]
+_Draw: TypeAlias = "Callable[[Axes, SurfaceLine, ContactRecord], None]"
 
 
 def draw_curves(
@@ -102,7 +105,7 @@ def formula_words(analytic: AnalyticContact) -> str:
     return words + ")"
 
 
-def draw_strip(panel: Any, line: SurfaceLine, contact: ContactRecord) -> None:
+def draw_strip(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
     """A strip in the colours of the status along the surface."""
     colours = {status: mark.colour for mark in line.marks for status in mark.status}
     for start, end, status in line.runs():
@@ -111,7 +114,7 @@ def draw_strip(panel: Any, line: SurfaceLine, contact: ContactRecord) -> None:
     panel.spines["left"].set_visible(False)
 
 
-def _legends(panels: list[Any]) -> None:
+def _legends(panels: list[Axes]) -> None:
     """Each label once, in the first panel that has it."""
     said: set[str] = set()
     for panel in panels:
@@ -133,13 +136,13 @@ def _panels(line: SurfaceLine, contact: ContactRecord) -> list[str]:
     ]
 
 
-def _pressure(panel: Any, line: SurfaceLine, contact: ContactRecord) -> None:
+def _pressure(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
     _plot(panel, line, line.rows.numbers["contact_pressure"])
     cut_peaks(panel, line.rows.numbers["contact_pressure"][line.rows.closed])
     panel.set_ylabel("contact pressure, $p$")
 
 
-def _friction(panel: Any, line: SurfaceLine, contact: ContactRecord) -> None:
+def _friction(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
     """With the friction bound ±g, on the side (or sides) where the traction lies."""
     traction = line.traction
     _plot(panel, line, traction)
@@ -156,19 +159,19 @@ def _friction(panel: Any, line: SurfaceLine, contact: ContactRecord) -> None:
             label = None
 
 
-def _gap(panel: Any, line: SurfaceLine, contact: ContactRecord) -> None:
+def _gap(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
     gap = line.rows.numbers["gap"]
     _plot(panel, line, np.where(np.isfinite(gap), gap, np.nan))
     panel.set_ylabel("gap")
 
 
-def _own(panel: Any, line: SurfaceLine, contact: ContactRecord, array: PointArray) -> None:
+def _own(panel: Axes, line: SurfaceLine, contact: ContactRecord, array: PointArray) -> None:
     _plot(panel, line, sizes(line.rows, array))
     panel.set_ylabel(label(array))
 
 
 def _formula(
-    panel: Any, name: str, line: SurfaceLine, analytic: AnalyticContact, shown: Array
+    panel: Axes, name: str, line: SurfaceLine, analytic: AnalyticContact, shown: Array
 ) -> None:
     """The formula's curve; it leaves the panel's limits as they are where it is infinite."""
     distance = np.abs(shown - analytic.centre[line.axis])
@@ -182,7 +185,7 @@ def _formula(
         panel.set_ylim(limits)
 
 
-def _plot(panel: Any, line: SurfaceLine, values: Array) -> None:
+def _plot(panel: Axes, line: SurfaceLine, values: Array) -> None:
     """Values at the points shown, marked by their kind."""
     shown = (line.position >= line.view[0]) & (line.position <= line.view[1])
     panel.plot(line.position[shown], values[shown], color="0.6", linewidth=0.7, zorder=1)
@@ -193,7 +196,7 @@ def _plot(panel: Any, line: SurfaceLine, values: Array) -> None:
             panel.plot(line.position[mine], values[mine], markersize=size, zorder=2, **mark.look)
 
 
-def cut_peaks(panel: Any, values: Array) -> None:
+def cut_peaks(panel: Axes, values: Array) -> None:
     """Cut off what a few points have alone, such as those at the edge of a punch, and say so."""
     most = float(np.percentile(np.abs(values), 90)) if len(values) else 0.0
     if np.abs(values).max(initial=0.0) <= 4 * most:

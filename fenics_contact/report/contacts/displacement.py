@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +17,10 @@ from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, COLUMN, WIDE
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pyvista import UnstructuredGrid
 
 _NEAR = 0.4  # contact zones whose neighbourhood is smaller than this share are looked at alone
 _HEIGHT, _STRIP, _MARGIN = 1.5, 0.16, 0.45
@@ -35,7 +39,9 @@ class SurfaceDisplacement:
     vectors: Array
 
     @classmethod
-    def of(cls, body: Any, rows: ContactTable, contact: ContactRecord) -> SurfaceDisplacement:
+    def of(
+        cls, body: UnstructuredGrid, rows: ContactTable, contact: ContactRecord
+    ) -> SurfaceDisplacement:
         """Take the displacement at the body's nodes.
 
         Args:
@@ -71,7 +77,7 @@ class SurfaceDisplacement:
 
 
 def draw_surface_displacement(
-    body: Any,
+    body: UnstructuredGrid,
     table: ContactTable,
     contacts: list[ContactRecord],
     axes: str,
@@ -120,7 +126,7 @@ def draw_surface_displacement(
     )
 
 
-def _components(panels: list[Any], found: SurfaceDisplacement) -> None:
+def _components(panels: list[Axes], found: SurfaceDisplacement) -> None:
     position = found.line.position[found.shown]
     for panel, component in zip(panels, (found.normal, found.tangential), strict=False):
         panel.plot(position, component[found.shown], color=COLOURS["STICK"])

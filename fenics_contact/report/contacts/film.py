@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,11 @@ from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.load_history import Drive, History
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from pyvista import UnstructuredGrid
 
 # Load steps from which a run is worth an animation, and the frames that it has at most.
 FEWEST_STEPS, _MOST_FRAMES = 10, 60
@@ -51,7 +56,7 @@ class Film:
     @classmethod
     def of(
         cls,
-        series: Iterable[tuple[float, Any]],
+        series: Iterable[tuple[float, UnstructuredGrid]],
         rows: ContactTable,
         contact: ContactRecord,
         result: Outcome,
@@ -80,7 +85,7 @@ class Film:
         return bool((self.zone.status != "OPEN").any())
 
 
-def frame_rows(rows: ContactTable, body: Any, contact: ContactRecord) -> ContactTable:
+def frame_rows(rows: ContactTable, body: UnstructuredGrid, contact: ContactRecord) -> ContactTable:
     """The points of a contact that are nodes, with a step's fields in place of the last one's.
 
     Args:
@@ -147,7 +152,7 @@ def draw_film(film: Film, flat: bool, axes: str, path: Path) -> Picture:
 
 
 def _picture(
-    figure: Any, panels: list[Any], screen: _Map | _Line, film: Film, number: int
+    figure: Figure, panels: list[Axes], screen: _Map | _Line, film: Film, number: int
 ) -> NDArray[np.uint8]:
     """A frame, drawn where the one before was."""
     for panel in panels:
@@ -211,7 +216,7 @@ class _Map:
         self._most = max(float(np.linalg.norm(t, axis=1).max()) for t in self._traction) or 1.0
         self._has_bar = False
 
-    def draw(self, figure: Any, panels: list[Any], number: int) -> None:
+    def draw(self, figure: Figure, panels: list[Axes], number: int) -> None:
         """A frame."""
         points = self._surface.points
         self._zones(panels[0], self._status[number])
@@ -231,7 +236,7 @@ class _Map:
             panel.set_xlim(points[:, 0].min(), points[:, 0].max())
             panel.set_ylim(points[:, 1].min(), points[:, 1].max())
 
-    def _zones(self, panel: Any, status: Words) -> None:
+    def _zones(self, panel: Axes, status: Words) -> None:
         draw_status(panel, self._surface.points, status, self._film.contact)
         entries = [panel.plot([], [], **mark.look)[0] for mark in marks(self._film.contact)]
         above = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.99), "ncols": 3}
@@ -266,7 +271,7 @@ class _Line:
                 float(line.rows.numbers["contact_pressure"].max()) for line in self._lines
             )
 
-    def draw(self, figure: Any, panels: list[Any], number: int) -> None:
+    def draw(self, figure: Figure, panels: list[Axes], number: int) -> None:
         """A frame."""
         panel, line, values = panels[0], self._lines[number], self._values[number]
         panel.plot(line.position, values, color="0.6", linewidth=0.7, zorder=1)
@@ -285,7 +290,7 @@ class _Line:
         panel.legend(loc="upper center", ncols=4)
 
 
-def _follow(panel: Any, drive: Drive, number: int) -> None:
+def _follow(panel: Axes, drive: Drive, number: int) -> None:
     """Force against displacement: all of the way in grey, and how far it has come."""
     panel.plot(drive.x, drive.y, color="0.8", linewidth=0.8)
     panel.plot(drive.x[: number + 1], drive.y[: number + 1], color=COLOURS["STICK"])

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from scipy.spatial import QhullError
@@ -20,12 +20,18 @@ from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.point_arrays import PointArray
 from fenics_contact.results.records.contacts import ContactRecord
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.figure import Figure
+    from matplotlib.tri import Triangulation
+
 _LONG = 3.0  # sides of triangles, over their median, that bridge what is no surface
 _MOST_ARROWS = 350
 _SHORT = 0.03  # of the longest: vectors that are left out
 _HEIGHTS = (1.8, 4.5)  # of a panel, in inches
 
-_Draw = Callable[[Any, Any, "Surface", ContactRecord], None]
+_Draw: TypeAlias = "Callable[[Figure, Axes, Surface, ContactRecord], None]"
 
 
 @dataclass(frozen=True)
@@ -56,7 +62,7 @@ class Surface:
             rows, points = rows.rows(shown), points[shown]
         return cls(rows, axes, points, shown)
 
-    def label(self, panel: Any, first: bool = True) -> None:
+    def label(self, panel: Axes, first: bool = True) -> None:
         """Equal scales, and the names of the axes; upwards only at the first panel."""
         panel.set_aspect("equal")
         panel.set_xlabel(f"${'xyz'[self.axes[0]]}$")
@@ -81,7 +87,7 @@ class Surface:
         return np.unique(found)
 
 
-def triangulation(points: Array) -> Any:
+def triangulation(points: Array) -> Triangulation | None:
     """Matplotlib's triangles between points of a plane, without those that bridge gaps.
 
     Args:
@@ -139,7 +145,7 @@ def draw_maps(rows: ContactTable, contact: ContactRecord, path: Path) -> Picture
     return Picture(path, title, f"{said[0].upper()}{said[1:]}")
 
 
-def _status(figure: Any, panel: Any, surface: Surface, contact: ContactRecord) -> None:
+def _status(figure: Figure, panel: Axes, surface: Surface, contact: ContactRecord) -> None:
     """Points by their status, and their slip."""
     draw_status(panel, surface.points, surface.rows.status, contact)
     panel.legend(loc="lower left", bbox_to_anchor=(-0.05, 1.0), ncols=3, handletextpad=0.1)
@@ -149,7 +155,7 @@ def _status(figure: Any, panel: Any, surface: Surface, contact: ContactRecord) -
         panel.quiver(*surface.points[slides].T, *slip[slides].T, color="black", width=0.006)
 
 
-def draw_status(panel: Any, points: Array, status: Words, contact: ContactRecord) -> None:
+def draw_status(panel: Axes, points: Array, status: Words, contact: ContactRecord) -> None:
     """Points in the colours of their status.
 
     Args:
@@ -172,13 +178,13 @@ def draw_status(panel: Any, points: Array, status: Words, contact: ContactRecord
             panel.plot(*points[mine].T, **look)
 
 
-def _pressure(figure: Any, panel: Any, surface: Surface, contact: ContactRecord) -> None:
+def _pressure(figure: Figure, panel: Axes, surface: Surface, contact: ContactRecord) -> None:
     pressure = surface.rows.numbers["contact_pressure"]
     colours = draw_values(panel, surface, pressure, min(pressure.min(), 0), pressure.max())
     figure.colorbar(colours, ax=panel, label="contact pressure, $p$", location="top", aspect=25)
 
 
-def _friction(figure: Any, panel: Any, surface: Surface, contact: ContactRecord) -> None:
+def _friction(figure: Figure, panel: Axes, surface: Surface, contact: ContactRecord) -> None:
     traction = surface.rows.vectors("traction_x", "traction_y", "traction_z")
     size = np.linalg.norm(traction, axis=1)
     colours = draw_values(panel, surface, size, 0, size.max())
@@ -188,7 +194,7 @@ def _friction(figure: Any, panel: Any, surface: Surface, contact: ContactRecord)
 
 
 def _own(
-    figure: Any, panel: Any, surface: Surface, contact: ContactRecord, array: PointArray
+    figure: Figure, panel: Axes, surface: Surface, contact: ContactRecord, array: PointArray
 ) -> None:
     """What a law keeps of its own; of vectors the size, and arrows."""
     size = sizes(surface.rows, array)
@@ -198,7 +204,7 @@ def _own(
         draw_arrows(panel, surface, surface.rows.vectors(*array.columns), size.max())
 
 
-def draw_arrows(panel: Any, surface: Surface, vectors: Array, most: float) -> None:
+def draw_arrows(panel: Axes, surface: Surface, vectors: Array, most: float) -> None:
     """Vectors at some of the points, white with a dark rim on any colour.
 
     Args:
@@ -223,7 +229,9 @@ def draw_arrows(panel: Any, surface: Surface, vectors: Array, most: float) -> No
     )
 
 
-def draw_values(panel: Any, surface: Surface, values: Array, low: float, high: float) -> Any:
+def draw_values(
+    panel: Axes, surface: Surface, values: Array, low: float, high: float
+) -> ScalarMappable:
     """Values as colours between the points.
 
     Args:

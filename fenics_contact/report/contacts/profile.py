@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from fenics_contact.report.drawing.style import COLUMN, DOUBLE, FORMULA, marks
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _REACH = 1.4  # what is shown, in radii of the formula's contact
 
@@ -65,7 +68,7 @@ def draw_profile(
 
 
 def _points(
-    panel: Any, distance: Array, values: Array, rows: ContactTable, contact: ContactRecord
+    panel: Axes, distance: Array, values: Array, rows: ContactTable, contact: ContactRecord
 ) -> None:
     for mark in marks(contact):
         mine = np.isin(rows.status, mark.status)

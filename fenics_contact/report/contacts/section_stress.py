@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +17,10 @@ from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pyvista import UnstructuredGrid
 
 _LEVELS = 12
 _SINGULAR = 1.3  # a peak this many times the 99th percentile is a corner's, not the contact's
@@ -53,7 +57,7 @@ class Section:
         return float(self.triangles.fields["shear"][number]), place
 
 
-def section_at(body: Any, rows: ContactTable, flat: bool) -> Section | None:
+def section_at(body: UnstructuredGrid, rows: ContactTable, flat: bool) -> Section | None:
     """The neighbourhood of the closed points of a contact, in 3D where the friction acts along.
 
     Args:
@@ -113,7 +117,7 @@ def _plane(rows: ContactTable, normal: int) -> tuple[tuple[int, int], float]:
 
 
 def draw_section(
-    body: Any,
+    body: UnstructuredGrid,
     result: Outcome,
     rows: ContactTable,
     contact: ContactRecord,
@@ -152,7 +156,7 @@ def draw_section(
     figure, (panel,) = new_figure(title, (WIDE, height + 0.45))
     from matplotlib.ticker import MaxNLocator
 
-    levels: Any = MaxNLocator(_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(0, high)
+    levels = MaxNLocator(_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(0, high)
     levels = levels[np.asarray(levels) < (1 if capped else 1.2) * high]
     extend = "max" if levels[-1] < value else "neither"
     mesh = (*points.T, section.triangles.corners)
@@ -182,7 +186,7 @@ def _ends(closed: Array, section: Section) -> Array:
     return closed[order].T
 
 
-def _mark(panel: Any, section: Section, value: float, place: Array, letters: str) -> None:
+def _mark(panel: Axes, section: Section, value: float, place: Array, letters: str) -> None:
     """A cross at the maximum, with its value beside it."""
     panel.plot(
         *place, "+", color="white", markersize=9, markeredgewidth=2.6, clip_on=False, zorder=5

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from fenics_contact.common.errors import InputError
 from fenics_contact.report.drawing.fields import read_body
 
+if TYPE_CHECKING:
+    from pyvista import UnstructuredGrid
+
 _END = b"</VTKFile>"
 _NEEDED = ("displacement", "stress", "status", "contact_pressure", "friction_traction")
 
 
-def whole_body(folder: Path) -> Any:
+def whole_body(folder: Path) -> UnstructuredGrid:
     """The body as a pyvista grid with the fields of the last step, once all files are looked at.
 
     Args:

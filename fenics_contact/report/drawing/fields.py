@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -13,6 +13,9 @@ from scipy.spatial import cKDTree
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
+
+if TYPE_CHECKING:
+    from pyvista import PolyData, UnstructuredGrid
 
 # Curved cells are drawn as 64, 16 or 4 triangles each: so many cells at most as 64, as 16.
 _FEW, _MANY = 300, 2_000
@@ -35,7 +38,7 @@ _LINEAR = {
 }
 
 
-def read_body(folder: Path) -> Any:
+def read_body(folder: Path) -> UnstructuredGrid:
     """The body as a pyvista grid with the fields of the last step in ``fields.pvd``."""
     ((_, body),) = read_series(folder, [len(times_of_fields(folder)) - 1])
     return body
@@ -48,7 +51,7 @@ def times_of_fields(folder: Path) -> list[float]:
     return list(pyvista.get_reader(str(folder / "fields.pvd")).time_values)
 
 
-def read_series(folder: Path, numbers: Iterable[int]) -> Iterator[tuple[float, Any]]:
+def read_series(folder: Path, numbers: Iterable[int]) -> Iterator[tuple[float, UnstructuredGrid]]:
     """Pseudo-times of steps in ``fields.pvd``, by number, and the body with their fields."""
     import pyvista
 
@@ -69,7 +72,7 @@ def read_series(folder: Path, numbers: Iterable[int]) -> Iterator[tuple[float, A
         yield time, body
 
 
-def joined(grid: Any) -> Any:
+def joined(grid: UnstructuredGrid) -> UnstructuredGrid:
     """The grid without the nodes that pieces of several ranks share, which each of them has.
 
     Nodes of two bodies that lie at the same place stay apart: of a contact only one has a status.
@@ -103,7 +106,7 @@ def largest_shear(stress: Array) -> Array:
 
 
 def nodes_at(
-    body: Any, rows: ContactTable, contact: ContactRecord
+    body: UnstructuredGrid, rows: ContactTable, contact: ContactRecord
 ) -> tuple[ContactTable, Integers]:
     """The points of a contact that are nodes of the body, and the numbers of these nodes.
 
@@ -136,7 +139,7 @@ class Triangles:
     fields: dict[str, Array]
 
     @classmethod
-    def of(cls, grid: Any, *names: str) -> Triangles:
+    def of(cls, grid: UnstructuredGrid, *names: str) -> Triangles:
         """The surface of a grid, or all of a flat one; curved cells become several triangles."""
         whole = surface(grid, _level(grid.n_cells)).triangulate()
         corners = np.asarray(whole.faces).reshape(-1, 4)[:, 1:].astype(np.int64)
@@ -161,7 +164,7 @@ def _level(cells: int) -> int:
     return 3 if cells < _FEW else 2 if cells < _MANY else 1
 
 
-def surface(grid: Any, subdivision: int = 1) -> Any:
+def surface(grid: UnstructuredGrid, subdivision: int = 1) -> PolyData:
     """Surface of a grid; curved cells are subdivided."""
     import pyvista
     from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
@@ -173,14 +176,14 @@ def surface(grid: Any, subdivision: int = 1) -> Any:
     return pyvista.wrap(found.GetOutput())
 
 
-def outline(grid: Any, subdivision: int = 3) -> Any:
+def outline(grid: UnstructuredGrid, subdivision: int = 3) -> PolyData:
     """Boundary lines, and in space sharp edges, as a pyvista surface of lines."""
     return surface(grid, subdivision).extract_feature_edges(
         boundary_edges=True, feature_edges=True, manifold_edges=False, non_manifold_edges=False
     )
 
 
-def flat_sides(grid: Any) -> tuple[Integers, Flags]:
+def flat_sides(grid: UnstructuredGrid) -> tuple[Integers, Flags]:
     """Nodes of every side of every cell of a flat grid once: ends, and one between where it has it.
 
     Returns:
@@ -201,7 +204,7 @@ def flat_sides(grid: Any) -> tuple[Integers, Flags]:
     return every[first], count == 1
 
 
-def flat_outline(grid: Any) -> list[Array]:
+def flat_outline(grid: UnstructuredGrid) -> list[Array]:
     """The boundary of a flat grid as lines, the points of each, (points, 3) (length)."""
     sides, outer = flat_sides(grid)
     onwards: dict[int, list[list[int]]] = {}
@@ -220,7 +223,7 @@ def flat_outline(grid: Any) -> list[Array]:
     return lines
 
 
-def surface_edges(grid: Any) -> Any:
+def surface_edges(grid: UnstructuredGrid) -> PolyData:
     """Of a body in space the sides of the faces on its surface, as a surface of lines.
 
     Those of a few cells may be curved; of many cells they are straight.
@@ -237,7 +240,7 @@ def surface_edges(grid: Any) -> Any:
     return surface(straight).extract_all_edges()
 
 
-def segments(lines: Any) -> Array:
+def segments(lines: PolyData) -> Array:
     """Ends of the pieces of lines, (pieces, 2, 3) (length)."""
     ends = np.asarray(lines.lines).reshape(-1, 3)[:, 1:]
     found: Array = np.asarray(lines.points, dtype=float)[ends]

@@ -6,12 +6,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from textwrap import wrap
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fenics_contact.common.atomic_files import replaced_file
 from fenics_contact.common.plain_text import printable
 from fenics_contact.report.drawing.style import STYLE
 from fenics_contact.results.records.contacts import ContactRecord
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _LETTER = 0.068  # width of a letter of a title in inches, about
 
@@ -21,12 +25,11 @@ def style() -> Iterator[None]:
     """Within it, all that matplotlib draws is in the style of this program."""
     import matplotlib
 
-    settings: Any = STYLE
-    with matplotlib.rc_context(settings):
+    with matplotlib.rc_context(STYLE):
         yield
 
 
-def new_figure(title: str, size: tuple[float, float], **panels: Any) -> tuple[Any, list[Any]]:
+def new_figure(title: str, size: tuple[float, float], **panels: Any) -> tuple[Figure, list[Axes]]:
     """A figure and its panels; matplotlib's state, as of a notebook, stays as it is.
 
     Args:
@@ -48,7 +51,7 @@ def new_figure(title: str, size: tuple[float, float], **panels: Any) -> tuple[An
     return figure, list(axes.flat)
 
 
-def set_title(panel: Any, title: str, pad: float | None = None) -> None:
+def set_title(panel: Axes, title: str, pad: float | None = None) -> None:
     """Set a panel's title, any text, on several lines if it is long: dollars are dollars.
 
     Args:
@@ -66,7 +69,7 @@ def plain(text: str) -> str:
     return printable(text).replace("$", r"\$")
 
 
-def save(figure: Any, path: Path, tight: bool = False) -> None:
+def save(figure: Figure, path: Path, tight: bool = False) -> None:
     """Write a figure as a PNG, and beside it as a PDF that is the same in every run.
 
     Args:
@@ -83,7 +86,7 @@ def save(figure: Any, path: Path, tight: bool = False) -> None:
             figure.savefig(temporary, metadata={"CreationDate": None}, **box)
 
 
-def save_png(figure: Any, path: Path) -> None:
+def save_png(figure: Figure, path: Path) -> None:
     """Write a figure as a PNG alone, as the pages of the documentation want it."""
     with style(), replaced_file(path) as temporary:
         figure.savefig(temporary)

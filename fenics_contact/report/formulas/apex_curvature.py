@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -11,6 +11,9 @@ from scipy.spatial import KDTree
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.fields import flat_sides
 from fenics_contact.results.contact_table import ContactTable
+
+if TYPE_CHECKING:
+    from pyvista import UnstructuredGrid
 
 _ROUND = 0.02  # of how far a surface recedes: what it may be apart from a parabola
 
@@ -35,7 +38,7 @@ class Curvature:
 
 
 def relative_curvature(
-    rows: ContactTable, body: Any, middle: float | None = None
+    rows: ContactTable, body: UnstructuredGrid, middle: float | None = None
 ) -> Curvature | None:
     """Fit a parabola about a common apex to either surface; None where one is none.
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from math import cbrt, pi, sqrt
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from fenics_contact.results.load_history import History
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from pyvista import UnstructuredGrid
 
 _FLAT = 1e-6
 # Of an elastic mismatch |β| (Dundurs) below this friction does not change the pressure by more
@@ -90,7 +93,7 @@ class AnalyticContact:
 
 
 def recognise(
-    scene: Scene | None, result: Outcome, table: ContactTable, body: Any
+    scene: Scene | None, result: Outcome, table: ContactTable, body: UnstructuredGrid
 ) -> AnalyticContact | None:
     """The formulas of a run, None where there are none.
 
@@ -117,7 +120,7 @@ def recognise(
 
 
 def _of_obstacle(
-    scene: Scene, result: Outcome, rows: ContactTable, _: Any
+    scene: Scene, result: Outcome, rows: ContactTable, _: UnstructuredGrid
 ) -> AnalyticContact | None:
     """A rigid obstacle on a half-space."""
     obstacle, moduli = scene.contact[0].obstacle, _moduli(scene.material)
@@ -151,7 +154,7 @@ def _of_obstacle(
 
 
 def _of_bodies(
-    scene: Scene, result: Outcome, rows: ContactTable, body: Any
+    scene: Scene, result: Outcome, rows: ContactTable, body: UnstructuredGrid
 ) -> AnalyticContact | None:
     """Two bodies whose surfaces are curved, each large against the contact."""
     contact = scene.contact[0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from fenics_contact.results.records.model import LevelRecord
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.quantity_names import in_words
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _MARKS = "os^vDP"
 _FEWEST = 3
@@ -68,7 +71,7 @@ def _iterations(steps: list[StepRecord], path: Path) -> Picture:
     return Picture(path, "Convergence", caption)
 
 
-def _per_step(panel: Any, steps: list[StepRecord]) -> None:
+def _per_step(panel: Axes, steps: list[StepRecord]) -> None:
     """Newton's and outer iterations over the pseudo-time."""
     time = np.array([step.load_factor for step in steps])
     newton = [step.newton_iterations for step in steps]
@@ -135,7 +138,7 @@ def _order(dofs: Array, errors: Array) -> float | None:
     return order if order > 0 else None
 
 
-def _along_dofs(panel: Any, dofs: Array) -> None:
+def _along_dofs(panel: Axes, dofs: Array) -> None:
     """A logarithmic axis with a triangle of the slope −1 below the curves."""
     from matplotlib.ticker import LogLocator, NullFormatter
 

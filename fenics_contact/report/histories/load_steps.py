@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,10 @@ from fenics_contact.report.histories.hysteresis import Loop, last_loop
 from fenics_contact.results.load_history import Drive, History
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _HEIGHT, _MARGIN = 1.6, 0.45
 _MOST_DRIVES = 6
@@ -44,7 +48,7 @@ def draw_history(folder: Path, result: Outcome, far: tuple[str, ...] = ()) -> li
     return [*drawn, _energies(history, folder / "history_energy.png")]
 
 
-def _over_time(title: str, heights: list[float], history: History) -> tuple[Any, list[Any]]:
+def _over_time(title: str, heights: list[float], history: History) -> tuple[Figure, list[Axes]]:
     figure, panels = new_figure(
         title,
         (WIDE, sum(heights) + _MARGIN),
@@ -58,14 +62,14 @@ def _over_time(title: str, heights: list[float], history: History) -> tuple[Any,
     return figure, panels
 
 
-def _line(panel: Any, x: Array, y: Array, label: str, number: int) -> None:
+def _line(panel: Axes, x: Array, y: Array, label: str, number: int) -> None:
     """One of several curves, told apart by colour and dashes."""
     colour, dashes = LINES[number % len(LINES)]
     mark = "." if len(x) <= _MANY else ""
     panel.plot(x, y, linestyle=dashes, color=colour, marker=mark, label=label)
 
 
-def _legend(panel: Any) -> None:
+def _legend(panel: Axes) -> None:
     panel.axhline(0, color="black", linewidth=0.5, zorder=0)
     if len(panel.get_legend_handles_labels()[1]) > 1:
         panel.legend()
@@ -216,7 +220,7 @@ def _dissipates(history: History, loops: list[Loop | None]) -> bool:
     return bool(abs(done[loop.last] - done[loop.first] - loop.work) < _SHOWN * abs(loop.work))
 
 
-def _loop(panel: Any, drive: Drive, loop: Loop | None, is_sheared: bool) -> None:
+def _loop(panel: Axes, drive: Drive, loop: Loop | None, is_sheared: bool) -> None:
     """A path with its last closed loop; sheared so that a thin one opens."""
     moved = drive.x - (loop.compliance * drive.y if loop and is_sheared else 0.0)
     path = Drive(drive.title, drive.moved, drive.force, moved, drive.y)
@@ -245,7 +249,7 @@ def _number(value: float) -> str:
     return mantissa + (rf"\times 10^{{{int(power)}}}" if power else "")
 
 
-def _arrows(panel: Any, drive: Drive) -> None:
+def _arrows(panel: Axes, drive: Drive) -> None:
     """Which way the path goes, at a few places along it."""
     x, y = (values / (np.ptp(values) or 1.0) for values in (drive.x, drive.y))
     lengths = np.hypot(np.diff(x), np.diff(y))

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
 
 from markupsafe import Markup
 
@@ -97,7 +96,7 @@ def quantities_table(
 _BARS = ("± estimated error", "relative")
 
 
-def _with_share(width: str, value: Any) -> list[str]:
+def _with_share(width: str, value: float | list[float]) -> list[str]:
     """An error bar, and what share it is of the value, of vectors of their length."""
     if width == UNKNOWN:
         return [UNKNOWN, UNKNOWN]
@@ -202,12 +201,12 @@ def timings_table(timings: Seconds) -> Markup:
     return table(rows, "Seconds by phase")
 
 
-def plain_table(values: Mapping[str, Any], caption: str) -> Markup:
+def plain_table(values: Mapping[str, object], caption: str) -> Markup:
     """Names and values."""
     return table([[words(key), written(value)] for key, value in values.items()], caption, False)
 
 
-def plain_rows(rows: list[list[Any]], caption: str) -> Markup:
+def plain_rows(rows: Sequence[Sequence[object]], caption: str) -> Markup:
     """Rows of values, the first of which names the columns."""
     return table([[written(cell) for cell in row] for row in rows], caption)
 
@@ -221,7 +220,7 @@ def _short(value: float | None) -> str:
     return "not a number" if value is None else f"{value:.3g}"
 
 
-def written(value: Any) -> str:
+def written(value: object) -> str:
     """A value as text."""
     if isinstance(value, bool) or value is None:
         return {True: "yes", False: "no", None: "none"}[value]

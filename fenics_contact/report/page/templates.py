@@ -8,7 +8,6 @@ from __future__ import annotations
 import base64
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
@@ -38,7 +37,7 @@ _environment = Environment(
 _environment.filters["data_uri"] = data_uri
 
 
-def render(name: str, **values: Any) -> str:
+def render(name: str, **values: object) -> str:
     """A template with its values in place.
 
     Args:
@@ -48,7 +47,7 @@ def render(name: str, **values: Any) -> str:
     return _environment.get_template(name).render(values)
 
 
-def _piece(name: str, *values: Any) -> Markup:
+def _piece(name: str, *values: object) -> Markup:
     return Markup(getattr(_environment.get_template("pieces.html").module, name)(*values))
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.report.view.surface import MOST_TRIANGLES, Surface, boundary, surface_of
+
+if TYPE_CHECKING:
+    from pyvista import UnstructuredGrid
 
 # The quarter that is missing is the one that is looked into.
 REVOLVED = (0.5 * np.pi, 2.0 * np.pi)
@@ -16,7 +19,9 @@ _STRIPS = (12, 60)  # around the axis, at the least and at the most
 _SHARP = np.cos(np.deg2rad(30))
 
 
-def revolved(body: Any, fields: dict[str, Array], most: int = MOST_TRIANGLES) -> Surface:
+def revolved(
+    body: UnstructuredGrid, fields: dict[str, Array], most: int = MOST_TRIANGLES
+) -> Surface:
     """The surface of a body of revolution.
 
     Args:

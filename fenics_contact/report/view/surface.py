@@ -7,11 +7,14 @@ eight triangles, so that all its nodes are used.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Integers
+
+if TYPE_CHECKING:
+    from pyvista import UnstructuredGrid
 
 # More triangles make a page slow on a telephone, and large.
 MOST_TRIANGLES = 40_000
@@ -108,7 +111,9 @@ class Surface:
         )
 
 
-def surface_of(body: Any, fields: dict[str, Array], most: int = MOST_TRIANGLES) -> Surface:
+def surface_of(
+    body: UnstructuredGrid, fields: dict[str, Array], most: int = MOST_TRIANGLES
+) -> Surface:
     """The surface of a body in space, all of a flat one.
 
     Args:
@@ -130,7 +135,7 @@ def surface_of(body: Any, fields: dict[str, Array], most: int = MOST_TRIANGLES) 
     return Surface(points, triangles, _sides(facets, cell.corners), fields).only_used()
 
 
-def _cells(body: Any) -> tuple[_Cell, Integers]:
+def _cells(body: UnstructuredGrid) -> tuple[_Cell, Integers]:
     """The kind of all cells, and their nodes, (cells, nodes)."""
     (kind,) = np.unique(body.celltypes).tolist()
     return _CELLS[kind], np.asarray(body.cell_connectivity, np.int64).reshape(body.n_cells, -1)

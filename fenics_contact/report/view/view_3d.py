@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from markupsafe import Markup
@@ -22,6 +22,9 @@ from fenics_contact.report.view.surface import Surface, boundary, surface_of
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.point_arrays import PointArray, of_several_contacts
 from fenics_contact.results.records.run import Outcome
+
+if TYPE_CHECKING:
+    from pyvista import UnstructuredGrid
 
 _MOVE = 0.06  # of what is shown: the largest displacement, where it is magnified
 _READABLE = 0.02  # from which it is seen as it is
@@ -59,7 +62,7 @@ class View:
         return self.kinematics.startswith("plane")
 
 
-def make_view(body: Any, result: Outcome, table: ContactTable) -> View:
+def make_view(body: UnstructuredGrid, result: Outcome, table: ContactTable) -> View:
     """The view of a run.
 
     Args:
@@ -98,7 +101,7 @@ def make_view(body: Any, result: Outcome, table: ContactTable) -> View:
     return View(surface, kinematics, kinds, shown, factors, zone, _towards(front, aside))
 
 
-def _own(body: Any, result: Outcome) -> Iterator[tuple[PointArray, Array]]:
+def _own(body: UnstructuredGrid, result: Outcome) -> Iterator[tuple[PointArray, Array]]:
     """What laws keep of their own at the nodes, vectors by their length, unless it is all zero."""
     arrays = [array for contact in result.contacts for array in contact.own_arrays]
     for array in of_several_contacts(arrays):
@@ -114,7 +117,7 @@ def _kinds(result: Outcome) -> tuple[Mark, ...]:
     return still_open, *closed
 
 
-def _obstacles(body: Any, obstacles: list[ObstacleSurface]) -> Array:
+def _obstacles(body: UnstructuredGrid, obstacles: list[ObstacleSurface]) -> Array:
     """Where obstacles stand, from the undeformed places of nodes opposite, (nodes, 3) (length).
 
     Not a number where there is none. A node of several pieces of the body is there in each.
@@ -193,7 +196,7 @@ def view_html(view: View) -> Markup:
     )
 
 
-def _data(view: View) -> dict[str, Any]:
+def _data(view: View) -> dict[str, object]:
     surface = view.surface
     lines = surface.lines if len(surface.lines) <= _MOST_LINES else surface.lines[:0]
     displacement = surface.fields["displacement"]
@@ -224,7 +227,7 @@ def _data(view: View) -> dict[str, Any]:
     }
 
 
-def _field(name: str, symbol: str, values: Array) -> dict[str, Any]:
+def _field(name: str, symbol: str, values: Array) -> dict[str, object]:
     """A field with the ends of its colours; what a few points alone have is beyond them."""
     low, most, high = np.percentile(values, [0, 99.5, 100])
     peaked = high > 3 * most > 0 and name == "von Mises stress"

@@ -26,6 +26,7 @@ from fenics_contact.results.accuracy_messages import (
     source_advice,
 )
 from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Seconds
+from fenics_contact.results.records.record import Errors
 from fenics_contact.results.result import Result
 from fenics_contact.scene.accuracy import Accuracy
 from fenics_contact.scene.quantity_names import in_words
@@ -33,7 +34,6 @@ from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.adaptive.mesh_wish import MeshWish, UsedUpError
 from fenics_contact.simulation.adaptive.next_mesh import hindrance
 from fenics_contact.simulation.adaptive.relative_errors import (
-    Errors,
     is_met,
     measured_keys,
     others_than_mesh,

@@ -12,8 +12,9 @@ from fenics_contact.evaluate.contact_areas import edges
 from fenics_contact.mesh.size_field import SINGULAR
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.records.model import LevelRecord
+from fenics_contact.results.records.record import Errors
 from fenics_contact.simulation.adaptive.next_mesh import Wish, next_mesh
-from fenics_contact.simulation.adaptive.relative_errors import Errors, others_than_mesh
+from fenics_contact.simulation.adaptive.relative_errors import others_than_mesh
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 

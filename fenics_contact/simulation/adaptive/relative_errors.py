@@ -10,15 +10,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Hashable, Iterable, Mapping
-from typing import Any
 
 import numpy as np
 
+from fenics_contact.results.records.record import Errors, Quantities
 from fenics_contact.results.result import Result
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, QuantityName, QuantityNames
-
-# By quantity, then by source, with their total; None where it is not estimated.
-Errors = Mapping[str, Mapping[str, float | None]]
 
 # Quantities that may vanish, over what is their size then.
 _MEASURED_BY = {
@@ -69,7 +66,7 @@ def measured_keys(
     return found
 
 
-def _of_owner(result: Result, name: QuantityName) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+def _of_owner(result: Result, name: QuantityName) -> tuple[Quantities, Errors]:
     """Quantities and their errors, of what a name says that they are of."""
     if not name.owner:
         return result.quantities, result.errors
@@ -80,13 +77,13 @@ def _of_owner(result: Result, name: QuantityName) -> tuple[Mapping[str, Any], Ma
     return contact.quantities, contact.errors
 
 
-def _given(values: Mapping[str, Any], quantity: str) -> str:
+def _given(values: Quantities, quantity: str) -> str:
     """The quantity, or what stands for a normal force without an axis."""
     is_missing = quantity == "normal_force" and values.get(quantity) is None
     return "pressure_integral" if is_missing else quantity
 
 
-def _size(result: Result, values: Mapping[str, Any], quantity: str) -> float:
+def _size(result: Result, values: Quantities, quantity: str) -> float:
     """What measures an error of a quantity, or of a component of it; 0 where it is not known."""
     by = _given(values, _MEASURED_BY.get(quantity, quantity))
     value = values.get(by, result.quantities.get(by))
@@ -107,7 +104,7 @@ def _largest_force(result: Result) -> float:
     return max((float(np.linalg.norm(v)) for v in values if v is not None), default=0.0)
 
 
-def _parts(result: Result) -> list[Mapping[str, Any]]:
+def _parts(result: Result) -> list[Quantities]:
     return [*(contact.quantities for contact in result.contacts), *result.reactions.values()]
 
 

@@ -6,11 +6,11 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 
 from fenics_contact.common.errors import InputError
+from fenics_contact.results.records.record import Errors
 from fenics_contact.results.result import Result
 from fenics_contact.scene.accuracy import Accuracy
 from fenics_contact.scene.quantity_names import OF_CONTACTS, OF_ONE_CONTACT
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.adaptive.relative_errors import Errors
 from fenics_contact.simulation.scene_run import Run
 
 # Share of the accuracy that penalty, regularisation and iteration may take, and what they are

@@ -17,10 +17,10 @@ from typing import Any, Literal
 import numpy as np
 
 from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.results.records.record import Quantities
 from fenics_contact.scene.quantity_names import VECTORS
 from fenics_contact.scene.scene import Discretisation, Scene
 
-Quantities = Mapping[str, Any]
 Element = Literal["P1", "Q1", "P2", "Q2"]
 Role = Literal["chosen", "tested"]
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from functools import partial
 from math import pi
-from typing import Any
 
 import numpy as np
 
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.results.records.record import Quantities
 from fenics_contact.scene.conditions import Point, Support
 from fenics_contact.scene.contact import Contact, Obstacle
 from fenics_contact.scene.material import Material
@@ -79,7 +78,7 @@ def _finer_annulus(coefficient: float, level: int, load: float) -> Model:
     return Model(with_friction(scene, coefficient))
 
 
-def _ring(load: float) -> Mapping[str, Any]:
+def _ring(load: float) -> Quantities:
     """Frictionless, by the integral equation of ring loads."""
     force = formulas.annular_punch_force(MODULUS, 0.5, 1.0, 0.01)
     return {
@@ -168,7 +167,7 @@ def cylinder(element: Element, cells: int, load: float) -> Model:
     return Model(scene, body)
 
 
-def lame(load: float) -> Mapping[str, Any]:
+def lame(load: float) -> Quantities:
     """u_r = A r + B/r with u_r(1) given and no stress at r = 2."""
     lame_lambda, shear_modulus = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU)
     # σ_rr = 2 (λ + G) A − 2 G B / r² vanishes at the outside.
@@ -206,7 +205,7 @@ def _pressed_block(element: Element, cells: int, load: float) -> Model:
     return Model(scene, box((4 * cells, 2 * cells), (2, 1), simplices=element.startswith("P")))
 
 
-def _uniaxial(load: float) -> Mapping[str, Any]:
+def _uniaxial(load: float) -> Quantities:
     pressure = E * (1 - NU) / (1 + NU) / (1 - 2 * NU) * 0.01
     return {
         "normal_force": 2 * pressure,

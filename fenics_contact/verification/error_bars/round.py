@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from functools import partial
 from math import pi
-from typing import Any
 
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.program import mesh_file
+from fenics_contact.results.records.record import Quantities
 from fenics_contact.scene.conditions import Support
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene.material import Material
@@ -65,7 +64,7 @@ def _finer_sphere(coefficient: float, level: int, load: float) -> Model:
     return Model(with_friction(scene, coefficient) if coefficient else scene)
 
 
-def hertz(load: float) -> Mapping[str, Any]:
+def hertz(load: float) -> Quantities:
     """Hertz' formulas by the indentation."""
     found = formulas.paraboloid(MODULUS, RADIUS, load)
     return {
@@ -117,7 +116,7 @@ def _half(load: float) -> float:
     return load * formulas.line_force(MODULUS, RADIUS, 8**0.5) / 2
 
 
-def _line(load: float) -> Mapping[str, Any]:
+def _line(load: float) -> Quantities:
     found = formulas.line_contact(MODULUS, RADIUS, 2 * _half(load))
     return {
         "normal_force": _half(load),

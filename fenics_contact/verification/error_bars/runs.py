@@ -12,13 +12,13 @@ import numpy as np
 from mpi4py import MPI
 
 from fenics_contact.common.errors import FenicsContactError
+from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.result import Result
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.verification.case import UntrustedError
 from fenics_contact.verification.error_bars.case import (
     BarCase,
     Model,
-    Quantities,
     Reference,
     Row,
     Setting,
