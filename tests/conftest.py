@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import copy
+import functools
 import gc
+import importlib.metadata
+import json
 import logging
 import os
 import sys
@@ -92,6 +95,25 @@ def _error_budget(request, monkeypatch):
     """Only tests of errors have them estimated: it takes about as long as a run."""
     if request.node.get_closest_marker("errors") is None:
         monkeypatch.setattr(simulation, "error_budget", lambda *history: ErrorBudget())
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _forms_compiled_quickly(tmp_path_factory):
+    """The C compiler does not optimise forms: small meshes never give back the time it takes.
+
+    A file for dolfinx says so, hence programs that tests start find it too. Its cache holds these
+    forms beside those of users, for the compiler's options are part of a form's name. And
+    setuptools looks through all installed packages once, not several times a form.
+    """
+    config = tmp_path_factory.mktemp("config")
+    options = config / "dolfinx" / "dolfinx_jit_options.json"
+    options.parent.mkdir()
+    options.write_text(json.dumps({"cffi_extra_compile_args": ["-O0", "-g0"]}))
+    entry_points = functools.cache(importlib.metadata.entry_points)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CONFIG_HOME", str(config))
+        patch.setattr(importlib.metadata, "entry_points", entry_points)
+        yield
 
 
 @pytest.fixture(scope="session")
