@@ -1,8 +1,9 @@
-"""What `make test` leaves out on one rank, and on two."""
+"""What `make test` leaves out on one rank, and on two; and how it has forms compiled."""
 
 from collections import namedtuple
 
 import pytest
+from dolfinx import jit
 
 from tests.conftest import cases_for_two_ranks, cases_left_out
 
@@ -47,3 +48,8 @@ def test_one_rank_and_two_run_all_cases_together():
 def test_one_rank_runs_other_cases_of_a_test_than_two():
     of_one, of_two = (set(ITEMS) - cases_left_out(ITEMS, 6, ranks) for ranks in (1, 2))
     assert of_one & of_two == {Item("test_alone")}
+
+
+def test_forms_are_not_optimised():
+    """Their options are in place before dolfinx first looks for them, which it does once."""
+    assert jit.get_options()["cffi_extra_compile_args"] == ["-O0", "-g0"]
