@@ -41,30 +41,52 @@ def pytest_addoption(parser):
     parser.addoption(
         "--one-case-in", type=int, default=1, metavar="N", help="of each test, at least one case"
     )
+    parser.addoption(
+        "--but-one-case-in", type=int, default=0, metavar="N",
+        help="without the cases that two ranks run with --one-case-in N",
+    )  # fmt: skip
 
 
 def pytest_collection_modifyitems(config, items):
-    left_out = cases_left_out(items, config.getoption("one_case_in"))
+    left_out = cases_left_out(items, config.getoption("one_case_in"), COMM.size)
+    if others := config.getoption("but_one_case_in"):
+        left_out |= cases_for_two_ranks(items, others)
     if COMM.size > 1:
-        left_out |= {item for item in items if item.get_closest_marker("serial")}
+        left_out |= {item for item in items if is_serial(item)}
     config.hook.pytest_deselected(items=[item for item in items if item in left_out])
     items[:] = [item for item in items if item not in left_out]
 
 
-def cases_left_out(items, share):
-    """All but every n-th case of each test; which one of n comes first depends on the test's name.
+def is_serial(item):
+    return item.get_closest_marker("serial") is not None
 
-    So two ranks see each test, and among them each kind of cell, body and contact, in less time.
-    """
+
+def cases_of_tests(items):
+    """Items by their tests' names."""
     tests = {}
     for item in items:
         tests.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    return tests
+
+
+def cases_left_out(items, share, ranks):
+    """All but every n-th case of each test; which is the first depends on its name and the ranks.
+
+    So each test is seen, and among them each kind of cell, body and contact, in less time.
+    """
     left_out = set()
-    for name, cases in tests.items():
+    for name, cases in cases_of_tests(items).items():
         every = min(share, len(cases))
-        first = zlib.crc32(name.encode()) % every
+        first = (zlib.crc32(name.encode()) + ranks) % every
         left_out |= {case for n, case in enumerate(cases) if n % every != first}
     return left_out
+
+
+def cases_for_two_ranks(items, share):
+    """Those that two ranks run with such a share, where one rank has other cases of the test."""
+    items = [item for item in items if not is_serial(item)]
+    several = [case for cases in cases_of_tests(items).values() if len(cases) > 1 for case in cases]
+    return set(several) - cases_left_out(several, share, ranks=2)
 
 
 def pytest_runtest_logreport(report):

@@ -1,6 +1,7 @@
 """Every demo as users start it: a process of its own, on one and on two ranks."""
 
 import csv
+import functools
 import json
 import os
 import runpy
@@ -114,6 +115,25 @@ def run_demo(name, folder, *overrides, ranks=1):
     return quantities(folder)
 
 
+@pytest.fixture(scope="module")
+def of_script(tmp_path_factory):
+    """Where a demo's script wrote, by its name: run once, on one rank, with all pictures."""
+
+    @functools.cache
+    def folder(name):
+        out = tmp_path_factory.mktemp(name)
+        require_success(start([ROOT / "demos" / f"demo_{name}.py", "--out", out], 1))
+        return out
+
+    return folder
+
+
+def require_success(done):
+    assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
+    assert "Traceback" not in done.stderr
+    assert "checks of the physics passed" in done.stdout
+
+
 def assert_values(found, expected):
     for key, (value, tolerance) in expected.items():
         assert found[key] == pytest.approx(value, rel=tolerance, abs=1e-9), key
@@ -146,49 +166,43 @@ def test_there_are_demos():
 
 
 @pytest.mark.parametrize("name", EXPECTED)
-def test_script_and_scene_on_one_and_two_ranks(name, tmp_path):
-    script = ROOT / "demos" / f"demo_{name}.py"
-    scene = ROOT / "demos" / f"{name}.toml"
-    from_scene = ["-m", "fenics_contact", "run", scene, "--out"]
-    runs = {"script": ([script, "--out", tmp_path / "script"], 1)}
+def test_script_and_scene_on_one_and_two_ranks(name, of_script, tmp_path):
+    script = of_script(name)
+    from_scene = ["-m", "fenics_contact", "run", ROOT / "demos" / f"{name}.toml", "--out"]
     if name == "slab":  # the quickest one
-        runs |= {
-            "script on 2": ([script, "--out", tmp_path / "script on 2", "--no-pictures"], 2),
-            "scene": ([*from_scene, tmp_path / "scene"], 1),
-            "scene on 2": ([*from_scene, tmp_path / "scene on 2"], 2),
+        runs = {
+            "script on 2": ([ROOT / "demos" / "demo_slab.py", "--no-pictures", "--out"], [], 2),
+            "scene": (from_scene, [], 1),
+            "scene on 2": (from_scene, [], 2),
         }
     else:
-        runs["scene on 2"] = ([*from_scene, tmp_path / "scene on 2", "--set", NO_ERRORS], 2)
-    for label, (arguments, ranks) in runs.items():
-        done = start(arguments, ranks)
-        assert done.returncode == 0, f"{label}: {done.stdout}\n{done.stderr}"
-        assert "Traceback" not in done.stderr
-        assert "checks of the physics passed" in done.stdout
-    reference = quantities(tmp_path / "script")
+        runs = {"scene on 2": (from_scene, ["--set", NO_ERRORS], 2)}
+    reference = quantities(script)
     assert_values(reference, EXPECTED[name])
-    for label in runs:
-        found = quantities(tmp_path / label)
+    for label, (command, options, ranks) in runs.items():
+        folder = tmp_path / label
+        require_success(start([*command, folder, *options], ranks))
+        found = quantities(folder)
         for key, value in reference.items():
             assert found[key] == pytest.approx(value, rel=1e-9, abs=1e-9), f"{label}: {key}"
-    for label in runs:
-        assert_same_table(tmp_path / "script", tmp_path / label)
-    pictures = sorted(path.name for path in (tmp_path / "script").glob("*.png"))
+        assert_same_table(script, folder)
+    pictures = sorted(path.name for path in script.glob("*.png"))
     axisymmetric = ["axis_stress.png"] if name in ("annulus", "sphere") else []
     in_steps = [f"history_{of}.png" for of in ("areas", "energy", "forces", "loops")]
     flat = ["contact_0.png", "convergence.png", "deformed.png", "surface_displacement.png"]
     flat += ["stress_0.png"] if name != "slab" else []  # its pressure is given
     expected = axisymmetric + flat + (in_steps if name in ("cylinders", "incline") else [])
     assert pictures == sorted(expected)
-    assert (tmp_path / "script" / "report.html").exists()
+    assert (script / "report.html").exists()
     if name == "sphere":
         sticks = (reference["stick_area"] / reference["contact_area"]) ** 0.5
         assert sticks == pytest.approx(0.765, rel=3e-3)
 
 
-def test_cylinders_against_hertz_and_cattaneo(tmp_path):
+def test_cylinders_against_hertz_and_cattaneo(of_script):
     """Johnson, Contact Mechanics (1985), (4.43), (4.45) and (7.27): by the forces that came out."""
     modulus, radius = 1000 / (2 * (1 - 0.3**2)), 8 / 2
-    found = run_demo("cylinders", tmp_path)
+    found = quantities(of_script("cylinders"))
     force, shear = found["normal_force"], -found["friction_force"][0]
     half_width = sqrt(4 * force * radius / (pi * modulus))
     assert found["contact_area"] == pytest.approx(2 * half_width, rel=5e-3)
@@ -251,10 +265,9 @@ def test_sheared_sphere_sticks_on_cattaneos_circle(tmp_path):
     assert "animation_0.gif" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
-def test_block_slides_up_the_incline(tmp_path):
+def test_block_slides_up_the_incline(of_script):
     """By balance of forces, for any pressure: F/G = (μ + tan α) / (1 − μ tan α)."""
-    run_demo("incline", tmp_path)
-    result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    result = json.loads((of_script("incline") / "result.json").read_text(encoding="utf-8"))
     push = {row["on"]: row["reaction"] for row in result["supports"]}["block.left"]
     limit = (FRICTION + SLOPE) / (1 - FRICTION * SLOPE)
     assert push == pytest.approx([WEIGHT * limit, 0], rel=1e-9, abs=1e-9)

@@ -131,8 +131,8 @@ def test_tests_run_on_one_and_two_ranks(image: Image, fail: str, code: int, mess
     done = image.run("test", "-k", "slab", fail=fail)
     assert (done.returncode, done.stderr) == (code, message)
     assert image.calls() == [
-        image.call(f"python3 {PYTEST} -n 2 --dist loadfile --one-case-in 3 -k slab"),
-        image.call(f"mpirun -n 2 python3 -m mpi4py {PYTEST} --one-case-in 3 -k slab"),
+        image.call(f"python3 {PYTEST} -n 2 --dist loadfile --one-case-in 6 -k slab"),
+        image.call(f"mpirun -n 2 python3 -m mpi4py {PYTEST} --one-case-in 6 -k slab"),
     ]
 
 

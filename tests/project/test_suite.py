@@ -1,19 +1,28 @@
-"""What `make test` leaves out on two ranks."""
+"""What `make test` leaves out on one rank, and on two; and how it has forms compiled."""
 
 from collections import namedtuple
 
 import pytest
+from dolfinx import jit
 
-from tests.conftest import cases_left_out
+from tests.conftest import cases_for_two_ranks, cases_left_out
 
 pytestmark = pytest.mark.serial
-Item = namedtuple("Item", "nodeid")
+
+
+class Item(namedtuple("Item", "nodeid")):
+    """A case of a test, as pytest has them."""
+
+    def get_closest_marker(self, name):
+        return name if name in self.nodeid else None
+
+
 ITEMS = [Item(f"test_{of}[{case}]") for of in "abcdefghij" for case in range(7)]
 ITEMS += [Item("test_alone"), Item("test_of_two[a]"), Item("test_of_two[b]")]
 
 
 def test_no_test_is_left_out_and_other_cases_of_others():
-    kept = set(ITEMS) - cases_left_out(ITEMS, 3)
+    kept = set(ITEMS) - cases_left_out(ITEMS, 3, ranks=2)
     assert {item.nodeid.partition("[")[0] for item in kept} == {
         item.nodeid.partition("[")[0] for item in ITEMS
     }
@@ -23,4 +32,24 @@ def test_no_test_is_left_out_and_other_cases_of_others():
 
 
 def test_without_the_option_everything_is_run():
-    assert not cases_left_out(ITEMS, 1)
+    assert not cases_left_out(ITEMS, 1, ranks=2)
+
+
+def test_one_rank_and_two_run_all_cases_together():
+    """And each of them all tests; on one rank, all cases of a test that two never run."""
+    serial = [Item(f"test_serial[{case}]") for case in range(4)]
+    on_two = set(ITEMS) - cases_left_out(ITEMS, 3, ranks=2)
+    on_one = {*ITEMS, *serial} - cases_for_two_ranks([*ITEMS, *serial], 3)
+    assert on_one | on_two == {*ITEMS, *serial}
+    assert on_one & on_two == {Item("test_alone")}
+    assert on_one >= set(serial)
+
+
+def test_one_rank_runs_other_cases_of_a_test_than_two():
+    of_one, of_two = (set(ITEMS) - cases_left_out(ITEMS, 6, ranks) for ranks in (1, 2))
+    assert of_one & of_two == {Item("test_alone")}
+
+
+def test_forms_are_not_optimised():
+    """Their options are in place before dolfinx first looks for them, which it does once."""
+    assert jit.get_options()["cffi_extra_compile_args"] == ["-O0", "-g0"]
