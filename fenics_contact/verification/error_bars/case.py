@@ -16,6 +16,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from fenics_contact.contact.laws.normal import law_of
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.scene.quantity_names import VECTORS
@@ -219,7 +220,7 @@ def rows_of(
 def without_penalties(scene: Scene, quantities: Quantities) -> dict[str, Any]:
     """Those that a fine model has, with what penalties add set to none, as in the limit."""
     found = {name: value for name, value in quantities.items() if value is not None}
-    if all(contact.kind == "unilateral" for contact in scene.contact):
+    if all(law_of(contact).has_penalty for contact in scene.contact):
         found |= dict.fromkeys(_OF_PENALTIES, 0.0)
     return found
 
@@ -237,7 +238,7 @@ def with_parameters(scene: Scene, parameters: Parameters) -> Scene:
             contact = dataclasses.replace(
                 contact, regularisation_parameter=parameters.regularisation
             )
-        if contact.kind == "unilateral" and parameters.penalty is not None:
+        if law_of(contact).has_penalty and parameters.penalty is not None:
             contact = dataclasses.replace(contact, penalty_parameter=parameters.penalty)
         changed.append(contact)
     return dataclasses.replace(scene, contact=tuple(changed))

@@ -108,7 +108,8 @@ def test_other_solvers_wait_to_be_asked_for(capsys):
 def test_results_are_those_of_a_run_without_them(scene, body):
     made = body()
     with_all, without = (solved(scene, made, errors) for errors in ("all", "none"))
-    assert without.errors == {} and without.timings["errors"] < 1e-3
+    assert without.errors == {}
+    assert without.timings["errors"] < 0.1 * with_all.timings["errors"]
     assert "errors" not in without.contacts[0]
     assert with_all.errors["normal_force"]["step"] >= 0
     assert without_errors(with_all) == without_errors(without)
