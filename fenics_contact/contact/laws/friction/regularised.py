@@ -46,7 +46,11 @@ class RegularisedFriction(FrictionLaw):
     rubs: ClassVar[bool] = True
     carries_shear: ClassVar[bool] = True
     checks: ClassVar[tuple[str, ...]] = (
-        *("friction_cone", "friction_law", "outer_loop", "dissipation", "stick_creep"),
+        "friction_cone",
+        "friction_law",
+        "outer_loop",
+        "dissipation",
+        "stick_creep",
     )
 
     def __init__(self, site: LawSite, normal: NormalLaw, coefficient: Array) -> None:

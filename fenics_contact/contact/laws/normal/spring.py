@@ -46,7 +46,10 @@ class SpringLaw(NormalLaw):
 
     pushes_only: ClassVar[bool] = True
     checks: ClassVar[tuple[str, ...]] = (
-        *("contact_law", "complementarity", "tension", "pressure_recovery"),
+        "contact_law",
+        "complementarity",
+        "tension",
+        "pressure_recovery",
     )
 
     def __init__(self, site: LawSite) -> None:
