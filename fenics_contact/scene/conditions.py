@@ -86,7 +86,7 @@ class Load:
 
     @property
     def components(self) -> tuple[Value, ...]:
-        """What is given: one entry per axis, of a pressure one."""
+        """What is given, one entry per axis; of a pressure it is one."""
         value = getattr(self, self.kind)
         return value if isinstance(value, tuple) else (value,)
 
