@@ -177,7 +177,8 @@ def given_loads(loads: tuple[Load, ...], spaces: Spaces) -> list[GivenLoad]:
 
 def _given_load(load: Load, key: str, spaces: Spaces) -> GivenLoad | None:
     law, key_of_value = _KINDS[load.kind], f"{key}.{load.kind}"
-    given = load.components
+    value = getattr(load, load.kind)
+    given: tuple[Value, ...] = value if isinstance(value, tuple) else (value,)
     group = law.place(load.on, f"{key}.on", spaces)
     nodes = spaces.nodes(group)
     nodal = np.stack(

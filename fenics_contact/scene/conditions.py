@@ -84,12 +84,6 @@ class Load:
         kinds = ("traction", "pressure", "body_force")
         return next(kind for kind in kinds if getattr(self, kind) is not None)
 
-    @property
-    def components(self) -> tuple[Value, ...]:
-        """What is given, one entry per axis; of a pressure it is one."""
-        value = getattr(self, self.kind)
-        return value if isinstance(value, tuple) else (value,)
-
 
 @scene_class
 class Point:
