@@ -17,12 +17,12 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
-from fenics_contact.solve.condensed.contact_jump import ContactJump, EntryPattern
+from fenics_contact.solve.condensed.contact_jump import ContactJump
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.condensed.unknowns import ContactVariables
-from fenics_contact.solve.systems.contact_stiffness import AssembledForm, Entries, SurfaceMatrix
+from fenics_contact.solve.systems.contact_stiffness import Entries, SurfaceMatrix, congruent
 from fenics_contact.solve.systems.system import System
 
 
@@ -67,7 +67,6 @@ class CondensedSystem(System):
         acting = [surface for surface in self._surfaces if surface is not None]
         self.variables = ContactVariables(self.dofs, acting)
         self._jumps = [None if s is None else self._jump(s) for s in self._surfaces]
-        self._patterns: dict[AssembledForm, EntryPattern | None] = {}
         self._dense = self._dense_tangent()
 
     def pair_anew(self) -> None:
@@ -282,25 +281,15 @@ class CondensedSystem(System):
         """W = Σ Lᵀ K_c B; collective."""
         self.take(state)
         none = np.zeros(0, dtype=np.int64)
-        found = [(none, none, np.zeros(0))]
+        found: list[Entries] = [(none, none, np.zeros(0))]
         for jump in (jump for jump in self._jumps if jump is not None):
             jump.surface.contact.follow()
-            for part in jump.surface.parts():
-                found += self._entries_in_unknowns(jump, part)
+            parts = self.comm.gather(jump.surface.entries())
+            if parts is not None:
+                rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
+                found.append(congruent((rows, columns, values), jump.work, jump.motion))
         if self._dense is not None:
             self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
-
-    def _entries_in_unknowns(self, jump: ContactJump, part: AssembledForm) -> list[Entries]:
-        """Entries of Lᵀ K_c B, on rank 0; collective."""
-        if part not in self._patterns:
-            places = self.comm.gather((part.rows, part.columns))
-            self._patterns[part] = None if places is None else EntryPattern(jump, places)
-        parts = self.comm.gather(part.values())
-        pattern = self._patterns[part]
-        if parts is None or pattern is None:
-            return []
-        values = np.concatenate(parts)[pattern.entries] * pattern.weights
-        return [(pattern.rows, pattern.columns, values)]
 
     def imbalance(self) -> float:
         """1-norm of the last residual (force); collective."""

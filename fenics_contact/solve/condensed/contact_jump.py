@@ -1,13 +1,11 @@
-"""The jump of one contact over the unknowns of the condensed problem, and its tangent's entries."""
+"""The jump of one contact over the unknowns of the condensed problem."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 from scipy.sparse import csr_matrix
 
-from fenics_contact.common.arrays import Integers
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 
 
@@ -29,27 +27,3 @@ class ContactJump:
     relative: csr_matrix
     motion: csr_matrix
     work: csr_matrix
-
-
-class EntryPattern:
-    """Where the entries of K_c go in Lᵀ K_c B; one may go to several places.
-
-    Attributes:
-        entries: Numbers of K_c's entries.
-        rows: Of the unknowns that each goes to.
-        columns: Likewise.
-        weights: Its factors there.
-    """
-
-    def __init__(self, jump: ContactJump, places: list[tuple[Integers, Integers]]) -> None:
-        rows, columns = (np.concatenate(part) for part in zip(*places, strict=True))
-        work, motion = jump.work[rows], jump.motion[columns]
-        by_work, by_motion = np.diff(work.indptr), np.diff(motion.indptr)
-        count = by_work * by_motion
-        self.entries = np.repeat(np.arange(len(rows)), count)
-        number = np.arange(len(self.entries)) - np.repeat(np.cumsum(count) - count, count)
-        first, second = np.divmod(number, np.maximum(by_motion, 1)[self.entries])
-        first += work.indptr[self.entries]
-        second += motion.indptr[self.entries]
-        self.rows, self.columns = work.indices[first], motion.indices[second]
-        self.weights = work.data[first] * motion.data[second]

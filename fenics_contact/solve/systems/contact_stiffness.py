@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from dolfinx import fem
+from scipy.sparse import csr_matrix, hstack, identity
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.mortar.pairing import Pairing
 from fenics_contact.contact.surface.space import SurfaceSpace
 
 Entries = tuple[Integers, Integers, Array]
@@ -24,6 +24,7 @@ class SurfaceMatrix:
         self.contact = contact
         self._surface = contact.trace.surface
         self._assembled: dict[fem.Form, AssembledForm] = {}
+        self._paired: list[Array] | None = None
         self.dofs = self._surface.dofs
 
     def entries(self) -> Entries:
@@ -39,10 +40,27 @@ class SurfaceMatrix:
 
         Against a second body w = u − P u', so K_c gives Jᵀ K_c J with J = (1, −P).
         """
-        pairing = self.contact.kinematics.pairing
-        if pairing is None:
+        if self.contact.kinematics.pairing is None:
             return self.dofs[rows], self.dofs[columns], values
-        return coupled_entries(pairing, self.dofs, rows, columns, values)
+        dofs, jump = self._jump
+        rows, columns, values = congruent((rows, columns, values), jump, jump)
+        return dofs[rows], dofs[columns], values
+
+    @property
+    def _jump(self) -> tuple[Integers, csr_matrix]:
+        """Dofs of the body, of slave and master; and J over them. Of two bodies."""
+        pairing = self.contact.kinematics.pairing
+        assert pairing is not None
+        if self._paired is not pairing.blocks:  # else as before
+            size, count = len(pairing.blocks), len(self.dofs)
+            shape = (count, len(pairing.dofs))
+            opposite = sum(
+                (_of_component(csr_matrix(block), axis, size, shape))
+                for axis, block in enumerate(pairing.blocks)
+            )
+            self._paired = pairing.blocks
+            self._over_dofs = csr_matrix(hstack([identity(count), -opposite]))
+        return np.concatenate([self.dofs, pairing.dofs]), self._over_dofs
 
     def pattern(self) -> tuple[Integers, Integers]:
         """Pairs of the body's dofs between which a tangent can have entries.
@@ -72,42 +90,27 @@ def every_pair(dofs: Integers) -> tuple[Integers, Integers]:
     return first.ravel(), np.swapaxes(first, 1, 2).ravel()
 
 
-def coupled_entries(
-    pairing: Pairing,
-    dofs: Integers,
-    rows: Integers,
-    columns: Integers,
-    values: Array,
-) -> Entries:
-    """Jᵀ K_c J of entries of K_c, J = (1, −P); only where K_c has entries."""
+def congruent(entries: Entries, left: csr_matrix, right: csr_matrix) -> Entries:
+    """Entries of Lᵀ K R; each place comes once.
+
+    Args:
+        entries: Of K; those at the same place add up.
+        left: L.
+        right: R.
+    """
+    rows, columns, values = entries
     kept = values != 0
-    rows, columns, values = rows[kept], columns[kept], values[kept]
-    size, masters = len(pairing.blocks), pairing.dofs.reshape(-1, len(pairing.blocks))
-    found: list[Entries] = [(dofs[rows], dofs[columns], values)]
-    for i in range(size):
-        for j in range(size):
-            mine = (rows % size == i) & (columns % size == j)
-            if not mine.any():
-                continue
-            used, at = np.unique(rows[mine] // size, return_inverse=True)
-            others, there = np.unique(columns[mine] // size, return_inverse=True)
-            block = np.zeros((len(used), len(others)))
-            np.add.at(block, (at, there), values[mine])
-            left, right = pairing.blocks[i][used], pairing.blocks[j][others]
-            below, across = left.T @ block, block @ right
-            own = dofs[used * size + i], dofs[others * size + j]
-            opposite = masters[:, i], masters[:, j]
-            found.append((*_grid(opposite[0], own[1]), -below.ravel()))
-            found.append((*_grid(own[0], opposite[1]), -across.ravel()))
-            found.append((*_grid(*opposite), (below @ right).ravel()))
-    merged = (np.concatenate(part) for part in zip(*found, strict=True))
-    rows, columns, values = merged
-    return rows, columns, values
+    places = (rows[kept], columns[kept])
+    matrix = csr_matrix((values[kept], places), shape=(left.shape[0], right.shape[0]))
+    found = (left.T @ (matrix @ right)).tocoo()
+    return found.row.astype(np.int64), found.col.astype(np.int64), found.data
 
 
-def _grid(rows: Integers, columns: Integers) -> tuple[Integers, Integers]:
-    """All pairs of a row and a column, row by row."""
-    return np.repeat(rows, len(columns)), np.tile(columns, len(rows))
+def _of_component(block: csr_matrix, axis: int, size: int, shape: tuple[int, int]) -> csr_matrix:
+    """A block between nodes as one between the dofs of a component."""
+    entries = block.tocoo()
+    places = (entries.row * size + axis, entries.col * size + axis)
+    return csr_matrix((entries.data, places), shape=shape)
 
 
 class AssembledForm:
