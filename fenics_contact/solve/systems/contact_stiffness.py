@@ -25,6 +25,7 @@ class SurfaceMatrix:
         self._surface = contact.trace.surface
         self._assembled: dict[fem.Form, AssembledForm] = {}
         self._paired: list[Array] | None = None
+        self._over_dofs = csr_matrix((0, 0))
         self.dofs = self._surface.dofs
 
     def entries(self) -> Entries:
