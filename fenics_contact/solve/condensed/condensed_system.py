@@ -16,6 +16,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
+from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.contact_jump import ContactJump
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
@@ -24,6 +25,10 @@ from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_stiffness import Entries, SurfaceMatrix, congruent
 from fenics_contact.solve.systems.system import System
+
+
+# Contact dofs from which the passes of a loop on the pressure cost more than the factorisation.
+_MANY = 1000
 
 
 class CondensedSystem(System):
@@ -58,6 +63,8 @@ class CondensedSystem(System):
         self._loads = CondensedLoads(self._bulk)
         self._far_loads = [self._far_load(unknown.column) for unknown in problem.unknowns]
         self._size = len(self.dofs.free) + self.scalars
+        if self._size > _MANY:
+            self.first_way = "monolithic"
         with timings.phase("factorise"):
             self._place_contacts()
         self._create_vectors()
@@ -137,7 +144,8 @@ class CondensedSystem(System):
         columns = -np.array(condensed).reshape(self.scalars, len(self.dofs.free)).T
         own = np.array([unknown.own for unknown in self.problem.unknowns])
         variables = self.variables
-        return ContactTangent(variables.stiffness(schur), columns, own, variables.derived)
+        constant = ConstantTangent(variables.stiffness(schur), columns, own, variables.derived)
+        return ContactTangent(constant, self.dofs.free // self.problem.spaces.components)
 
     def _create_vectors(self) -> None:
         own = self._size if self._root else 0
@@ -166,11 +174,12 @@ class CondensedSystem(System):
             For forces across, and along each way; None where only contact holds a body, and on
             ranks that have no part of the tangent.
         """
-        jump, dense = self._jumps[number], self._dense
-        compliance = None if dense is None else dense.compliance
-        if jump is None or dense is None or compliance is None:
+        jump = self._jumps[number]
+        solver = None if self._dense is None else self._dense.compliance
+        compliance = None if solver is None else solver.compliance
+        if jump is None or solver is None or compliance is None:
             return None
-        unknowns = jump.relative[:, dense.compliant]
+        unknowns = jump.relative[:, solver.compliant]
         moved = (across @ unknowns) @ compliance
         return moved @ (across @ unknowns).T, [moved @ (way @ unknowns).T for way in ways]
 
@@ -261,11 +270,11 @@ class CondensedSystem(System):
         if self._dense is None:
             return
         driving = [unknown.force for unknown in self.problem.unknowns]
-        left = self._dense.constant_part(np.array(state.array_r))
+        left = self._dense.constant.times(np.array(state.array_r))
         left -= np.concatenate([self._condensed, driving])
         for jump, force in zip(self._jumps, parts, strict=True):
             if jump is not None:
-                left -= self._dense.onto_unknowns(jump.work.T @ force)
+                left -= self._dense.constant.onto_unknowns(jump.work.T @ force)
         with residual as array:
             array[:] = left
 

@@ -71,11 +71,13 @@ class CondensedBulk:
 
     def _sum_and_condense(self, local: Array) -> Array | None:
         """S of all ranks together, on rank 0."""
-        parts = self.comm.gather(local)
+        parts = self.comm.gather(local) if self.comm.size > 1 else [local]  # it makes copies
         if parts is None:
             return None
         if len(parts) == 1:
-            whole = parts[0][np.ix_(self._places[0].argsort(), self._places[0].argsort())]
+            whole, order = parts[0], self._places[0].argsort()
+            if (np.diff(order) < 0).any():
+                whole = whole[np.ix_(order, order)]
         else:
             whole = np.zeros((self._size, self._size))
             for places, part in zip(self._places, parts, strict=True):
@@ -213,18 +215,17 @@ class LocalFactor:
         library = ctypes.CDLL(PETSc.__file__)
         pointer = ctypes.c_void_p()
         _call(library.MatFactorGetSchurComplement, factor, ctypes.byref(pointer), None)
-        schur = PETSc.Mat().createDense((size, size), comm=PETSc.COMM_SELF)
-        schur.setUp()
+        found = np.zeros((size, size), order="F")
+        schur = PETSc.Mat().createDense((size, size), array=found, comm=PETSc.COMM_SELF)
         schur.assemble()
         same = 0  # MatStructure's SAME_NONZERO_PATTERN
         _call(library.MatCopy, pointer, schur, ctypes.c_int(same))
         _call(
             library.MatFactorRestoreSchurComplement, factor, ctypes.byref(pointer), ctypes.c_int(0)
         )
-        found = _symmetric(np.array(schur.getDenseArray()))
         factor.setMumpsIcntl(26, _WITHOUT_SCHUR_DOFS)
         schur.destroy()
-        return found
+        return _symmetric(found).T  # by rows: PETSc's matrices are stored by columns
 
 
 def _symmetric(schur: Array) -> Array:

@@ -38,7 +38,7 @@ class System(ABC):
 
     name: ClassVar[str]
     options: ClassVar[dict[str, Any]]
-    first_way: ClassVar[str] = "campos"
+    first_way: str = "campos"
     state: PETSc.Vec
     residual: PETSc.Vec
     tangent: PETSc.Mat

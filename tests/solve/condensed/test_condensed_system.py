@@ -27,10 +27,12 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.solve.condensed import schur
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import ContactTangent
 from tests.scenes import box_body, with_solver
+from tests.solve.condensed.stiff_and_soft import Split
 from tests.solve.same_answer import require_same, solved
 
 COMM = MPI.COMM_WORLD
@@ -131,6 +133,24 @@ SCENES["two contacts"] = dataclasses.replace(
 @pytest.mark.parametrize("name", SCENES)
 def test_the_same_answer(name):
     require_same(SCENES[name], box_body((8, 8), (1, 1)))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_same_with_stiff_and_soft_apart(name, monkeypatch):
+    """As on contacts with many dofs."""
+    split = Split(monkeypatch)
+    require_same(SCENES[name], box_body((8, 8), (1, 1)))
+    split.require_used()
+
+
+@pytest.mark.parametrize(
+    ("cell", "degree"), [(None, 1), (None, 2), (TETRAHEDRON, 1), (TETRAHEDRON, 2)]
+)
+def test_the_same_in_space_with_stiff_and_soft_apart(cell, degree, monkeypatch):
+    split = Split(monkeypatch)
+    scene = pressed("3D", degree, friction_coefficient=0.4)
+    require_same(scene, box_body((4, 4, 2), cell=cell))
+    split.require_used()
 
 
 @pytest.mark.parametrize("strategy", ["campos", "lagged", "monolithic"])
@@ -281,14 +301,18 @@ def test_combinations_of_known_loads_cost_no_solve():
 @pytest.mark.parametrize("derived", [0, 3])
 @pytest.mark.parametrize("free", [0, 2])
 @pytest.mark.parametrize("stiffness", [1.0, 1e9])
-def test_tangent_against_a_plain_solve(free, stiffness, derived):
+@pytest.mark.parametrize("is_large", [False, True])
+def test_tangent_against_a_plain_solve(free, stiffness, derived, is_large, monkeypatch):
     """Whatever is in contact, also where S lets the body move and the penalty is stiff."""
+    if is_large:
+        Split(monkeypatch)
     random = np.random.default_rng(2)
     root = random.normal(size=(12, 12 - free))
     schur, columns = root @ root.T, random.normal(size=(12, 1))
     rows = random.normal(size=(derived, 12))
     every = np.vstack([np.eye(13), np.hstack([rows, np.zeros((derived, 1))])])
-    tangent = ContactTangent(schur, columns, np.array([1.0]), rows)
+    constant = ConstantTangent(schur.copy(), columns, np.array([1.0]), rows)
+    tangent = ContactTangent(constant, np.arange(12) // 3)
     whole = np.zeros((13, 13))
     whole[:12, :12], whole[:12, 12:], whole[12, 12] = schur, columns, 1.0
     for active in (range(4), range(12), range(5, 9), [2, 3, *range(13, 13 + derived)]):
@@ -308,7 +332,9 @@ def test_tangent_against_a_plain_solve(free, stiffness, derived):
 
 
 def test_singular_tangent_is_no_number_instead_of_a_wrong_one():
-    tangent = ContactTangent(np.diag([1.0, 0.0]), np.zeros((2, 0)), np.zeros(0), np.zeros((0, 2)))
+    none = np.zeros((0, 2))
+    constant = ConstantTangent(np.diag([1.0, 0.0]), none.T.copy(), np.zeros(0), none)
+    tangent = ContactTangent(constant, np.zeros(2, dtype=np.int64))
     tangent.set(*find(np.zeros((2, 2))))
     assert np.isnan(tangent.solve(np.ones(2))).all()
 

@@ -14,6 +14,7 @@ from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from tests.contact.pair_bodies import Box, boxes
+from tests.solve.condensed.stiff_and_soft import Split
 from tests.solve.same_answer import require_same
 
 COMM = MPI.COMM_WORLD
@@ -70,6 +71,14 @@ RINGS = list(product(["on", "against"], repeat=3))
 @pytest.mark.parametrize("slaves", CHOICES)
 def test_a_slave_with_two_contacts_and_a_slave_that_is_a_master(slaves):
     require_same(seat(slaves=slaves), boxes(FLAT))
+
+
+@pytest.mark.parametrize("slaves", CHOICES)
+def test_the_same_with_stiff_and_soft_apart(slaves, monkeypatch):
+    """Derived jumps too, as on contacts with many dofs."""
+    split = Split(monkeypatch)
+    require_same(seat(slaves=slaves), boxes(FLAT))
+    split.require_used()
 
 
 @pytest.mark.parametrize("slaves", RINGS)

@@ -1,0 +1,105 @@
+"""The condensed tangent solved on the dofs at which contacts act, by the compliance S⁻¹.
+
+Found once, which takes n³ operations of n contact dofs; a Newton step then costs a dense solve of
+the dofs that touch. That is the shortest way where few of them do.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import cho_factor, lapack
+from scipy.sparse import csr_matrix
+
+from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
+
+# A pivot of this share of the largest diagonal entry belongs to a rigid motion. Where it does
+# not, the spring that it gets is taken out again just as exactly.
+_SINGULAR = 1e-9
+
+
+class ComplianceSolver:
+    """M = A + Qᵀ W Q by A⁻¹, which with what Q adds is found once.
+
+    Args:
+        constant: A and Q.
+
+    Attributes:
+        compliant: Numbers of the displacements, then of the derived jumps, among all of Q y.
+    """
+
+    def __init__(self, constant: ConstantTangent) -> None:
+        self._constant = constant
+        count, size = constant.count, constant.size
+        self.compliant = np.delete(np.arange(constant.width), range(count, size))
+        corner, columns = constant.corner, constant.columns
+        # A resultant's own entry is 1; a driven obstacle, which has none, gets a spring.
+        self._added = np.zeros(size)
+        self._added[count:] = np.where(corner > 0, 0.0, constant.stiffest)
+        self._inverse = np.zeros((size, size))
+        self._inverse[count:, count:] = np.diag(1 / (corner + self._added[count:]))
+        compliance = self._compliance()
+        self._inverse[:count, :count] = compliance
+        self._inverse[:count, count:] = -compliance @ columns @ self._inverse[count:, count:]
+        if len(constant.derived):
+            self._extend(constant.derived)
+
+    def _extend(self, derived: Array) -> None:
+        """Rows and columns for the derived jumps."""
+        count = self._constant.count
+        below = derived @ self._inverse[:count]
+        beside = self._inverse[:, :count] @ derived.T
+        corner = below[:, :count] @ derived.T
+        self._inverse = np.block([[self._inverse, beside], [below, corner]])
+
+    def _compliance(self) -> Array:
+        """Inverse of S, with springs where it lets the body move."""
+        count, schur = self._constant.count, self._constant.schur
+        if count == 0:
+            return schur
+        factor, info = lapack.dpotrf(schur, lower=1)
+        least = _SINGULAR * self._constant.stiffest
+        if info or factor.diagonal().min() ** 2 <= least:
+            _, order, rank, _ = lapack.dpstrf(schur, tol=least, lower=1)
+            self._added[order[rank:] - 1] = self._constant.stiffest
+            factor, _ = cho_factor(schur + np.diag(self._added[:count]), lower=True)
+        inverse, _ = lapack.dpotri(factor, lower=1, overwrite_c=1)
+        return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)
+
+    @property
+    def compliance(self) -> Array | None:
+        """Of ``compliant``, S⁻¹ with that of derived jumps; None where S lets a body move."""
+        if self._added[: self._constant.count].any():
+            return None
+        return self._inverse[np.ix_(self.compliant, self.compliant)]
+
+    def factorise(self, added: csr_matrix) -> None:
+        """Take W, (all of Q y, all of Q y)."""
+        springs = np.flatnonzero(self._added)
+        entries = added.tocoo()
+        rows, columns = (np.concatenate([p, springs]) for p in (entries.row, entries.col))
+        values = np.concatenate([entries.data, -self._added[springs]])
+        acts = np.zeros(len(self._inverse), dtype=bool)
+        acts[rows] = acts[columns] = True
+        self._active: Integers = np.flatnonzero(acts)
+        place = np.cumsum(acts) - 1
+        shape = (len(self._active), len(self._active))
+        self._extra = csr_matrix((values, (place[rows], place[columns])), shape=shape)
+        inverse = self._inverse[np.ix_(self._active, self._active)]
+        matrix = np.eye(len(self._active)) + (self._extra.T @ inverse.T).T
+        # By LAPACK itself: a singular tangent shall end the solve in our words.
+        self._factor = lapack.dgetrf(matrix) if len(self._active) else None
+
+    def solve(self, right: Array) -> Array:
+        """M⁻¹ r; not a number where M is singular."""
+        size = len(right)
+        free = self._inverse[:, :size] @ right
+        if self._factor is None:
+            return np.asarray(free[:size])
+        factor, pivots, singular = self._factor
+        if singular:
+            return np.full(len(right), np.nan)
+        active, _ = lapack.dgetrs(factor, pivots, free[self._active])
+        found = free - self._inverse[:, self._active] @ (self._extra @ active)
+        found[self._active] = active  # no difference of long numbers under a stiff penalty
+        return np.asarray(found[:size])

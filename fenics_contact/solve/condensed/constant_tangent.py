@@ -1,0 +1,80 @@
+"""The part of the condensed tangent that never changes: the bulk and the scalars."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import blas
+
+from fenics_contact.common.arrays import Array
+
+# Rows that are made symmetric at a time.
+_ROWS = 512
+
+
+class ConstantTangent:
+    """A = [[S, C], [0, D]] of displacements and scalars; and z = R y.
+
+    Attributes:
+        schur: S, symmetric and positive semi-definite, (displacements, displacements).
+        columns: C: what the scalars do to the displacements' rows, (displacements, scalars).
+        corner: Diagonal of D.
+        derived: R of the jumps that are no unknowns, (jumps, displacements).
+        count: Number of displacements.
+        size: Of A: that of displacements and scalars.
+        width: That of displacements, scalars and derived jumps.
+
+    Args:
+        schur: S, up to round-off; it is made symmetric in place.
+        columns: C.
+        corner: Diagonal of D.
+        derived: R.
+    """
+
+    def __init__(self, schur: Array, columns: Array, corner: Array, derived: Array) -> None:
+        self.count, scalars = columns.shape
+        self.size = self.count + scalars
+        self.width = self.size + len(derived)
+        _make_symmetric(schur)
+        self.schur, self.columns, self.corner, self.derived = schur, columns, corner, derived
+        # 1 where supports hold all contact dofs, and only obstacles move.
+        self.stiffest = float(schur.diagonal().max(initial=0.0)) or 1.0
+
+    def bulk_forces(self, displacements: Array) -> Array:
+        """S y of the displacements alone."""
+        if self.count == 0:
+            return np.zeros(0)
+        return np.asarray(blas.dsymv(1.0, self.schur.T, displacements))
+
+    def times(self, values: Array) -> Array:
+        """A y."""
+        displacements, scalars = values[: self.count], values[self.count :]
+        forces = self.bulk_forces(displacements) + self.columns @ scalars
+        return np.concatenate([forces, self.corner * scalars])
+
+    def every(self, values: Array) -> Array:
+        """Q y: the unknowns, and the derived jumps after them."""
+        return np.concatenate([values, self.derived @ values[: self.count]])
+
+    def onto_unknowns(self, forces: Array) -> Array:
+        """Qᵀ f of forces on the unknowns and the derived jumps."""
+        found = forces[: self.size].copy()
+        found[: self.count] += forces[self.size :] @ self.derived
+        return found
+
+    def magnitude(self, sizes: Array) -> float:
+        """Σ |A| |y| over all rows."""
+        displacements, scalars = sizes[: self.count], sizes[self.count :]
+        bulk = sum(
+            float((np.abs(self.schur[start : start + _ROWS]) @ displacements).sum())
+            for start in range(0, self.count, _ROWS)
+        )
+        return float(bulk + (np.abs(self.columns) @ scalars).sum() + np.abs(self.corner) @ scalars)
+
+
+def _make_symmetric(matrix: Array) -> None:
+    """The mean of a matrix and its transpose, in place and without a copy of the whole."""
+    for start in range(0, len(matrix), _ROWS):
+        rows = slice(start, start + _ROWS)
+        mean = 0.5 * (matrix[rows, start:] + matrix[start:, rows].T)
+        matrix[rows, start:] = mean
+        matrix[start:, rows] = mean.T
