@@ -26,7 +26,6 @@ from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_stiffness import Entries, SurfaceMatrix, congruent
 from fenics_contact.solve.systems.system import System
 
-
 # Contact dofs from which the passes of a loop on the pressure cost more than the factorisation.
 _MANY = 1000
 

@@ -20,7 +20,7 @@ from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 
 # Stiffness that contacts give a node in a direction, over the body's there, from which it is
 # stiff: the inverse is about how much a step of GMRES leaves.
-_STIFF = 30.0
+_STIFF = 8.0
 # The same, below which a coupling of stiff and soft is left to GMRES.
 _LOOSE = 1e-2
 # Forces that GMRES leaves, over those it starts with; and its steps at the most.
@@ -58,7 +58,8 @@ class SplitSolver:
     def soft(self) -> int:
         """Size of what is factorised as a dense matrix."""
         constant = self._constant
-        return int(self._soft_basis.shape[1]) + constant.width - constant.count + self._forces
+        directions = self._soft_basis.shape[1]
+        return int(directions + constant.width - constant.count + self._forces)
 
     @property
     def _forces(self) -> int:
@@ -80,6 +81,9 @@ class SplitSolver:
         self._onto_stiff = csr_matrix(self._stiff_basis.T @ from_soft[:count])
         matrix = self._soft_matrix(from_soft)
         self._subtract_stiff(matrix, csr_matrix(self._soft_directions.T @ with_stiff))
+        self._soft_factor = None
+        if len(matrix) == 0:
+            return True
         *self._soft_factor, singular = lapack.dgetrf(matrix, overwrite_a=1)
         return not singular
 
@@ -155,14 +159,21 @@ class SplitSolver:
         left[: constant.size] = given
         left[:count] -= constant.bulk_forces(moved)
         left -= self._added[:, :count] @ moved
-        left = np.concatenate([self._soft_directions.T @ left, -constant.derived @ moved])
-        soft, _ = lapack.dgetrs(*self._soft_factor, left)
-        soft = soft[: self._soft_directions.shape[1]]
+        soft = self._solve_soft(
+            np.concatenate([self._soft_directions.T @ left, -constant.derived @ moved])
+        )
         stiff -= self._stiff_factor.solve(self._onto_stiff @ soft)
         found = (self._soft_directions @ soft)[: constant.size]
         found[:count] += self._stiff_basis @ stiff
         with solution as array:
             array[:] = found
+
+    def _solve_soft(self, left: Array) -> Array:
+        """Soft directions, scalars and derived jumps, of all that is soft."""
+        if self._soft_factor is None:
+            return left
+        soft, _ = lapack.dgetrs(*self._soft_factor, left)
+        return np.asarray(soft[: self._soft_directions.shape[1]])
 
 
 class _Nodes:

@@ -75,7 +75,7 @@ class ContactTangent:
         touched = np.diff(self._added.indptr) > 0
         touched[self._added.indices] = True
         directly = _LU * float(touched.sum()) ** 3
-        gain = _LU * float(soft) ** 3 + 4.0 * _GMRES * count**2 - directly
+        gain: float = _LU * float(soft) ** 3 + 4.0 * _GMRES * count**2 - directly
         if self._by_compliance is not None:
             return gain < 0
         self._lost += max(gain, 0.0)
