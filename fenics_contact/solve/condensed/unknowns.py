@@ -195,12 +195,16 @@ class ContactVariables:
         return rows
 
     def stiffness(self, schur: Array) -> Array:
-        """Tᵀ S T."""
+        """Tᵀ S T of a symmetric S; of both triangles only one is worked out."""
         if not self._transform:
             return schur
-        found = self._transformed(schur.copy())
+        found = schur.copy()
         for block in reversed(self._transform):
-            found[block.masters] += block.projection.transposed(found[block.slaves])
+            taken = block.projection.transposed(found[block.slaves])
+            corner = block.projection.transposed(taken[:, block.slaves].T)
+            found[block.masters] += taken
+            found[:, block.masters] += taken.T
+            found[np.ix_(block.masters, block.masters)] += corner
         return found
 
     def forces(self, forces: Array) -> Array:
