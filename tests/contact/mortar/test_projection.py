@@ -11,6 +11,8 @@ from fenics_contact import Contact, Discretisation, Material, Scene, Support
 from fenics_contact.contact.mortar.integrals import MortarIntegrals, integrate
 from fenics_contact.contact.mortar.projection import NodalProjection, Projection
 from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.condensed.contact_dofs import ContactDofs
+from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from tests.contact.mortar.facet_meshes import flat, node_places
 from tests.contact.pair_bodies import Box, boxes
@@ -245,3 +247,20 @@ def test_the_pair_is_kept_and_its_tangent_made_without_its_square():
     tracemalloc.stop()
     assert COMM.allreduce(made) > 0.9 * size  # all but what lies beyond the slave
     assert peak < size**2 * 8 / 4
+
+
+def test_the_condensed_unknowns_are_kept_and_used_without_their_square():
+    """Also where supports hold dofs of the slave; only the tangent has those jumps written out."""
+    problem = problem_of(((24, 24), (22, 22)))
+    surfaces = [SurfaceMatrix(contact) for contact in problem.contacts]
+    dofs = ContactDofs(problem, surfaces)
+    tracemalloc.start()
+    variables = ContactVariables(dofs, surfaces)
+    moved = variables.displacements(np.ones(variables.count))
+    variables.derived_jumps(variables.unknowns(moved))
+    variables.forces(moved)
+    variables.held_part(surfaces[0], np.ones(len(dofs.numbers)))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert variables.derived_count == 20  # held nodes at y = 0 that face the upper block
+    assert peak < variables.count**2 * 8 / 20
