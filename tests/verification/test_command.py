@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 from scipy.integrate import quad
+from scipy.sparse import csr_matrix
 
 from fenics_contact import main, verification
 from fenics_contact.analytic import contact as formulas
@@ -241,16 +242,22 @@ def test_two_bodies(name):
 def test_surface_taken_to_the_nearest_nodes_fails_the_patch_test(monkeypatch):
     """Forces are in balance, and yet no uniform pressure crosses meshes that do not match."""
     from fenics_contact.contact.mortar import pairing
+    from fenics_contact.contact.mortar.integrals import MortarIntegrals
+    from fenics_contact.contact.mortar.projection import NodalProjection
 
-    projection = pairing.projection
+    class Nearest(pairing.Projection):
+        def __init__(self, components):
+            super().__init__([nearest(part) for part in components])
 
-    def nearest(*arguments):
-        found = projection(*arguments)
+    def nearest(part):
+        found = part.apply(np.eye(part.shape[1]))
         nodes = np.zeros_like(found)
         nodes[np.arange(len(found)), found.argmax(axis=1)] = found.any(axis=1)
-        return nodes
+        integrals = MortarIntegrals(csr_matrix(np.eye(len(found))), csr_matrix(nodes), np.ones(0))
+        every = np.ones(len(found), dtype=bool)
+        return NodalProjection.between(integrals, ~every, every)
 
-    monkeypatch.setattr(pairing, "projection", nearest)
+    monkeypatch.setattr(pairing, "Projection", Nearest)
     (case,) = (case for case in verification.CASES if case.name == "patch")
     assert verify((), quick=True, cases=[case]) == 4
 

@@ -6,16 +6,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csc_array, csr_matrix, diags_array
-from scipy.sparse.linalg import splu
+from scipy.sparse import csr_matrix
 
-from fenics_contact.common.arrays import AnyIntegers, Array, Flags
+from fenics_contact.common.arrays import AnyIntegers, Array
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh
 from fenics_contact.contact.mortar.overlap import Overlap
 from fenics_contact.contact.mortar.polygon_overlap import polygon_overlaps
 from fenics_contact.contact.mortar.segment_overlap import segment_overlap
-
-_COLUMNS = 50  # solved for at a time: they stay in the processor's cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,35 +65,6 @@ def integrate(
         columns = master.nodes[overlap.master]
         coupling += _assembled(weighted, theirs, rows, columns, coupling.shape)
     return MortarIntegrals(mass, coupling, np.minimum(coverage, 1.0))
-
-
-def projection(integrals: MortarIntegrals, fixed: Flags) -> Array:
-    """Values at the slave's nodes of functions on the master, mass⁻¹ coupling.
-
-    Rows of nodes without a part that faces the master are 0.
-
-    Args:
-        integrals: The mortar integrals.
-        fixed: Nodes taken out of the mortar space, where the projection is 0, (slave nodes,).
-
-    Returns:
-        The matrix (slave nodes, master nodes).
-    """
-    diagonal = integrals.mass.diagonal()
-    active = np.flatnonzero((diagonal > 0) & ~fixed)
-    found = np.zeros(integrals.coupling.shape)
-    if len(active) == 0:
-        return found
-    # Nodes at the border of the covered part have little mass.
-    scale = 1 / np.sqrt(diagonal[active])
-    scaling = diags_array(scale)
-    scaled = scaling @ integrals.mass[active][:, active] @ scaling
-    factors = splu(csc_array(scaled), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-    coupling = csc_array(scaling @ integrals.coupling[active])
-    for begin in range(0, found.shape[1], _COLUMNS):
-        part = slice(begin, begin + _COLUMNS)
-        found[active, part] = factors.solve(coupling[:, part].toarray()) * scale[:, None]
-    return found
 
 
 def _quadrature_degree(slave: FacetMesh, master: FacetMesh) -> int:

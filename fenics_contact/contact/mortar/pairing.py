@@ -4,7 +4,8 @@ One is the slave: contact acts at its points. The displacement of the other, the
 projected onto its space (mortar method; C. Bernardi, Y. Maday, A. T. Patera 1994; M. A. Puso and
 T. A. Laursen, Comput. Methods Appl. Mech. Engrg. 193 (2004) 601-629), so that a uniform pressure
 crosses the interface exactly. Forces go back by the transpose: what the slave gets, the master
-gives. Both surfaces are gathered on every rank; they are small beside the bodies.
+gives. Both surfaces and the sparse matrices between them are gathered on every rank: their memory
+grows with the surfaces, which are small beside the bodies.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags, Integers, Kind
 from fenics_contact.common.parallel import on_root
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
-from fenics_contact.contact.mortar.integrals import integrate, projection
+from fenics_contact.contact.mortar.integrals import MortarIntegrals, integrate
+from fenics_contact.contact.mortar.projection import Projection
 from fenics_contact.contact.mortar.ray_projection import Hits, face, hits
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
 from fenics_contact.contact.surface.trace import Trace
@@ -34,16 +36,16 @@ class _Faced:
         gaps: Along them to the master, (nodes,); infinite where there is none (length).
         centre_normals: At the centres of its facets, (facets, components), or none.
         centre_gaps: Likewise, (facets,) or none.
-        shares: Of each facet, how much faces the master, 0 … 1.
-        blocks: The projection by components, each (slave nodes, master nodes).
+        integrals: Between the two surfaces, and how much of each facet faces the master.
+        used: Nodes at which the master's motion is asked for, (nodes,).
     """
 
     normals: Array
     gaps: Array
     centre_normals: Array
     centre_gaps: Array
-    shares: Array
-    blocks: list[Array]
+    integrals: MortarIntegrals
+    used: Flags
 
 
 class Pairing:
@@ -55,8 +57,7 @@ class Pairing:
         gaps: Along them from the slave's contact points to what faces them, as meshed: what
             moves is the jump's; infinite where there is nothing (length).
         shares: Of the slave's facets of this rank, how much faces the master.
-        blocks: P by components, each (slave nodes, master nodes), of the whole surfaces: the
-            displacement opposite is P u.
+        projection: P, of the whole surfaces: the displacement opposite is P u.
         dofs: The body's global number of every dof of the master.
         sagitta: How far facets of either surface are from smooth ones, about (length).
 
@@ -93,12 +94,12 @@ class Pairing:
         faced = on_root(self._comm, lambda: self._find(slave, master))
         self._moved_master, self._is_moved = master, displacement is not None
         surface = self._slave.surface
-        self.blocks = faced.blocks
+        self.projection = Projection.between(faced.integrals, self._mirrored, faced.used)
         self.normals = self._slave.symmetry.mirrored(faced.normals[surface.numbers])
         counts = self._comm.allgather(len(surface.facet_nodes))
         first = sum(counts[: self._comm.rank])
         mine = slice(first, first + counts[self._comm.rank])
-        self.shares = faced.shares[mine]
+        self.shares = faced.integrals.coverage[mine]
         self.centre_normals = faced.centre_normals[mine]
         at_nodes = faced.gaps[surface.numbers][self._slave.numbers]
         self.gaps = np.concatenate([at_nodes, faced.centre_gaps[mine]])
@@ -120,14 +121,8 @@ class Pairing:
             centre_normals, at_centres = face(slave.centres, own, master)
             centre_gaps = self._gaps(self._surfaces[0].centres, centre_normals, at_centres)
             used[slave.nodes[np.isfinite(centre_gaps)]] = True
-        blocks: list[Array] = []
-        for axis in range(slave.dimension):
-            fixed = self._mirrored[:, axis]
-            same = [k for k in range(axis) if (self._mirrored[:, k] == fixed).all()]
-            blocks.append(blocks[same[0]] if same else projection(integrals, fixed))
-            # Beyond the master's edge the projection extrapolates, and nothing asks for it.
-            blocks[-1][~used] = 0.0
-        return _Faced(normals, gaps, centre_normals, centre_gaps, integrals.coverage, blocks)
+        # Beyond the master's edge the projection extrapolates, and nothing asks for it.
+        return _Faced(normals, gaps, centre_normals, centre_gaps, integrals, used)
 
     def _gaps(self, points: Array, normals: Array, found: Hits) -> Array:
         """Between points of the slave as meshed and the master's that face them, as meshed."""
@@ -144,14 +139,7 @@ class Pairing:
             field: At the body's nodes of this rank, (nodes, components, ...).
         """
         there = self._master.surface.gathered(field[self._master.all_nodes])
-        mine = self._slave.surface.numbers
-        return np.stack(
-            [
-                np.tensordot(block[mine], there[:, axis], axes=(1, 0))
-                for axis, block in enumerate(self.blocks)
-            ],
-            axis=1,
-        )
+        return self.projection.apply(there)[self._slave.surface.numbers]
 
     def on_master(self, force: Array) -> Array:
         """What forces on the slave do to the master, −Pᵀ f, at the body's nodes; collective.
@@ -161,9 +149,7 @@ class Pairing:
         """
         given = self._slave.surface.gathered(force)
         surface = self._master.surface
-        mine = surface.numbers
-        taken = [-(given[:, axis] @ block)[mine] for axis, block in enumerate(self.blocks)]
-        return surface.on_body(np.stack(taken, axis=1))
+        return surface.on_body(-self.projection.transposed(given)[surface.numbers])
 
     def master_nodes(self) -> Flags:
         """Which of the body's nodes are the master's; collective."""

@@ -23,7 +23,8 @@ from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.condensed.unknowns import ContactVariables
-from fenics_contact.solve.systems.contact_stiffness import Entries, SurfaceMatrix, congruent
+from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix, congruent
+from fenics_contact.solve.systems.pair_stiffness import Entries
 from fenics_contact.solve.systems.system import System
 
 # Contact dofs from which the passes of a loop on the pressure cost more than the factorisation.
@@ -249,7 +250,7 @@ class CondensedSystem(System):
     def _relative(self, jump: ContactJump, held: Array, values: Array) -> Array:
         """Displacements relative to a body opposite, at this rank's nodes of a surface."""
         surface = jump.surface.contact.trace.surface
-        derived = self.variables.derived @ values[: self.variables.count]
+        derived = self.variables.derived_jumps(values[: self.variables.count])
         found = jump.relative @ np.concatenate([values, derived]) + held
         return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
 

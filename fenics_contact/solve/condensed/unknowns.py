@@ -2,22 +2,26 @@
 
 Where a slave surface faces a master, its displacement is u = w + P u' with the jump w. With w as
 the unknown a contact of two bodies has its tangent where that of a rigid obstacle has it, at the
-points that touch, and couples no two dofs more; the bulk's part takes P once.
+points that touch, and couples no two dofs more; the bulk's part takes P once. P itself is applied
+and never written out.
 
 A dof of a slave that supports hold has no unknown for its jump, nor has one of two contacts that
 share it, but for the first. Such jumps are *derived*: z = R y, one row of R each. R is full, so
-its rows are never multiplied out into the tangent (``ContactTangent``).
+its rows are never multiplied out into the tangent (``ContactTangent``), and only rank 0, which has
+the tangent, writes them out at all.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.contact.mortar.projection import NodalProjection
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 
@@ -36,12 +40,14 @@ class _Block:
     rows: Integers
     slaves: Integers
     masters: Integers
-    projection: Array
+    projection: NodalProjection
 
     def of_rows(self, chosen: Flags) -> _Block:
         """That of some dofs of the slave's surface, (dofs,)."""
         kept = chosen[self.rows]
-        return _Block(self.rows[kept], self.slaves[kept], self.masters, self.projection[kept])
+        every = np.arange(len(self.masters))
+        projection = self.projection.restricted(np.flatnonzero(kept), every)
+        return _Block(self.rows[kept], self.slaves[kept], self.masters, projection)
 
 
 class ContactVariables:
@@ -56,7 +62,7 @@ class ContactVariables:
 
     Attributes:
         count: Number of unknowns.
-        derived: R, (derived jumps, unknowns): the jumps that are no unknowns.
+        derived_count: Number of jumps that are no unknowns.
     """
 
     def __init__(self, dofs: ContactDofs, surfaces: Sequence[SurfaceMatrix]) -> None:
@@ -75,32 +81,30 @@ class ContactVariables:
         for block in self._transform:
             is_jump[block.slaves] = True
         self._units: dict[SurfaceMatrix, tuple[Integers, Integers]] = {}
-        rows = [np.zeros((0, self.count))]
         self._first_derived: dict[SurfaceMatrix, tuple[Integers, int]] = {}
-        derived = 0
+        self.derived_count = 0
         for surface in surfaces:
             unit, others = self._rows(surface, jumps[surface], is_jump)
             self._units[surface] = unit, self._unknown_of[self._places[surface][unit]]
-            self._first_derived[surface] = others, derived
-            rows.append(self._transformed(self._relative(surface, others)))
-            derived += len(others)
-        self.derived = np.concatenate(rows)
+            self._first_derived[surface] = others, self.derived_count
+            self.derived_count += len(others)
 
     def _blocks_of(self, surface: SurfaceMatrix) -> list[_Block]:
         """P of a contact by components, at all slaves; of those that are held without unknowns."""
         pairing = surface.contact.kinematics.pairing
         if pairing is None:
             return []
-        size, free = len(pairing.blocks), self._dofs.is_free
+        parts, free = pairing.projection.components, self._dofs.is_free
         slave, master = self._places[surface], self._dofs.places(pairing.dofs)
-        found = []
-        for axis, block in enumerate(pairing.blocks):
+        found, size = [], len(parts)
+        for axis, projection in enumerate(parts):
             others = master[axis::size]
             columns = np.flatnonzero(free[others])
             rows = np.arange(axis, len(slave), size)
             slaves = np.where(free[slave[rows]], self._unknown_of[slave[rows]], -1)
             masters = self._unknown_of[others[columns]]
-            found.append(_Block(rows, slaves, masters, block[:, columns]))
+            kept = projection.restricted(np.arange(len(rows)), columns)
+            found.append(_Block(rows, slaves, masters, kept))
         return found
 
     def _choose_jumps(self, surfaces: Sequence[SurfaceMatrix]) -> dict[SurfaceMatrix, Flags]:
@@ -166,7 +170,7 @@ class ContactVariables:
         free = self._dofs.is_free[places]
         measured = np.zeros(len(places), dtype=bool)  # from displacements that are free
         for block in self._blocks[surface]:
-            measured[block.rows] = block.projection.any(axis=1)
+            measured[block.rows] = block.projection.nonzero_rows()
         unknown = np.where(free, self._unknown_of[places], 0)
         own = free & ~measured & ~is_jump[unknown] if self.count else free
         unit = jumps | own
@@ -180,22 +184,27 @@ class ContactVariables:
         found[own, self._unknown_of[places[own]]] = 1.0
         for block in self._blocks[surface]:
             mine, of_block = np.isin(rows, block.rows), np.isin(block.rows, rows)
-            found[np.ix_(mine, block.masters)] -= block.projection[of_block]
+            chosen = np.flatnonzero(of_block)
+            found[np.ix_(mine, block.masters)] -= block.projection.written_rows(chosen)
         return found
 
     def _transformed(self, rows: Array) -> Array:
         """X T of rows over displacements, (rows, unknowns); in place."""
         for block in reversed(self._transform):
-            rows[:, block.masters] += rows[:, block.slaves] @ block.projection
+            rows[:, block.masters] += block.projection.transposed(rows[:, block.slaves].T).T
         return rows
 
     def stiffness(self, schur: Array) -> Array:
-        """Tᵀ S T."""
+        """Tᵀ S T of a symmetric S; of both triangles only one is worked out."""
         if not self._transform:
             return schur
-        found = self._transformed(schur.copy())
+        found = schur.copy()
         for block in reversed(self._transform):
-            found[block.masters] += block.projection.T @ found[block.slaves]
+            taken = block.projection.transposed(found[block.slaves])
+            corner = block.projection.transposed(taken[:, block.slaves].T)
+            found[block.masters] += taken
+            found[:, block.masters] += taken.T
+            found[np.ix_(block.masters, block.masters)] += corner
         return found
 
     def forces(self, forces: Array) -> Array:
@@ -206,15 +215,37 @@ class ContactVariables:
         """T y."""
         found = unknowns.copy()
         for block in self._transform:
-            found[block.slaves] += block.projection @ found[block.masters]
+            found[block.slaves] += block.projection.apply(found[block.masters])
         return found
 
     def unknowns(self, displacements: Array) -> Array:
         """T⁻¹ u."""
         found = displacements.copy()
         for block in self._transform:
-            found[block.slaves] -= block.projection @ displacements[block.masters]
+            found[block.slaves] -= block.projection.apply(displacements[block.masters])
         return found
+
+    @cached_property
+    def derived(self) -> Array:
+        """R written out, (derived jumps, unknowns): for rank 0, the others apply it."""
+        rows = [np.zeros((0, self.count))]
+        for surface, (others, _) in self._first_derived.items():
+            rows.append(self._transformed(self._relative(surface, others)))
+        return np.concatenate(rows)
+
+    def derived_jumps(self, unknowns: Array) -> Array:
+        """R y."""
+        if not self.derived_count:
+            return np.zeros(0)
+        moved = np.zeros(len(self._dofs.numbers))
+        moved[self._dofs.is_free] = free = self.displacements(unknowns)
+        found = []
+        for surface, (others, _) in self._first_derived.items():
+            jump = moved[self._places[surface]]
+            for block in self._blocks[surface]:
+                jump[block.rows] -= block.projection.apply(free[block.masters])
+            found.append(jump[others])
+        return np.concatenate(found)
 
     def jump(self, surface: SurfaceMatrix) -> csr_matrix:
         """Jumps at the dofs of a surface over (y, z), (dofs, unknowns + derived jumps)."""
@@ -222,7 +253,7 @@ class ContactVariables:
         others, first = self._first_derived[surface]
         rows = np.concatenate([unit, others])
         columns = np.concatenate([unknown, self.count + first + np.arange(len(others))])
-        shape = (len(surface.dofs), self.count + len(self.derived))
+        shape = (len(surface.dofs), self.count + self.derived_count)
         return csr_matrix((np.ones(len(rows)), (rows, columns)), shape=shape)
 
     def held_part(self, surface: SurfaceMatrix, held: Array) -> Array:
@@ -230,9 +261,9 @@ class ContactVariables:
         found = held[self._places[surface]].copy()
         pairing = surface.contact.kinematics.pairing
         if pairing is not None:
-            size, opposite = len(pairing.blocks), held[self._dofs.places(pairing.dofs)]
-            for axis, block in enumerate(pairing.blocks):
-                found[axis::size] -= block @ opposite[axis::size]
+            opposite = held[self._dofs.places(pairing.dofs)]
+            opposite = opposite.reshape(-1, len(pairing.projection.components))
+            found -= pairing.projection.apply(opposite).reshape(-1)
         return found
 
 

@@ -43,15 +43,14 @@ class ContactMatrix(AddedTangents):
         )
         self.matrix.setUp()
         add_entries(self.matrix, rows, columns, np.zeros(len(rows)))
+        self._reserve_pairs(self.matrix)
         self.matrix.assemble()
         keep = PETSc.Mat.Option.KEEP_NONZERO_PATTERN
         self.matrix.setOption(keep, True)
 
     def _between_nodes(self, surface: SurfaceMatrix) -> Pairs:
-        """Pairs of dofs of the same facet, or of two surfaces that touch each other."""
+        """Pairs of dofs of the same facet."""
         rows, columns = surface.pattern()
-        if surface.contact.kinematics.pairing is not None and self._problem.comm.rank > 0:
-            rows = columns = rows[:0]  # one rank gives all
         return self._matrix_rows(rows), self._matrix_rows(columns)
 
     def _with_scalar(self, number: int) -> Pairs:

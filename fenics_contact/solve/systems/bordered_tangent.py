@@ -12,7 +12,8 @@ from scipy.sparse import coo_matrix
 from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ScalarUnknown
-from fenics_contact.solve.systems.contact_stiffness import Entries, SurfaceMatrix
+from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
+from fenics_contact.solve.systems.pair_stiffness import Entries, PairStiffness
 
 
 class AddedTangents:
@@ -93,9 +94,32 @@ class AddedTangents:
         """Add the tangents of all contacts' terms to a matrix of the size of K; collective."""
         for surface, motions in zip(self.surfaces, self._motions, strict=True):
             entries = surface.entries()
-            rows, columns, values = surface.on_body(*entries)
-            add_entries(tangent, self._matrix_rows(rows), self._matrix_rows(columns), values)
+            if surface.pair is None:
+                rows, columns = (self._matrix_rows(surface.dofs[part]) for part in entries[:2])
+                add_entries(tangent, rows, columns, entries[2])
+            else:
+                for numbers, block in surface.pair.rows(self._problem.comm, entries):
+                    self._add_rows(tangent, numbers, surface.pair.dofs, block)
             self._add_borders(tangent, surface, motions, entries)
+
+    def _reserve_pairs(self, matrix: PETSc.Mat) -> None:
+        """Give a matrix its entries between bodies that touch, zeros."""
+        for pair in self._pairs:
+            for rows in pair.own_rows():
+                self._add_rows(matrix, rows, pair.dofs, np.zeros((len(rows), len(pair.dofs))))
+
+    @property
+    def _pairs(self) -> list[PairStiffness]:
+        """Tangents between two bodies that exert forces on each other."""
+        return [s.pair for s in self.surfaces if s.pair is not None and s.contact.terms]
+
+    def _add_rows(
+        self, matrix: PETSc.Mat, rows: Integers, columns: Integers, values: Array
+    ) -> None:
+        """Add to dense rows, (rows, columns), given by the body's numbers."""
+        places = [self._matrix_rows(d).astype(PETSc.IntType) for d in (rows, columns)]
+        by_rows = np.ascontiguousarray(values)  # of others petsc4py takes the transpose
+        matrix.setValues(*places, by_rows, addv=PETSc.InsertMode.ADD_VALUES)
 
     def _motion(self, surface: SurfaceMatrix, unknown: ScalarUnknown) -> Array:
         """Of the jump over a scalar unknown, at all dofs of a surface; collective."""

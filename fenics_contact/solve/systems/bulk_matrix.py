@@ -10,7 +10,7 @@ from petsc4py import PETSc
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ScalarUnknown
-from fenics_contact.solve.systems.bordered_tangent import AddedTangents, add_entries
+from fenics_contact.solve.systems.bordered_tangent import AddedTangents
 
 
 class LinearSystem(AddedTangents):
@@ -47,16 +47,17 @@ class LinearSystem(AddedTangents):
 
     def _with_opposites(self, displacement: PETSc.Mat) -> PETSc.Mat:
         """K with room for what couples bodies that touch each other; collective."""
-        coupled = [s for s in self.surfaces if s.contact.kinematics.pairing is not None]
-        if not coupled:
+        if not self._pairs:
             return displacement
         sizes, first = displacement.getSizes(), self._first
+        counts = np.zeros((2, self._owned), dtype=PETSc.IntType)  # of this rank's columns, others'
+        for pair in self._pairs:
+            here = np.array([[len(pair.own)], [len(pair.dofs) - len(pair.own)]])
+            counts[:, pair.dofs[pair.own] - first] += here.astype(PETSc.IntType)
+        counts = np.minimum(counts, [[self._owned], [sizes[1][1] - self._owned]])
         room: PETSc.Mat = PETSc.Mat().createAIJ(sizes, comm=self._problem.comm)
-        room.setUp()
-        for surface in coupled:
-            rows, columns = surface.pattern()
-            mine = (rows >= first) & (rows < first + self._owned)
-            add_entries(room, rows[mine], columns[mine], np.zeros(int(mine.sum())))
+        room.setPreallocationNNZ(tuple(counts.astype(PETSc.IntType)))
+        self._reserve_pairs(room)
         room.assemble()
         room.axpy(1.0, displacement, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
         displacement.destroy()

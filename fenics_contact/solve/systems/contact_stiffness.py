@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from dolfinx import fem
-from scipy.sparse import csr_matrix, hstack, identity
+from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.mortar.pairing import Pairing
 from fenics_contact.contact.surface.space import SurfaceSpace
-
-Entries = tuple[Integers, Integers, Array]
+from fenics_contact.solve.systems.pair_stiffness import Entries, PairStiffness
 
 
 class SurfaceMatrix:
@@ -18,15 +18,16 @@ class SurfaceMatrix:
 
     Attributes:
         dofs: The body's global number of every dof of the surface, by its number there.
+        pair: The tangent between two bodies, None against an obstacle.
     """
 
     def __init__(self, contact: ContactSurface) -> None:
         self.contact = contact
         self._surface = contact.trace.surface
         self._assembled: dict[fem.Form, AssembledForm] = {}
-        self._paired: list[Array] | None = None
-        self._over_dofs = csr_matrix((0, 0))
         self.dofs = self._surface.dofs
+        pairing = contact.kinematics.pairing
+        self.pair = None if pairing is None else self._between_bodies(pairing)
 
     def entries(self) -> Entries:
         """Rows, columns (dofs of the surface) and values; every rank has some of them."""
@@ -36,41 +37,15 @@ class SurfaceMatrix:
         rows, columns, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
         return rows, columns, values
 
-    def on_body(self, rows: Integers, columns: Integers, values: Array) -> Entries:
-        """Entries between dofs of the surface as those between dofs of the body.
-
-        Against a second body w = u − P u', so K_c gives Jᵀ K_c J with J = (1, −P).
-        """
-        if self.contact.kinematics.pairing is None:
-            return self.dofs[rows], self.dofs[columns], values
-        dofs, jump = self._jump
-        rows, columns, values = congruent((rows, columns, values), jump, jump)
-        return dofs[rows], dofs[columns], values
-
-    @property
-    def _jump(self) -> tuple[Integers, csr_matrix]:
-        """Dofs of the body, of slave and master; and J over them. Of two bodies."""
-        pairing = self.contact.kinematics.pairing
-        assert pairing is not None
-        if self._paired is not pairing.blocks:  # else as before
-            size, count = len(pairing.blocks), len(self.dofs)
-            shape = (count, len(pairing.dofs))
-            opposite = sum(
-                (_of_component(csr_matrix(block), axis, size, shape))
-                for axis, block in enumerate(pairing.blocks)
-            )
-            self._paired = pairing.blocks
-            self._over_dofs = csr_matrix(hstack([identity(count), -opposite]))
-        return np.concatenate([self.dofs, pairing.dofs]), self._over_dofs
+    def _between_bodies(self, pairing: Pairing) -> PairStiffness:
+        index_map = self._surface.spaces.displacement_space.dofmap.index_map
+        size = self._surface.components
+        first, owned = index_map.local_range[0] * size, index_map.size_local * size
+        return PairStiffness(pairing, self.dofs, first, owned)
 
     def pattern(self) -> tuple[Integers, Integers]:
-        """Pairs of the body's dofs between which a tangent can have entries.
-
-        Of this rank's facets; against a second body all pairs of whole surfaces.
-        """
-        pairing, surface = self.contact.kinematics.pairing, self._surface
-        if pairing is not None:
-            return every_pair(np.concatenate([self.dofs, pairing.dofs])[None])
+        """Pairs of the body's dofs, on this rank's facets, between which there can be entries."""
+        surface = self._surface
         nodes = surface.numbers[surface.facet_nodes]
         places = nodes[..., None] * surface.components + np.arange(surface.components)
         width = nodes.shape[1] * surface.components
@@ -105,13 +80,6 @@ def congruent(entries: Entries, left: csr_matrix, right: csr_matrix) -> Entries:
     matrix = csr_matrix((values[kept], places), shape=(left.shape[0], right.shape[0]))
     found = (left.T @ (matrix @ right)).tocoo()
     return found.row.astype(np.int64), found.col.astype(np.int64), found.data
-
-
-def _of_component(block: csr_matrix, axis: int, size: int, shape: tuple[int, int]) -> csr_matrix:
-    """A block between nodes as one between the dofs of a component."""
-    entries = block.tocoo()
-    places = (entries.row * size + axis, entries.col * size + axis)
-    return csr_matrix((entries.data, places), shape=shape)
 
 
 class AssembledForm:

@@ -6,7 +6,8 @@ import pytest
 
 from fenics_contact.contact.mortar import clipping
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh
-from fenics_contact.contact.mortar.integrals import integrate, projection
+from fenics_contact.contact.mortar.integrals import integrate
+from fenics_contact.contact.mortar.projection import NodalProjection
 from fenics_contact.contact.mortar.ray_projection import face, hits
 from tests.contact.mortar.facet_meshes import arc, cap, flat, node_places
 
@@ -18,9 +19,15 @@ def coupled(slave, master, is_axisymmetric=False, fixed=None):
     """The integrals along the mean normals at nodes, and the projection."""
     mean_normals, _ = face(node_places(slave), slave.normals, master)
     integrals = integrate(slave, master, mean_normals, is_axisymmetric)
-    if fixed is None:
-        fixed = np.zeros(slave.node_count, dtype=bool)
-    return integrals, projection(integrals, fixed)
+    return integrals, written_out(integrals, fixed)
+
+
+def written_out(integrals, fixed=None):
+    """P, (slave nodes, master nodes)."""
+    count, masters = integrals.coupling.shape
+    fixed = np.zeros(count, dtype=bool) if fixed is None else fixed
+    made = NodalProjection.between(integrals, fixed, np.ones(count, dtype=bool))
+    return made.apply(np.eye(masters))
 
 
 def polynomial(places, degree):
@@ -159,7 +166,7 @@ def test_area_does_not_depend_on_the_rays(shape):
     rays = np.tile(oblique / np.linalg.norm(oblique), (slave.node_count, 1))
     integrals = integrate(slave, master, rays, False)
     assert integrals.mass.sum() == pytest.approx(1, abs=1e-12)
-    projected = projection(integrals, np.zeros(slave.node_count, dtype=bool))
+    projected = written_out(integrals)
     found = projected @ node_places(master)[:, 0]
     np.testing.assert_allclose(found, node_places(slave)[:, 0] + 0.3, atol=1e-12)
 

@@ -25,6 +25,7 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.cli.summary import print_result
+from fenics_contact.contact.mortar.projection import Projection
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import support_reactions
 from fenics_contact.results.check_messages import WORDS, compares
@@ -263,9 +264,10 @@ def pushed_where_held(prepared, monkeypatch):
 def handed_over_elsewhere(prepared, monkeypatch):
     """A projection with shuffled columns: resultants balance, moments do not."""
     pairing = prepared.problem.contacts[0].kinematics.pairing
-    order = np.random.default_rng(7).permutation(pairing.blocks[0].shape[1])
-    shuffled = pairing.blocks[0][:, order]
-    monkeypatch.setattr(pairing, "blocks", [shuffled, shuffled])
+    straight = pairing.projection.components[0]
+    rows, columns = (np.arange(count) for count in straight.shape)
+    shuffled = straight.restricted(rows, np.random.default_rng(7).permutation(columns))
+    monkeypatch.setattr(pairing, "projection", Projection([shuffled, shuffled]))
     return prepared.solution
 
 

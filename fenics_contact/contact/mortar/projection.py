@@ -1,0 +1,181 @@
+"""The mortar projection P = D⁻¹ M, kept as a sparse factor of D and a sparse M.
+
+P is full: a slave's node follows all of the master, if less and less so with the distance. So it is
+applied, and never written out: memory and work grow with the surfaces, not with their square.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+from scipy.sparse import csc_array, csr_matrix, diags_array
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
+
+from fenics_contact.common.arrays import AnyIntegers, Array, Flags, Integers
+from fenics_contact.contact.mortar.integrals import MortarIntegrals
+
+_COLUMNS = 50  # treated at a time: they stay in the processor's cache
+
+
+class _MassFactor:
+    """D⁻¹ between the nodes that the mortar space has.
+
+    Args:
+        mass: D, symmetric with a positive diagonal, (nodes, nodes) (area).
+
+    Attributes:
+        parts: Number of the connected part of D that each node belongs to, (nodes,).
+    """
+
+    def __init__(self, mass: csr_matrix) -> None:
+        # Nodes at the border of the covered part have little mass.
+        self._scale = 1 / np.sqrt(mass.diagonal())
+        scaling = diags_array(self._scale)
+        scaled = csc_array(scaling @ mass @ scaling)
+        self._factor = splu(scaled, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        _, self.parts = connected_components(mass, directed=False)
+
+    def solve(self, right: Array, transposed: bool = False) -> Array:
+        """D⁻¹, or its transpose to the last digit, times columns, (nodes, columns)."""
+        scale = self._scale[:, None]
+        return np.asarray(self._factor.solve(scale * right, "T" if transposed else "N") * scale)
+
+
+class NodalProjection:
+    """P of one component, or some rows and columns of it.
+
+    Attributes:
+        shape: Numbers of slave and of master nodes.
+
+    Args:
+        factor: D⁻¹ between the nodes of the mortar space, None where there are none.
+        rows: Of each slave node, its number in the mortar space; −1 where P is 0.
+        coupling: M, (nodes of the mortar space, master nodes) (area).
+    """
+
+    def __init__(self, factor: _MassFactor | None, rows: Integers, coupling: csr_matrix) -> None:
+        self._factor, self._rows, self._coupling = factor, rows, coupling
+        self._acts = np.flatnonzero(rows >= 0)
+        self.shape = len(rows), coupling.shape[1]
+
+    @classmethod
+    def between(cls, integrals: MortarIntegrals, fixed: Flags, used: Flags) -> NodalProjection:
+        """P of mortar integrals.
+
+        Rows of nodes without a part that faces the master are 0.
+
+        Args:
+            integrals: The mortar integrals.
+            fixed: Nodes taken out of the mortar space, where P is 0, (slave nodes,).
+            used: Nodes whose rows are kept; the others' are 0, (slave nodes,).
+        """
+        active = np.flatnonzero((integrals.mass.diagonal() > 0) & ~fixed)
+        rows = np.full(len(fixed), -1)
+        rows[active] = np.arange(len(active))
+        rows[~used] = -1
+        factor = _MassFactor(integrals.mass[active][:, active]) if len(active) else None
+        return cls(factor, rows, csr_matrix(integrals.coupling[active]))
+
+    def restricted(self, rows: AnyIntegers, columns: AnyIntegers) -> NodalProjection:
+        """Some rows and columns of P, with the same factor."""
+        return NodalProjection(self._factor, self._rows[rows], self._coupling[:, columns])
+
+    def apply(self, values: Array) -> Array:
+        """P v, (slave nodes, ...), of values (master nodes, ...)."""
+        factor = self._factor
+        found = np.zeros((self.shape[0], *values.shape[1:]))
+        if factor is None or not values.any():
+            return found
+
+        def product(columns: Array) -> Array:
+            return factor.solve(self._coupling @ columns)[self._rows[self._acts]]
+
+        found[self._acts] = _by_columns(product, values, len(self._acts))
+        return found
+
+    def transposed(self, forces: Array) -> Array:
+        """Pᵀ f, (master nodes, ...), of forces (slave nodes, ...)."""
+        factor = self._factor
+        if factor is None:
+            return np.zeros((self.shape[1], *forces.shape[1:]))
+
+        def product(columns: Array) -> Array:
+            given = np.zeros((self._coupling.shape[0], columns.shape[1]))
+            given[self._rows[self._acts]] = columns[self._acts]
+            return np.asarray(self._coupling.T @ factor.solve(given, transposed=True))
+
+        return _by_columns(product, forces, self.shape[1])
+
+    def written_rows(self, rows: AnyIntegers) -> Array:
+        """Some rows of P, written out, (rows, master nodes)."""
+        units = np.zeros((self.shape[0], len(rows)))
+        units[rows, np.arange(len(rows))] = 1.0
+        return self.transposed(units).T
+
+    def nonzero_rows(self) -> Flags:
+        """Of which slave nodes P has entries, (slave nodes,).
+
+        D⁻¹ is full between nodes of a connected part of D, and 0 between two parts.
+        """
+        found = np.zeros(self.shape[0], dtype=bool)
+        if self._factor is None:
+            return found
+        parts = self._factor.parts
+        coupled = np.zeros(parts.max(initial=-1) + 1, dtype=bool)
+        np.logical_or.at(coupled, parts, np.diff(self._coupling.indptr) > 0)
+        found[self._acts] = coupled[parts[self._rows[self._acts]]]
+        return found
+
+
+class Projection:
+    """P between displacements: one for each of their components, which do not mix.
+
+    Attributes:
+        components: P by components, between nodes; equal ones are the same object.
+    """
+
+    def __init__(self, components: Sequence[NodalProjection]) -> None:
+        self.components = tuple(components)
+
+    @classmethod
+    def between(cls, integrals: MortarIntegrals, fixed: Flags, used: Flags) -> Projection:
+        """P of mortar integrals.
+
+        Args:
+            integrals: The mortar integrals.
+            fixed: Nodes taken out of the mortar space, (slave nodes, components).
+            used: Nodes whose rows are kept; the others' are 0, (slave nodes,).
+        """
+        found: list[NodalProjection] = []
+        for axis, nodes in enumerate(fixed.T):
+            same = [k for k in range(axis) if (fixed[:, k] == nodes).all()]
+            made = found[same[0]] if same else NodalProjection.between(integrals, nodes, used)
+            found.append(made)
+        return cls(found)
+
+    def apply(self, values: Array) -> Array:
+        """P v, (slave nodes, components, ...), of values (master nodes, components, ...)."""
+        parts = [part.apply(values[:, axis]) for axis, part in enumerate(self.components)]
+        return np.stack(parts, axis=1)
+
+    def transposed(self, forces: Array) -> Array:
+        """Pᵀ f, (master nodes, components, ...), of forces (slave nodes, components, ...)."""
+        parts = [part.transposed(forces[:, axis]) for axis, part in enumerate(self.components)]
+        return np.stack(parts, axis=1)
+
+
+def _by_columns(product: Callable[[Array], Array], values: Array, rows: int) -> Array:
+    """A product with values (nodes, ...), some columns at a time, (rows, ...)."""
+    flat = values.reshape(len(values), math.prod(values.shape[1:]))
+    found = np.empty((rows, flat.shape[1]))
+    for part in parts_of(flat.shape[1], _COLUMNS):
+        found[:, part] = product(flat[:, part])
+    return found.reshape(rows, *values.shape[1:])
+
+
+def parts_of(count: int, size: int) -> Iterator[slice]:
+    """So many numbers, some at a time."""
+    return (slice(begin, begin + size) for begin in range(0, count, size))
