@@ -18,9 +18,10 @@ from fenics_contact.evaluate.quantities import (
 from fenics_contact.problem.problem import Problem
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.solve.load_steps.load_steps import LoadSteps, solve
+from fenics_contact.solve.memory import unknowns
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.solve.solver_choice import choose_solver, create_system, unknowns
+from fenics_contact.solve.solver_choice import choose_solver, create_system
 from fenics_contact.solve.systems import mumps
 from fenics_contact.trust.error_estimates.budget import error_budget
 

@@ -1,7 +1,7 @@
 """What a solve with contact and friction costs, in linear elastic solves on the same mesh.
 
-``python benchmarks/solve_cost.py [--quick] [--json FILE] [--plot DIR] [--case TEXT]``, also under
-``mpirun -n N``.
+``python benchmarks/solve_cost.py [--quick] [--json FILE] [--plot DIR] [--page FILE]
+[--case TEXT]``, also under ``mpirun -n N``.
 
 An obstacle, or another block with a rounded foot, is pressed into a block and pulled sideways, so
 that a part of the contact sticks and a part slips; in *full contact* it is flat, and all of the
@@ -11,8 +11,8 @@ time of the slowest on several. Set ``OMP_NUM_THREADS=1``, as ``./bootstrap`` do
 ``docs/solve_cost.md`` shows what came out.
 
 Cases are in ``cost_cases.py``, meshes and scenes in ``cost_scenes.py``, what is timed in
-``cost_solves.py``, how a row comes about in ``cost_measure.py``, the picture in ``cost_plot.py``;
-tables and command line are here.
+``cost_solves.py``, how a row comes about in ``cost_measure.py``, the picture in ``cost_plot.py``,
+tables of the page in ``cost_page.py``; command line and the tables of a terminal are here.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from typing import Any
 
 from cost_cases import all_runs, quick_runs
 from cost_measure import LIMIT_OF_FURTHER_STEP, limit_of, measure
+from cost_page import filled
 from cost_plot import plot
 from mpi4py import MPI
 from rich.console import Console
@@ -88,6 +89,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="fewer meshes: about a minute")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
     parser.add_argument("--plot", type=Path, metavar="DIR", help="draw, with matplotlib")
+    parser.add_argument("--page", type=Path, metavar="FILE", help="write its tables anew")
     parser.add_argument("--case", default="", metavar="TEXT", help="only those with it in the name")
     options = parser.parse_args()
     comm = MPI.COMM_WORLD
@@ -109,6 +111,9 @@ def main() -> None:
     if options.plot:
         options.plot.mkdir(parents=True, exist_ok=True)
         plot(rows, options.plot / "solve_cost.png")
+    if options.page:
+        page = options.page.read_text(encoding="utf-8")
+        options.page.write_text(filled(page, rows), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -32,6 +32,7 @@ from cost_cases import (
     square,
 )
 from cost_measure import LIMIT_OF_FURTHER_STEP, limit_of, measure
+from cost_page import filled
 from cost_scenes import body_of, scene_of
 from cost_solves import frictional_solve, linear_seconds, linear_solvers
 
@@ -212,3 +213,19 @@ def test_limits_of_full_contact_are_those_asked_for():
     assert limit_of(condensed) is None
     assert limit_of(row | {"bodies": 2}) == 5.5
     assert limit_of(row | {"bodies": 2, "slip_share": 0.0}) == 4.0
+
+
+def test_the_page_of_costs_has_a_place_for_every_row(measured, measured_pair):
+    page = (ROOT / "docs" / "solve_cost.md").read_text(encoding="utf-8")
+    rows = [found.row for found in (*measured.values(), *measured_pair.values())]
+    rows.append(rows[0] | {"case": "all of it", "full_contact": True, "ratio": 9.87})
+    rows.append(rows[0] | {"case": "several", "steps": 9, "further_step_ratio": 0.3})
+    rows[-1]["further_step_ratio_with_results"] = 0.4
+    new = filled(page, rows)
+    assert new.count("| 2D Q2 3k |") == 2  # by two solvers
+    assert new.count("| 2D Q2 3k, two bodies |") == 2
+    assert new.count("| all of it |") == 1
+    assert "| several | condensed | **0.300** |" in new
+    assert filled(new, rows) == new
+    with pytest.raises(ValueError, match="is to have"):
+        filled(page.replace("table: iterative", "table: other"), rows)
