@@ -1,6 +1,7 @@
 """The memory that runs need, beside what the program says they will.
 
-``python benchmarks/memory_use.py [--quick] [--json FILE] [--case TEXT] [--jobs N]``.
+``python benchmarks/memory_use.py [--quick] [--json FILE] [--case TEXT] [--jobs N]
+[--errors none]``.
 
 Every scene is solved by a solver in a process of its own, on one or two ranks, as
 ``fenics-contact run`` does it, with error bars where they are made by default. Measured is the
@@ -72,10 +73,10 @@ _ALL = [
 ]
 
 
-def measured(case: str, solver: str, ranks: int) -> dict[str, Any]:
+def measured(case: str, solver: str, ranks: int, errors: str = "auto") -> dict[str, Any]:
     """A row, from a process of its own."""
     start = [sys.executable] if ranks == 1 else [str(HERE.parent / "bootstrap"), "mpi", str(ranks)]
-    command = [*start, str(HERE / "memory_worker.py"), case, solver]
+    command = [*start, str(HERE / "memory_worker.py"), case, solver, errors]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"{case} by {solver} failed:\n{done.stderr}")
@@ -116,8 +117,9 @@ def print_fit(rows: list[dict[str, Any]]) -> None:
     table = Table("solver", "factors of the parts", "ratios", title="What would fit best")
     for solver in sorted({row["solver"] for row in rows}):
         own = [row for row in rows if row["solver"] == solver]
-        parts = [part for part in own[0]["terms"] if any(row["terms"][part] for row in own)]
-        matrix = np.array([[row["terms"][p] / row["measured"] for p in parts] for row in own])
+        parts = list(dict.fromkeys(p for row in own for p, size in row["terms"].items() if size))
+        shares = [[row["terms"].get(p, 0.0) / row["measured"] for p in parts] for row in own]
+        matrix = np.array(shares)
         factors, _ = nnls(matrix, np.ones(len(own)))
         ratios = matrix @ factors
         said = ", ".join(f"{p} {factor:.2f}" for p, factor in zip(parts, factors, strict=True))
@@ -132,11 +134,12 @@ def main() -> int:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
     parser.add_argument("--case", default="", metavar="TEXT", help="only those with it in the name")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="so many runs at once")
+    parser.add_argument("--errors", default="auto", metavar="none", help="without error bars")
     options = parser.parse_args()
     chosen = [run for run in (_QUICK if options.quick else _ALL) if options.case in run[0].name]
     rows: list[dict[str, Any]] = []
     with ThreadPoolExecutor(options.jobs) as pool:
-        for row in pool.map(lambda run: measured(run[0].name, *run[1:]), chosen):
+        for row in pool.map(lambda run: measured(run[0].name, *run[1:], options.errors), chosen):
             rows.append(row)
             print(f"{row['case']:45} {row['solver']:10} {row['ranks']}", flush=True)
             if options.json:

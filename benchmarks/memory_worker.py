@@ -1,10 +1,11 @@
 """One run of ``memory_use.py``, in a process of its own: prints a row as JSON.
 
-``python benchmarks/memory_worker.py CASE SOLVER``, also under ``mpirun -n N``.
+``python benchmarks/memory_worker.py CASE SOLVER ERRORS``, also under ``mpirun -n N``.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import sys
 from pathlib import Path
@@ -27,7 +28,7 @@ def resident(key: str) -> float:
     return 1024 * float(next(line for line in lines if line.startswith(key)).split()[1])
 
 
-def row_of(name: str, solver: str) -> dict[str, object]:
+def row_of(name: str, solver: str, errors: str) -> dict[str, object]:
     """Solve a case as ``fenics-contact run`` does, and compare; collective."""
     comm = MPI.COMM_WORLD
     case = CASES[name]
@@ -36,7 +37,8 @@ def row_of(name: str, solver: str) -> dict[str, object]:
         scene, body = scene_of_seat(case, solver), body_of_seat(case, comm)
     else:
         scene, body = scene_of(case, solver), body_of(case, comm)
-    run = Run(scene, comm, body)
+    settings = dataclasses.replace(scene.solver, errors=errors)
+    run = Run(dataclasses.replace(scene, solver=settings), comm, body)
     terms = memory_terms(run.problem, run.choice.name)
     sizes = {"dofs": unknowns(run.problem), "contact_dofs": contact_unknowns(run.problem)}
     result = run.solve()
@@ -45,6 +47,7 @@ def row_of(name: str, solver: str) -> dict[str, object]:
         "case": name,
         "solver": solver,
         "ranks": comm.size,
+        "errors": errors,
         **sizes,
         "converged": result.converged,
         "estimate": sum(terms.values()),
@@ -54,6 +57,6 @@ def row_of(name: str, solver: str) -> dict[str, object]:
 
 
 if __name__ == "__main__":
-    found = row_of(*sys.argv[1:3])
+    found = row_of(*sys.argv[1:4])
     if MPI.COMM_WORLD.rank == 0:
         print(json.dumps(found))

@@ -19,25 +19,29 @@ from fenics_contact.solve.systems import mumps
 Name = Literal["condensed", "full", "iterative"]
 
 # Bytes of libraries and code that every rank loads on the way, whatever the body.
-_PROGRAM = 60e6
+_PROGRAM = 50e6
 # Bytes a cell and an unknown: topology, geometry, spaces, and functions on them.
 _CELL, _UNKNOWN = 1000.0, 300.0
 # Entries of MUMPS' factors L and U of n unknowns of a body, ordered by nested dissection:
 # c n log2 n in two dimensions, c n^(4/3) in three (A. George, SIAM J. Numer. Anal. 10 (1973)
 # 345-363). Measured with P1, P2, Q1 and Q2 on 7,000 to 120,000 unknowns: 10-12.3 and 30-38.
-_ENTRIES_2D, _ENTRIES_3D = 12.5, 36.0
+_ENTRIES_2D, _ENTRIES_3D = 11.5, 33.0
 # MUMPS' working memory over that of its factors (measured: 1.15-1.37).
-_WORKSPACE = 1.3
+_WORKSPACE = 1.2
 # K as assembled, and its copies in PETSc and MUMPS (which numbers rows and columns), over K.
 _COPIES = {"condensed": 5.0, "full": 5.0, "iterative": 0.0}
 # Memory of K, multigrid and Krylov vectors over 12 bytes for every entry of every cell's matrix
 # (measured: .4 on P1 to .95 on P2 and Q1).
 _ITERATIVE = 1.2
-# What is dense, in bytes over (contact dofs)². ``condensed``: S and what it and a Newton step make
-# of it. Of two bodies P couples every dof of a slave to every one of its master: that is in the
-# zone of ``iterative``, and in the tangent of ``full``.
-_DENSE = {"condensed": 80.0, "full": 0.0, "iterative": 0.0}
+# What is dense. ``condensed``: S and what it and a Newton step make of it, in bytes over (contact
+# dofs)². Of two bodies P couples every dof of a slave to every one of its master: that is in the
+# zone of ``iterative``, and in the tangent of ``full``; in bytes over (dofs of both surfaces)².
+_DENSE = {"condensed": 72.0, "full": 0.0, "iterative": 0.0}
 _COUPLED = {"condensed": 0.0, "full": 110.0, "iterative": 110.0}
+
+# Error bars: bytes for every dof of every cell, of the local problems (measured in space:
+# 470-700).
+_ERROR_BARS = {2: 150.0, 3: 500.0}
 
 
 def memory_estimate(problem: Problem, name: Name) -> float:
@@ -48,20 +52,30 @@ def memory_estimate(problem: Problem, name: Name) -> float:
 def memory_terms(problem: Problem, name: Name) -> dict[str, float]:
     """The same by what needs it (bytes); collective."""
     count, contact = unknowns(problem), contact_unknowns(problem)
-    coupled = contact if problem.between_bodies else 0
     matrix = _matrix_of_cells(problem)
     terms = {
         "program": _PROGRAM * problem.comm.size,
         "mesh": _CELL * _cells(problem) + _UNKNOWN * count,
         "dense": _DENSE[name] * (contact + _between_ranks(problem)) ** 2,
-        "pairs": _COUPLED[name] * coupled**2,
+        "pairs": _COUPLED[name] * _coupled(problem),
     }
+    if _has_error_bars(problem, name):
+        local = _ERROR_BARS[problem.spaces.components] * _dofs_of_cell(problem)
+        terms["error bars"] = local * _cells(problem)
     if name == "iterative":
         return terms | {"multigrid": _ITERATIVE * matrix}
     return terms | {
         "matrix": _COPIES[name] * matrix / _cells_with_an_entry(problem),
         "factor": 8 * _WORKSPACE * _factor_entries(problem, name),
     }
+
+
+def _has_error_bars(problem: Problem, name: Name) -> bool:
+    """Whether a run estimates the errors that the mesh makes."""
+    wanted = problem.scene.solver.errors
+    if wanted == "auto":
+        return name == "condensed" or problem.scene.accuracy is not None
+    return wanted == "all"
 
 
 def _factor_entries(problem: Problem, name: Name) -> float:
@@ -114,6 +128,19 @@ def contact_unknowns(problem: Problem) -> int:
     dofs = [contact.trace.surface.dofs for contact in acting]
     dofs += [t.surface.dofs for c in acting if (t := c.sides.opposite) is not None]
     return len(np.unique(np.concatenate(dofs))) if dofs else 0
+
+
+def _coupled(problem: Problem) -> float:
+    """Squares of the dofs of both surfaces, of all contacts between bodies; collective."""
+    pairs = [contact for contact in problem.contacts if contact.terms]
+    sides = [(c.trace, c.sides.opposite) for c in pairs]
+    return float(
+        sum(
+            (len(one.surface.dofs) + len(other.surface.dofs)) ** 2
+            for one, other in sides
+            if other is not None
+        )
+    )
 
 
 def _between_ranks(problem: Problem) -> int:
