@@ -21,18 +21,18 @@ Name = Literal["condensed", "full", "iterative"]
 # Bytes of libraries and code that every rank loads on the way, whatever the body.
 _PROGRAM = 50e6
 # Bytes a cell and an unknown: topology, geometry, spaces, and functions on them.
-_CELL, _UNKNOWN = 1000.0, 300.0
+_CELL, _UNKNOWN = 500.0, 300.0
 # Entries of MUMPS' factors L and U of n unknowns of a body, ordered by nested dissection:
 # c n log2 n in two dimensions, c n^(4/3) in three (A. George, SIAM J. Numer. Anal. 10 (1973)
 # 345-363). Measured with P1, P2, Q1 and Q2 on 7,000 to 120,000 unknowns: 10-12.3 and 30-38.
 _ENTRIES_2D, _ENTRIES_3D = 11.5, 33.0
 # MUMPS' working memory over that of its factors (measured: 1.15-1.37).
 _WORKSPACE = 1.2
-# K as assembled, and its copies in PETSc and MUMPS (which numbers rows and columns), over K.
-_COPIES = {"condensed": 5.0, "full": 5.0, "iterative": 0.0}
-# Memory of K, multigrid and Krylov vectors over 12 bytes for every entry of every cell's matrix
-# (measured: .4 on P1 to .95 on P2 and Q1).
-_ITERATIVE = 1.2
+# K as assembled, and its copies in PETSc and MUMPS, which numbers rows and columns, over K.
+_COPIES = 5.0
+# ``iterative``: K, multigrid and Krylov vectors over K (measured: 2.3-2.5); and factors of the zone
+# of cells at the contacts, in bytes over contact dofs (measured: 14,000-16,000).
+_MULTIGRID, _ZONE = 2.4, 15_000.0
 # What is dense. ``condensed``: S and what it and a Newton step make of it, in bytes over (contact
 # dofs)². Of two bodies P couples every dof of a slave to every one of its master: that is in the
 # zone of ``iterative``, and in the tangent of ``full``; in bytes over (dofs of both surfaces)².
@@ -52,7 +52,7 @@ def memory_estimate(problem: Problem, name: Name) -> float:
 def memory_terms(problem: Problem, name: Name) -> dict[str, float]:
     """The same by what needs it (bytes); collective."""
     count, contact = unknowns(problem), contact_unknowns(problem)
-    matrix = _matrix_of_cells(problem)
+    matrix = _matrix(problem)
     terms = {
         "program": _PROGRAM * problem.comm.size,
         "mesh": _CELL * _cells(problem) + _UNKNOWN * count,
@@ -63,9 +63,9 @@ def memory_terms(problem: Problem, name: Name) -> dict[str, float]:
         local = _ERROR_BARS[problem.spaces.components] * _dofs_of_cell(problem)
         terms["error bars"] = local * _cells(problem)
     if name == "iterative":
-        return terms | {"multigrid": _ITERATIVE * matrix}
+        return terms | {"multigrid": _MULTIGRID * matrix, "zone": _ZONE * contact}
     return terms | {
-        "matrix": _COPIES[name] * matrix / _cells_with_an_entry(problem),
+        "matrix": _COPIES * matrix,
         "factor": 8 * _WORKSPACE * _factor_entries(problem, name),
     }
 
@@ -99,14 +99,11 @@ def _dofs_of_cell(problem: Problem) -> int:
     return int(space.dofmap.list.shape[1]) * problem.spaces.components
 
 
-def _matrix_of_cells(problem: Problem) -> float:
-    """Bytes of K with an entry for each of every cell's matrix."""
-    return 12.0 * _cells(problem) * _dofs_of_cell(problem) ** 2
-
-
-def _cells_with_an_entry(problem: Problem) -> float:
-    """Cells share entries: with m cells at a node about √m of them have the same one."""
-    return max(1.0, sqrt(_cells(problem) * _dofs_of_cell(problem) / unknowns(problem)))
+def _matrix(problem: Problem) -> float:
+    """Bytes of K. Cells share entries: with m cells at a node about √m of them have the same."""
+    cells_at_node = _cells(problem) * _dofs_of_cell(problem) / unknowns(problem)
+    of_cells = 12.0 * _cells(problem) * _dofs_of_cell(problem) ** 2
+    return of_cells / max(1.0, sqrt(cells_at_node))
 
 
 def unknowns(problem: Problem) -> int:
