@@ -1,6 +1,6 @@
 # `make` alone prints the targets. Everything runs through ./bootstrap, which sets up what is needed.
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint docs browser clean
+.PHONY: help demo test lint docs costs browser clean
 
 help: ## print this list
 	@sed -n 's/^\([a-z]*\): .*## /  make \1	/p' Makefile
@@ -57,6 +57,9 @@ docs: ## build the documentation, into docs/_build/html
 	@$(call install,docs); \
 	$(with_tools) -m sphinx -E -W --keep-going -q -b html -d docs/_build/doctrees docs docs/_build/html; \
 	echo 'docs/_build/html/index.html'
+
+costs: ## measure what docs/solve_cost.md says, and write its tables and picture anew: hours
+	./bootstrap python benchmarks/solve_cost.py --plot docs/pictures --page docs/solve_cost.md
 
 browser: ## try reports and the documentation in Chromium
 	@$(call install,docs); \

@@ -1,34 +1,12 @@
-"""What is measured: blocks of cells with a rounded obstacle pressed in and pulled sideways.
+"""Which blocks of cells are measured, by which solvers.
 
-Or two blocks on each other, whose meshes do not match: the foot of the upper one is rounded.
+Scenes and meshes of a case are made in ``cost_scenes.py``.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
-
-from fenics_contact import (
-    Body,
-    Contact,
-    Discretisation,
-    Group,
-    Material,
-    Obstacle,
-    Scene,
-    SolverSettings,
-    Steps,
-    Support,
-)
-from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.scene.values import Path as LoadPath
-
-# isort: split
-import dolfinx
-import numpy as np
-from mpi4py import MPI
-from numpy.typing import NDArray
 
 ELEMENTS = {
     "Q2": ("quadrilateral", 2),
@@ -38,14 +16,8 @@ ELEMENTS = {
     "Q2 hexes": ("hexahedron", 2),
 }
 
-# The obstacle's radius, indentation and displacement over a block of width 1: the contact's
-# radius is about 0.14, and the inner two thirds of it stick.
-RADIUS, INDENTATION, SIDEWAYS, COEFFICIENT = 1.0, 0.02, 0.004, 0.3
-HALF_WIDTH = 0.25  # of the surface on which contact is possible, where it is not all of the top
-# Two blocks: how far the upper one is brought down, and the surfaces that may touch. The contact
-# covers .7 to .9 of these.
-APPROACH, HALF_WIDTH_OF_PAIR = 0.03, 0.22
-APART = 1.0  # the blocks, until their sides are told apart
+COEFFICIENT = 0.3
+SLIPPERY = 0.05  # so little friction that a good part of two flat blocks slips
 FURTHER = 20  # load steps after the first, in the cases that have them: the pull is reversed
 
 
@@ -57,15 +29,21 @@ class Case:
         element: Of ``ELEMENTS``.
         cells: Along each axis; the block is of width 1, and its cells are squares or cubes.
         all_of_top: Whether contact is possible on all of the top; else in its middle.
+        full_contact: Whether all of it touches: what is pressed against it is flat.
+        half_space: Whether the block is a piece of a half-space, with larger cells outwards.
         steps: Load steps.
         upper: Cells of a second block, likewise, whose rounded foot takes the obstacle's place.
+        coefficient: Of friction.
     """
 
     element: str
     cells: tuple[int, ...]
     all_of_top: bool = False
+    full_contact: bool = False
+    half_space: bool = False
     steps: int = 1
     upper: tuple[int, ...] = ()
+    coefficient: float = COEFFICIENT
 
     @property
     def dimension(self) -> int:
@@ -99,15 +77,17 @@ class Case:
 
     @property
     def name(self) -> str:
-        """Such as: 3D Q2 hexes 24k, all of the top."""
-        parts = [f"{self.dimension}D {self.element} {self.dofs / 1000:.0f}k"]
-        if self.all_of_top:
-            parts.append("all of the top")
-        if self.upper:
-            parts.append("two bodies")
-        if self.steps > 1:
-            parts.append(f"{self.steps} steps")
-        return ", ".join(parts)
+        """Such as: 3D Q1 hexes 39k, two bodies, full contact, slipping."""
+        said = {
+            "all of the top": self.all_of_top,
+            "half-space 3D": self.half_space,
+            "two bodies": self.upper,
+            "full contact": self.full_contact,
+            "slipping": self.coefficient == SLIPPERY,
+            "further steps": self.steps > 1,
+        }
+        start = f"{self.dimension}D {self.element} {self.dofs / 1000:.0f}k"
+        return ", ".join([start, *(words for words, holds in said.items() if holds)])
 
 
 def square(cells: int, steps: int = 1) -> Case:
@@ -128,6 +108,19 @@ def pair(element: str, lower: int, upper: int) -> Case:
     return Case(element, blocks[0], upper=blocks[1])
 
 
+def flat(width: int, height: int) -> Case:
+    """A block of hexahedra under a plane that touches all of its top, by its cells."""
+    return Case("Q1 hexes", (width, width, height), full_contact=True)
+
+
+def flat_pair(
+    lower: tuple[int, int], upper: tuple[int, int], coefficient: float = COEFFICIENT
+) -> Case:
+    """A flat block on another, by their cells along width and height."""
+    wide, narrow = ((width, width, height) for width, height in (lower, upper))
+    return Case("Q1 hexes", wide, full_contact=True, upper=narrow, coefficient=coefficient)
+
+
 # The upper mesh is the coarser one, by about 4:3.
 PAIRS = [
     pair("Q2", 65, 50),
@@ -138,6 +131,16 @@ PAIRS = [
     pair("Q1 hexes", 31, 24),
     pair("Q2 hexes", 15, 12),
 ]
+# 1,323, 2,883, 5,043 and 11,163 contact dofs.
+FLAT = [flat(20, 10), flat(30, 10), flat(40, 12), flat(60, 17)]
+# 2,958, twice 4,758 and 18,366.
+SMALL_FLAT_PAIR = flat_pair((24, 5), (18, 5))
+FLAT_PAIRS = [
+    flat_pair((30, 8), (24, 6)),
+    flat_pair((30, 8), (24, 6), SLIPPERY),
+    flat_pair((60, 10), (48, 10)),
+]
+HALF_SPACE = Case("Q1 hexes", (30, 30, 15), half_space=True)
 
 
 def quick_runs() -> list[tuple[Case, str]]:
@@ -148,8 +151,9 @@ def quick_runs() -> list[tuple[Case, str]]:
         (square(43, 1 + FURTHER), "condensed"),
         (square(90), "condensed"),
         (slab("P1 tets", 24), "condensed"),
-        (slab("P2 tets", 24), "condensed"),
         (PAIRS[0], "condensed"),
+        (FLAT[1], "iterative"),
+        (SMALL_FLAT_PAIR, "condensed"),
     ]
 
 
@@ -160,139 +164,28 @@ def all_runs() -> list[tuple[Case, str]]:
         *(square(cells) for cells in (43, 90, 180)),
         *(slab(element, points) for element in solids for points in (24, 32, 40)),
         Case("Q2 hexes", (12, 12, 6), all_of_top=True),
-        Case("Q2 hexes", (20, 20, 6), all_of_top=True),
         square(43, 1 + FURTHER),
         square(90, 1 + FURTHER),
         slab("P2 tets", 32, 1 + FURTHER),
         *PAIRS,
+        *FLAT[:2],
+        SMALL_FLAT_PAIR,
+        *FLAT_PAIRS[:2],
     ]
     # A factorisation a Newton step takes long: on the smallest meshes only.
     full = [square(43), slab("P2 tets", 24)]
     iterative = [
         *(slab(element, points) for element in ("P1 tets", "P2 tets") for points in (32, 48, 64)),
         slab("Q2 hexes", 48),
+        HALF_SPACE,
+        *FLAT,
         PAIRS[3],
+        SMALL_FLAT_PAIR,
+        *FLAT_PAIRS,
     ]
     return [
         *((case, "condensed") for case in condensed),
         *((case, "full") for case in full),
         *((case, "iterative") for case in iterative),
+        *((case, "auto") for case in (*FLAT, *FLAT_PAIRS[:2], HALF_SPACE)),
     ]
-
-
-def scene_of(case: Case, solver: str) -> Scene:
-    """The block of a case, held at its bottom, and what is pressed against it."""
-    several = case.steps > 1
-    further = tuple(1 + (step + 1) / (case.steps - 1) for step in range(case.steps - 1))
-    held = Support("bottom", dict.fromkeys("xyz"[: case.dimension], 0.0))
-    return Scene(
-        kinematics="plane strain" if case.dimension == 2 else "3D",
-        material=(Material(1000.0, 0.3),),
-        discretisation=Discretisation(ELEMENTS[case.element][1]),
-        support=(held, _moved_top(case)) if case.upper else (held,),
-        contact=(_contact_of_two() if case.upper else _contact_with_obstacle(case),),
-        steps=Steps(times=(1.0, *further)) if several else Steps(),
-        solver=SolverSettings(solver=solver),
-    )
-
-
-def _moved_top(case: Case) -> Support:
-    """The upper block, pressed down and pulled sideways by its top."""
-    motion = dict.fromkeys("xyz"[: case.dimension], 0.0)
-    motion["x"] = SIDEWAYS
-    motion["xyz"[case.dimension - 1]] = -APPROACH
-    return Support("top", motion)
-
-
-def _contact_of_two() -> Contact:
-    return Contact("upper", against="lower", friction_coefficient=COEFFICIENT)
-
-
-def _contact_with_obstacle(case: Case) -> Contact:
-    apex = [0.5] * (case.dimension - 1) + case.heights
-    several = case.steps > 1
-    back = LoadPath(time=(0.0, 1.0, 2.0), factor=(0.0, 1.0, -1.0))
-    obstacle = Obstacle(
-        "parabola" if case.dimension == 2 else "paraboloid",
-        radius=RADIUS,
-        position=tuple(apex),
-        indentation=INDENTATION,
-        displacement=(SIDEWAYS, *[0.0] * (case.dimension - 1)),
-    )
-    return Contact(
-        "contact",
-        friction_coefficient=COEFFICIENT,
-        law="incremental" if several else "static",
-        obstacle=replace(obstacle, displacement_path=back) if several else obstacle,
-    )
-
-
-def body_of(case: Case, comm: MPI.Comm) -> Body:
-    """The mesh of a case with the boundaries that its scene names; collective."""
-    mesh = _two_blocks(case, comm) if case.upper else _block(case.element, case.cells, comm)
-    last = case.dimension - 1
-    sides = _sides(case)
-    found = [_facets_at(mesh, height) for height in sides.values()]
-    half = HALF_WIDTH_OF_PAIR if case.upper else HALF_WIDTH
-    for number, name in enumerate(sides):
-        if name not in ("bottom", "top") and not case.all_of_top:
-            aside = np.abs(
-                dolfinx.mesh.compute_midpoints(mesh, last, found[number])[:, :last] - 0.5
-            )
-            found[number] = found[number][(aside < half).all(axis=1)]
-    facets = np.concatenate(found)
-    tags = np.repeat(np.arange(1, len(sides) + 1, dtype=np.int32), [len(side) for side in found])
-    order = np.argsort(facets)
-    cell_map = mesh.topology.index_map(case.dimension)
-    cells = np.arange(cell_map.size_local + cell_map.num_ghosts, dtype=np.int32)
-    groups = {name: Group(last, (number + 1,)) for number, name in enumerate(sides)}
-    if case.upper:
-        _round_and_lower(mesh.geometry.x, case)
-    return Body(
-        mesh,
-        dolfinx.mesh.meshtags(mesh, case.dimension, cells, np.ones_like(cells)),
-        dolfinx.mesh.meshtags(mesh, last, facets[order], tags[order]),
-        groups | {"body": Group(case.dimension, (1,))},
-        "two blocks" if case.upper else "a block",
-    )
-
-
-def _sides(case: Case) -> dict[str, float]:
-    """Heights of the sides that scenes name, as meshed."""
-    if not case.upper:
-        return {"bottom": 0.0, "contact": case.heights[0]}
-    lower, upper = case.heights
-    foot = lower + APART
-    return {"bottom": 0.0, "lower": lower, "upper": foot, "top": foot + upper}
-
-
-def _block(element: str, cells: tuple[int, ...], comm: MPI.Comm) -> Any:
-    last = len(cells) - 1
-    kind = getattr(dolfinx.mesh.CellType, ELEMENTS[element][0])
-    make = dolfinx.mesh.create_box if last == 2 else dolfinx.mesh.create_rectangle
-    corner = np.array([*[1.0] * last, cells[-1] / cells[0]])
-    return make(comm, [np.zeros(last + 1), corner], list(cells), kind)
-
-
-def _two_blocks(case: Case, comm: MPI.Comm) -> Any:
-    """One mesh of two parts, the upper one still flat and above the lower one; collective."""
-    meshes = [_block(case.element, cells, MPI.COMM_SELF) for cells in case.blocks]
-    lower, upper = (mesh.geometry.x[:, : case.dimension].copy() for mesh in meshes)
-    upper[:, -1] += case.heights[0] + APART
-    numbers = [compat.geometry_nodes(mesh).astype(np.int64) for mesh in meshes]
-    points, cells = np.vstack([lower, upper]), np.vstack([numbers[0], numbers[1] + len(lower)])
-    given = slice(None) if comm.rank == 0 else slice(0)
-    return compat.create_mesh(comm, ELEMENTS[case.element][0], 1, points[given], cells[given])
-
-
-def _round_and_lower(points: NDArray[np.float64], case: Case) -> None:
-    """Bring the upper block down, each node higher by r²/2R than where it was flat; in place."""
-    last = case.dimension - 1
-    above = points[:, last] > case.heights[0] + 0.5 * APART
-    squares = ((points[above, :last] - 0.5) ** 2).sum(axis=1)
-    points[above, last] += squares / (2 * RADIUS) - APART
-
-
-def _facets_at(mesh: Any, height: float) -> NDArray[np.int32]:
-    last = mesh.topology.dim - 1
-    return dolfinx.mesh.locate_entities_boundary(mesh, last, lambda x: np.isclose(x[last], height))

@@ -1,6 +1,6 @@
 """The picture of docs/solve_cost.md: ratio over dofs, with the limits.
 
-A panel a dimension, and one of two bodies.
+A panel a dimension, one of two bodies, and one of full contact.
 """
 
 from __future__ import annotations
@@ -15,11 +15,18 @@ from fenics_contact.report.drawing.style import DOUBLE, LINES
 
 MARKERS = {"Q2": "o", "P1 tets": "^", "P2 tets": "v", "Q1 hexes": "s", "Q2 hexes": "D"}
 COLOURS = dict(zip(MARKERS, (colour for colour, _ in LINES), strict=False))
-APPLIES_TO = {1.4: ",\ncontact ≤ 2.5 %", 2.0: ",\ncontact 8 %", 3.0: ",\niterative"}
+APPLIES_TO = {
+    1.4: ",\ncontact ≤ 2.5 %",
+    2.0: ",\ncontact 8 %",
+    3.0: ",\niterative",
+    3.5: ",\nfull contact",
+    4.0: ",\nfull contact",
+    5.5: ",\nslipping",
+}
 
 
 def plot(rows: list[dict[str, Any]], path: Path) -> None:
-    """Draw the rows of one load step, but for what is far above the others."""
+    """Draw the rows of one load step, but for those that others show or are far above them."""
     with style():
         _plot(rows, path)
 
@@ -27,7 +34,7 @@ def plot(rows: list[dict[str, Any]], path: Path) -> None:
 def _plot(rows: list[dict[str, Any]], path: Path) -> None:
     from matplotlib.ticker import LogLocator
 
-    shown = [row for row in rows if row["steps"] == 1 and not _is_far_above(row)]
+    shown = [row for row in rows if row["steps"] == 1 and not _is_left_out(row)]
     titles = sorted({_title(row) for row in shown})
     size = (DOUBLE * max(1.0, len(titles) / 3), 3.0)
     figure, panels = new_figure("", size, ncols=len(titles), sharey=True)
@@ -48,12 +55,16 @@ def _plot(rows: list[dict[str, Any]], path: Path) -> None:
     save_png(figure, path)
 
 
-def _is_far_above(row: dict[str, Any]) -> bool:
-    return row["solver"] == "full" or (row["solver"] == "iterative" and row["bodies"] > 1)
+def _is_left_out(row: dict[str, Any]) -> bool:
+    if row["solver"] in ("full", "auto"):  # the latter are among the others
+        return True
+    return row["solver"] == "iterative" and row["bodies"] > 1 and not row["full_contact"]
 
 
 def _title(row: dict[str, Any]) -> str:
     """Of the panel that a row is in."""
+    if row["full_contact"]:
+        return "full contact, 3D"
     return "two bodies, 2D and 3D" if row["bodies"] > 1 else f"{row['dimension']}D"
 
 
@@ -62,7 +73,12 @@ def _lines(rows: list[dict[str, Any]]) -> dict[str, tuple[list[float], list[floa
     found: dict[str, tuple[list[float], list[float]]] = {}
     for row in sorted(rows, key=lambda row: row["dofs"]):
         label = row["element"]
-        if is_wide(row) and row["bodies"] == 1:
+        if row["full_contact"]:
+            label += ", two bodies" if row["bodies"] > 1 else ""
+            label += ", slipping" if row["case"].endswith("slipping") else ""
+        elif "half-space" in row["case"]:
+            label += ", half-space"
+        elif is_wide(row) and row["bodies"] == 1:
             label += ", 8 % contact"
         if row["solver"] != "condensed":
             label += f", {row['solver']}"

@@ -16,10 +16,14 @@ from fenics_contact.evaluate.quantities import (
     support_reactions,
 )
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.simulation.step_history import StepHistory
+from fenics_contact.solve.load_steps.load_steps import LoadSteps, solve
+from fenics_contact.solve.memory import unknowns
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import choose_solver, create_system
+from fenics_contact.solve.systems import mumps
+from fenics_contact.trust.error_estimates.budget import error_budget
 
 # isort: split
 import numpy as np
@@ -27,7 +31,6 @@ from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
 from petsc4py import PETSc
 
-LU = {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps"}
 GAMG = {
     "ksp_type": "cg",
     "ksp_rtol": 1e-8,
@@ -35,6 +38,36 @@ GAMG = {
     "mg_levels_ksp_type": "chebyshev",
     "mg_levels_pc_type": "jacobi",
 }
+
+ORDERINGS = {mumps.MINIMUM_DEGREE: "minimum degree", mumps.AUTOMATIC: "automatic"}
+
+Settings = dict[str, Any]
+
+
+def linear_solvers(problem: Problem, solver: str) -> dict[str, Settings]:
+    """What the linear solve may be done by, by names for the table; the fastest of them counts.
+
+    For direct solvers LU and Cholesky, in the ordering that the condensed solver has for a body of
+    this size, and in the one that MUMPS would choose.
+
+    Args:
+        problem: The problem.
+        solver: What solves it with friction: ``condensed``, ``full`` or ``iterative``.
+    """
+    if solver == "iterative":
+        return {"GAMG": GAMG}
+    chosen = mumps.fastest(problem.spaces.components == 2, unknowns(problem)).ordering
+    orderings = sorted({chosen, mumps.AUTOMATIC})
+    return {
+        f"{name}, {ORDERINGS[ordering]}": {
+            "ksp_type": "preonly",
+            "pc_type": name.lower(),
+            "pc_factor_mat_solver_type": "mumps",
+            "mat_mumps_icntl_7": ordering,
+        }
+        for name in ("LU", "Cholesky")
+        for ordering in orderings
+    }
 
 
 @dataclass
@@ -67,12 +100,12 @@ class Stopwatch:
         self.excluded += self._now() - before
 
 
-def linear_seconds(problem: Problem, settings: dict[str, Any]) -> float:
+def linear_seconds(problem: Problem, settings: Settings) -> float:
     """Assemble K, hold the supports, factorise or set up, solve once; collective.
 
     Args:
         problem: Its bulk and supports are used, no contact.
-        settings: ``LU``: by MUMPS with PETSc's defaults; or ``GAMG``: conjugate gradients to 1e-8.
+        settings: One of ``linear_solvers``; ``GAMG`` is conjugate gradients to 1e-8.
     """
     watch = Stopwatch(problem.comm)
     matrix = fem_petsc.assemble_matrix(problem.elastic.stiffness)
@@ -112,7 +145,7 @@ def _near_nullspace(problem: Problem, matrix: Any) -> list[Any]:
     return [coordinates, motions]
 
 
-def _configure(solver: Any, settings: dict[str, Any]) -> None:
+def _configure(solver: Any, settings: Settings) -> None:
     """PETSc's options hold for the levels of multigrid until these are set up."""
     prefix, options = "linear_", PETSc.Options()
     for name, value in settings.items():
@@ -173,6 +206,22 @@ def frictional_solve(problem: Problem) -> Frictional:
     return Frictional(
         solution, seconds, firsts[0], pairing, reading, newton, outer, system.factorisations
     )
+
+
+def seconds_of_errors(problem: Problem) -> float:
+    """What a run's error bars take after its last load step, by default settings; collective."""
+    timings = Timings()
+    history = StepHistory(problem, timings)
+    history.begin([])
+    taken: list[float] = []
+
+    def estimate(load_steps: LoadSteps) -> None:
+        watch = Stopwatch(problem.comm)
+        error_budget(load_steps, history.steps)
+        taken.append(watch.seconds())
+
+    solve(problem, timings, history.add, ended=estimate)
+    return taken[0]
 
 
 def pair_again(problem: Problem) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fenics_contact.common.parallel import largest
+from fenics_contact.evaluate.quantities import contact_quantities
 from fenics_contact.problem.problem import Problem
 from tests.conftest import COMM
 
@@ -17,14 +18,31 @@ from tests.scenes import ROOT
 
 sys.path.append(str(ROOT / "benchmarks"))
 
-from cost_cases import PAIRS, Case, body_of, quick_runs, scene_of
-from cost_measure import limit_of, measure
+from cost_cases import (
+    FLAT,
+    FLAT_PAIRS,
+    PAIRS,
+    SLIPPERY,
+    Case,
+    all_runs,
+    flat,
+    flat_pair,
+    quick_runs,
+    slab,
+    square,
+)
+from cost_measure import LIMIT_OF_FURTHER_STEP, limit_of, measure
+from cost_page import filled
+from cost_scenes import body_of, scene_of
+from cost_solves import frictional_solve, linear_seconds, linear_solvers
 
 KEYS = [
-    *("case", "dimension", "element", "bodies", "dofs", "contact_dofs", "solver", "ranks"),
-    *("linear_seconds", "frictional_seconds", "pairing_seconds", "ratio"),
-    *("steps", "newton", "outer"),
-    *("factorisations", "preconditioner_setups", "peak_memory_mb"),
+    *("case", "dimension", "element", "bodies", "full_contact", "dofs", "contact_dofs"),
+    *("solver", "solver_chosen", "ranks", "linear_solver", "linear_seconds", "linear_memory_mb"),
+    *("frictional_seconds", "pairing_seconds", "ratio", "steps", "newton", "outer"),
+    *("factorisations", "preconditioner_setups", "peak_memory_mb", "slip_share"),
+    *("further_step_seconds", "further_step_ratio", "further_step_ratio_with_results"),
+    "seconds_errors",
 ]
 CASE = Case("Q2", (20, 20))
 PAIR = Case("Q2", (20, 10), upper=(15, 7))
@@ -51,6 +69,9 @@ def test_rows_of_solve_cost_say_what_was_counted(measured):
     assert full["factorisations"] == full["newton"] > 1
     assert condensed["preconditioner_setups"] == full["preconditioner_setups"] == 0
     assert condensed["bodies"] == 1
+    assert condensed["solver"] == condensed["solver_chosen"] == "condensed"
+    assert condensed["seconds_errors"] > 0
+    assert condensed["further_step_ratio"] is None
     memory = condensed["peak_memory_mb"]
     assert math.isnan(memory) or 1 < memory < 1000
 
@@ -81,8 +102,66 @@ def test_foot_of_the_upper_block_is_round_and_touches_the_lower_one(case):
     assert highest == pytest.approx(lower + case.heights[1] + last * 0.5**2 / 2)
 
 
-def test_quick_runs_of_solve_cost_have_two_bodies_once():
-    assert [case for case, _ in quick_runs() if case.upper] == PAIRS[:1]
+def test_quick_runs_of_solve_cost_have_full_contact_of_one_body_and_of_two():
+    quick = [case for case, _ in quick_runs()]
+    assert [case for case in quick if case.upper and not case.full_contact] == PAIRS[:1]
+    large = [case for case in quick if case.full_contact and contact_dofs(case) >= 2800]
+    assert sorted(len(case.blocks) for case in large) == [1, 2]
+    assert all("full contact" in case.name for case in large)
+
+
+def contact_dofs(case):
+    """Of a case in full contact."""
+    return sum(3 * (cells[0] + 1) * (cells[1] + 1) for cells in case.blocks)
+
+
+def test_names_of_cases_are_those_that_scripts_look_for():
+    runs = [(case.name, solver) for case, solver in all_runs()]
+    assert len(set(runs)) == len(runs)
+    assert ("3D Q1 hexes 46k, half-space 3D", "iterative") in runs
+    assert ("2D Q2 15k, further steps", "condensed") in runs
+    assert ("3D Q1 hexes 39k, two bodies, full contact, slipping", "iterative") in runs
+
+
+def test_sizes_in_full_contact():
+    sizes = [(round(case.dofs / 1000), contact_dofs(case)) for case in (*FLAT, *FLAT_PAIRS)]
+    alone = [(15, 1323), (32, 2883), (66, 5043), (201, 11163)]
+    assert sizes == [*alone, (39, 4758), (39, 4758), (202, 18366)]
+
+
+@pytest.mark.parametrize(
+    ("case", "slips"),
+    [
+        (flat(10, 4), (0.3, 0.7)),
+        (flat_pair((10, 3), (8, 2)), (0.0, 0.1)),
+        (flat_pair((10, 3), (8, 2), SLIPPERY), (0.3, 0.9)),
+    ],
+)
+def test_all_of_the_face_touches_in_full_contact(case, slips):
+    found = measure(case, "condensed", COMM, enough=0)
+    assert found.row["contact_dofs"] == contact_dofs(case)
+    assert found.quantities["contact_area"] == pytest.approx(1, rel=1e-9)  # of width 1
+    assert slips[0] <= found.row["slip_share"] <= slips[1]
+    assert limit_of(found.row) == (4.0 if len(case.blocks) == 1 else None)
+
+
+def test_a_piece_of_a_half_space_meets_hertz():
+    """P = 4/3 E* √R d^(3/2) (K. L. Johnson, Contact Mechanics, 1985, Section 4.2)."""
+    case = Case("Q1 hexes", (20, 20, 10), half_space=True)
+    problem = Problem.on_mesh(scene_of(case, "iterative"), body_of(case, COMM))
+    solution = frictional_solve(problem).solution
+    force = contact_quantities(problem, solution, 0)["normal_force"]
+    assert force == pytest.approx(4 / 3 * 1000 / (1 - 0.3**2) * 0.02**1.5, rel=0.05)
+
+
+@pytest.mark.parametrize("case", [square(10), slab("P1 tets", 6)])
+def test_every_linear_solver_solves(case):
+    """It raises where one does not converge."""
+    problem = Problem.on_mesh(scene_of(case, "condensed"), body_of(case, COMM))
+    ways = linear_solvers(problem, "condensed")
+    assert len(ways) == (4 if case.dimension == 2 else 2)
+    for settings in (*ways.values(), *linear_solvers(problem, "iterative").values()):
+        assert linear_seconds(problem, settings) > 0
 
 
 @pytest.mark.parametrize("pair", [False, True])
@@ -102,20 +181,51 @@ def test_further_steps_of_solve_cost_share_the_factorisation():
     found = measure(case, "condensed", COMM, enough=0)
     assert found.row["steps"] == 3
     assert found.row["factorisations"] == 1
-    alone, with_results = found.further
-    assert 0 < alone < with_results
+    assert 0 < found.row["further_step_ratio"] < found.row["further_step_ratio_with_results"]
+    assert found.row["further_step_ratio"] == pytest.approx(
+        found.row["further_step_seconds"] / found.row["linear_seconds"]
+    )
+    assert LIMIT_OF_FURTHER_STEP == 0.1
 
 
 def test_limits_of_solve_cost_are_those_asked_for():
-    row = {"solver": "condensed", "steps": 1, "ranks": 1, "dimension": 3, "dofs": 10000}
-    row["bodies"] = 1
+    row = {"solver_chosen": "condensed", "steps": 1, "ranks": 1, "dimension": 3, "dofs": 10000}
+    row |= {"bodies": 1, "full_contact": False}
     assert limit_of(row | {"contact_dofs": 250}) == 1.4
     assert limit_of(row | {"contact_dofs": 800}) == 2.0
     assert limit_of(row | {"contact_dofs": 800, "ranks": 2}) == 2.4
     assert limit_of(row | {"contact_dofs": 100, "dimension": 2}) == 1.5
-    assert limit_of(row | {"contact_dofs": 100, "solver": "full"}) is None
+    assert limit_of(row | {"contact_dofs": 100, "solver_chosen": "full"}) is None
     pair = row | {"contact_dofs": 800, "bodies": 2}
     assert limit_of(pair) == limit_of(pair | {"dimension": 2}) == 1.4
     assert limit_of(pair | {"ranks": 2}) is None
-    assert limit_of(pair | {"solver": "iterative"}) is None
+    assert limit_of(pair | {"solver_chosen": "iterative"}) is None
     assert limit_of(pair | {"steps": 21}) is None
+
+
+def test_limits_of_full_contact_are_those_asked_for():
+    row = {"solver_chosen": "iterative", "steps": 1, "ranks": 1, "dimension": 3, "bodies": 1}
+    row |= {"full_contact": True, "dofs": 66_000, "contact_dofs": 5043, "slip_share": 0.5}
+    assert limit_of(row) == 3.5
+    assert limit_of(row | {"dofs": 201_000}) == 4.0
+    condensed = row | {"solver_chosen": "condensed"}
+    assert limit_of(condensed | {"dofs": 32_000}) == 4.0
+    assert limit_of(condensed) is None
+    assert limit_of(row | {"bodies": 2}) == 5.5
+    assert limit_of(row | {"bodies": 2, "slip_share": 0.0}) == 4.0
+
+
+def test_the_page_of_costs_has_a_place_for_every_row(measured, measured_pair):
+    page = (ROOT / "docs" / "solve_cost.md").read_text(encoding="utf-8")
+    rows = [found.row for found in (*measured.values(), *measured_pair.values())]
+    rows.append(rows[0] | {"case": "all of it", "full_contact": True, "ratio": 9.87})
+    rows.append(rows[0] | {"case": "several", "steps": 9, "further_step_ratio": 0.3})
+    rows[-1]["further_step_ratio_with_results"] = 0.4
+    new = filled(page, rows)
+    assert new.count("| 2D Q2 3k |") == 2  # by two solvers
+    assert new.count("| 2D Q2 3k, two bodies |") == 2
+    assert new.count("| all of it |") == 1
+    assert "| several | condensed | **0.300** |" in new
+    assert filled(new, rows) == new
+    with pytest.raises(ValueError, match="is to have"):
+        filled(page.replace("table: iterative", "table: other"), rows)

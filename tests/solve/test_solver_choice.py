@@ -12,7 +12,8 @@ from fenics_contact.common.errors import InputError, MachineError
 from fenics_contact.common.memory import free_memory_for
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve import solver_choice
-from fenics_contact.solve.solver_choice import choose_solver, memory_estimate
+from fenics_contact.solve.memory import memory_estimate
+from fenics_contact.solve.solver_choice import choose_solver
 from tests.scenes import box_body, with_solver
 
 COMM = MPI.COMM_WORLD
@@ -113,12 +114,6 @@ def test_refusal_says_the_machine_failed(monkeypatch, capsys):
     said = COMM.bcast(capsys.readouterr().err)
     assert "use a coarser mesh" in said
     assert "Traceback" not in said
-
-
-def test_estimates_grow_with_the_body():
-    small, large = made(block()), made(block(), (8, 8, 4))
-    for name in ("condensed", "full", "iterative"):
-        assert memory_estimate(large, name) > 4 * memory_estimate(small, name)
 
 
 def test_free_memory_is_that_of_the_machine():

@@ -23,13 +23,7 @@ from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.systems import mumps
 
 _WITHOUT_SCHUR_DOFS = 0  # MUMPS' ICNTL(26): solve with K_II alone
-_MINIMUM_DEGREE, _AUTOMATIC = 0, 7  # ICNTL(7): orderings
 _SPARE_WORKSPACE = 50  # ICNTL(14), in per cent: a mean stress may need other pivots than foreseen
-# Finding the better ordering of nested dissection costs more than it saves on plane meshes up to
-# about this size.
-_PLANE = 400_000
-# Without METIS, as on Debian, MUMPS has nothing but minimum degree beside a Schur complement.
-_NESTED_DISSECTION = PETSc.Sys.hasExternalPackage("metis")
 
 
 class CondensedBulk:
@@ -54,9 +48,8 @@ class CondensedBulk:
         self.comm = stiffness.comm
         at_contact = np.isin(stiffness.numbers, contact) & ~held
         self._kept = np.flatnonzero((stiffness.shared & ~held) | at_contact)
-        small = stiffness.is_plane and len(held) < _PLANE
-        ordering = _MINIMUM_DEGREE if small else _AUTOMATIC
-        self._inside = LocalFactor(stiffness.matrix, held, self._kept, ordering)
+        chosen = mumps.fastest(stiffness.is_plane, len(held))
+        self._inside = LocalFactor(stiffness.matrix, held, self._kept, chosen)
         raise_together(self.comm, self._inside.error)
         self._numbers = stiffness.numbers[self._kept]
         every = self.comm.allgather(self._numbers)
@@ -141,14 +134,16 @@ class LocalFactor:
         matrix: Sparse and symmetric.
         held: Unknowns that do not follow forces: identity rows take their place.
         kept: Unknowns to condense onto.
-        ordering: Of the elimination, as MUMPS numbers them.
+        chosen: How to factorise.
 
     Attributes:
         matrix: PETSc's, without what is held, as a sparse one.
         error: What went wrong on this rank, or None.
     """
 
-    def __init__(self, matrix: csr_matrix, held: Flags, kept: Integers, ordering: int) -> None:
+    def __init__(
+        self, matrix: csr_matrix, held: Flags, kept: Integers, chosen: mumps.Factorisation
+    ) -> None:
         self.matrix = _without(matrix, held)
         self._kept = kept
         self._preconditioner: PETSc.PC = None
@@ -166,10 +161,11 @@ class LocalFactor:
             (count, count), csr=(*csr, self.matrix.data), comm=PETSc.COMM_SELF
         )
         self._right, self._solved = operator.createVecRight(), operator.createVecLeft()
-        self._preconditioner = _lu(operator)
+        self._kind = chosen.kind
+        self._preconditioner = _factorised_by_mumps(operator, chosen.kind)
         factor = self._preconditioner.getFactorMatrix()
         factor.setOptionsPrefix(PREFIX)
-        factor.setMumpsIcntl(7, ordering)
+        factor.setMumpsIcntl(7, chosen.ordering)
         factor.setMumpsIcntl(14, _SPARE_WORKSPACE)
         operator.destroy()  # the preconditioner keeps it
         rows = self._ask_for_schur() if len(kept) else None
@@ -223,16 +219,11 @@ class LocalFactor:
         _call(
             library.MatFactorRestoreSchurComplement, factor, ctypes.byref(pointer), ctypes.c_int(0)
         )
+        if self._kind == "cholesky":  # gives the lower triangle only
+            found = np.tril(found) + np.tril(found, -1).T
         factor.setMumpsIcntl(26, _WITHOUT_SCHUR_DOFS)
         schur.destroy()
-        return _symmetric(found).T  # by rows: PETSc's matrices are stored by columns
-
-
-def _symmetric(schur: Array) -> Array:
-    """S, of which a Cholesky factorisation gives the lower triangle only."""
-    if _NESTED_DISSECTION:
-        return schur
-    return np.asarray(np.tril(schur) + np.tril(schur, -1).T)
+        return np.ascontiguousarray(found.T)  # by rows: PETSc stores by columns
 
 
 def _without(matrix: csr_matrix, held: Flags) -> csr_matrix:
@@ -245,11 +236,10 @@ def _without(matrix: csr_matrix, held: Flags) -> csr_matrix:
     return found
 
 
-def _lu(operator: PETSc.Mat) -> PETSc.PC:
+def _factorised_by_mumps(operator: PETSc.Mat, kind: str) -> PETSc.PC:
     preconditioner = PETSc.PC().create(PETSc.COMM_SELF)
     preconditioner.setOperators(operator)
-    # Of a symmetric matrix half the work; but with nested dissection LU runs faster (measured).
-    preconditioner.setType("lu" if _NESTED_DISSECTION else "cholesky")
+    preconditioner.setType(kind)
     preconditioner.setFactorSolverType("mumps")
     preconditioner.setFactorSetUpSolverType()
     return preconditioner

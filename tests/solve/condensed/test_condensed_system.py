@@ -31,6 +31,7 @@ from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import ContactTangent
+from fenics_contact.solve.systems import mumps
 from tests.scenes import box_body, with_solver
 from tests.solve.condensed.stiff_and_soft import Split
 from tests.solve.same_answer import require_same, solved
@@ -250,11 +251,13 @@ def dense(stiffness):
     return csr_matrix((values, (rows, columns)), shape=(size, size)).toarray()
 
 
-@pytest.mark.parametrize("nested", [True, False])
+@pytest.mark.parametrize("kind", ["lu", "cholesky"])
+@pytest.mark.parametrize("ordering", [mumps.MINIMUM_DEGREE, mumps.AUTOMATIC])
 @pytest.mark.parametrize("nu", [0.3, 0.499])
-def test_schur_complement_against_dense_elimination(nu, nested, monkeypatch):
-    """By LU, and by Cholesky as where MUMPS has no METIS."""
-    monkeypatch.setattr(schur, "_NESTED_DISSECTION", nested)
+def test_schur_complement_against_dense_elimination(nu, ordering, kind, monkeypatch):
+    """By each factorisation that some size or machine gets."""
+    chosen = mumps.Factorisation(kind, ordering)
+    monkeypatch.setattr(mumps, "fastest", lambda is_plane, unknowns: chosen)
     problem = Run(pressed(nu=nu), COMM, box_body((6, 5), (1, 1))).problem
     system = CondensedSystem(problem, Timings())
     stiffness = LocalStiffness(problem)
@@ -355,15 +358,15 @@ def test_obstacle_that_only_held_nodes_touch():
 
 def test_failed_factorisation_is_an_error_on_every_rank(monkeypatch):
     """MUMPS runs out of workspace on the last rank; S would be anything."""
-    plain = schur._lu
+    plain = schur._factorised_by_mumps
 
-    def without_memory(operator):
-        found = plain(operator)
+    def without_memory(operator, kind):
+        found = plain(operator, kind)
         found.getFactorMatrix().setMumpsIcntl(23, 1)  # megabytes
         return found
 
     if COMM.rank == COMM.size - 1:
-        monkeypatch.setattr(schur, "_lu", without_memory)
+        monkeypatch.setattr(schur, "_factorised_by_mumps", without_memory)
         monkeypatch.setattr(schur, "_SPARE_WORKSPACE", -90)
     scene = with_solver(pressed(), solver="condensed")
     with pytest.raises(MachineError, match="MUMPS"):

@@ -1,0 +1,103 @@
+"""The tables of docs/solve_cost.md, written between its marks.
+
+A mark is a line ``<!-- table: NAME -->`` before a table, and ``<!-- end of table -->`` after it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+from cost_measure import LIMIT_OF_FURTHER_STEP, limit_of
+
+Row = dict[str, Any]
+
+# Which rows a table has, by its name.
+TABLES: dict[str, Callable[[Row], bool]] = {
+    "one body": lambda row: _is_alone(row) and row["solver"] in ("condensed", "full"),
+    "two bodies": lambda row: _is_one_step(row) and row["bodies"] > 1 and not row["full_contact"],
+    "full contact": lambda row: row["full_contact"],
+    "iterative": lambda row: _is_alone(row) and row["solver"] in ("iterative", "auto"),
+    "further steps": lambda row: row["steps"] > 1,
+}
+
+
+def filled(page: str, rows: list[Row]) -> str:
+    """A page with the tables of these rows in place of those that it has.
+
+    Raises:
+        ValueError: A table that there is to be is missing on the page, or is not known.
+    """
+    pattern = re.compile(r"(<!-- table: (.+?) -->\n).*?(<!-- end of table -->)", re.DOTALL)
+    names = [found[1] for found in pattern.findall(page)]
+    if sorted(names) != sorted(TABLES):
+        raise ValueError(f"the page has the tables {names}, and is to have {list(TABLES)}")
+
+    def made(found: re.Match[str]) -> str:
+        chosen = [row for row in rows if TABLES[found[2]](row)]
+        table = _further_table(chosen) if found[2] == "further steps" else _table(chosen)
+        return f"{found[1]}{table}{found[3]}"
+
+    return pattern.sub(made, page)
+
+
+def _is_one_step(row: Row) -> bool:
+    return bool(row["steps"] == 1)
+
+
+def _is_alone(row: Row) -> bool:
+    return _is_one_step(row) and row["bodies"] == 1 and not row["full_contact"]
+
+
+def _table(rows: list[Row]) -> str:
+    headings = ["case", "contact dofs", "slips", "solver", "linear solver", "linear", "frictional"]
+    headings += ["ratio", "limit", "error bars", "Newton, passes", "memory", "over linear"]
+    return _markdown(headings, [_cells(row) for row in rows])
+
+
+def _cells(row: Row) -> list[str]:
+    chosen, linear = row["solver_chosen"], row["linear_seconds"]
+    limit = limit_of(row)
+    return [
+        row["case"],
+        f"{row['contact_dofs']:,} ({row['contact_dofs'] / row['dofs']:.1%})",
+        f"{row['slip_share']:.0%}",
+        row["solver"] if row["solver"] == chosen else f"{row['solver']}: {chosen}",
+        row["linear_solver"],
+        f"{linear:.3g} s",
+        f"{row['frictional_seconds']:.3g} s",
+        _against(row["ratio"], limit, 2),
+        "" if limit is None else f"{limit:g}",
+        f"{row['seconds_errors'] / linear:.2f}",
+        f"{row['newton']}, {row['outer']}",
+        f"{row['peak_memory_mb']:.0f} MB",
+        f"{row['peak_memory_mb'] / row['linear_memory_mb']:.2f}",
+    ]
+
+
+def _further_table(rows: list[Row]) -> str:
+    headings = ["case", "solver", "a step", "limit", "with results read", "Newton steps in all"]
+    cells = [
+        [
+            row["case"],
+            row["solver"],
+            _against(row["further_step_ratio"], LIMIT_OF_FURTHER_STEP, 3),
+            f"{LIMIT_OF_FURTHER_STEP:g}",
+            f"{row['further_step_ratio_with_results']:.3f}",
+            str(row["newton"]),
+        ]
+        for row in rows
+    ]
+    return _markdown(headings, cells)
+
+
+def _against(ratio: float, limit: float | None, digits: int) -> str:
+    """A ratio, bold where it is above its limit."""
+    said = f"{ratio:.{digits}f}"
+    return said if limit is None or ratio <= limit else f"**{said}**"
+
+
+def _markdown(headings: list[str], rows: list[list[str]]) -> str:
+    lines = [headings, ["---"] * len(headings), *rows]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
