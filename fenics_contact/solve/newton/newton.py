@@ -18,6 +18,8 @@ from fenics_contact.contact.noise import round_off
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.line_search import share_of_step
 from fenics_contact.solve.newton.beginning import Beginning
+from fenics_contact.solve.newton.damping import Damping
+from fenics_contact.solve.newton.factorisation_log import FactorisationLog
 from fenics_contact.solve.newton.failure import (
     GIVEN_UP,
     NO_SOLVE,
@@ -83,6 +85,7 @@ class Newton:
         self.begin = Beginning(problem, system, timings)
         self._hopeless: Callable[[], bool] | None = None
         self._chatter = Chatter(problem.contacts, problem.comm)
+        self._damping = Damping()
         self.stopped: Callable[[], bool] = lambda: False
         self._is_stopped = False
         self._one_sided = any(contact.is_one_sided for contact in problem.contacts)
@@ -155,7 +158,7 @@ class Newton:
         self._chatter.clear()
         # A body that runs away overflows here and there: the force imbalance tells.
         with self.timings.phase("solve"), np.errstate(over="ignore", invalid="ignore"):
-            log = _FactorisationLog()
+            log = FactorisationLog()
             snes: PETSc.SNES = PETSc.SNES().create(self.comm)
             try:
                 self._set_up(snes)
@@ -229,9 +232,18 @@ class Newton:
         snes.setTolerances(rtol=self._tolerance, atol=0.0, stol=0.0, max_it=most)
         system.prepare(snes)
         snes.setFromOptions()
-        if self._searches and self._search is THOROUGH_SEARCH:
+        if not self._searches:
+            self._damping = Damping()
+            snes.setLineSearchPreCheck(self._damp)
+        elif self._search is THOROUGH_SEARCH:
             snes.setLineSearchPreCheck(self._cut)
         snes.setConvergenceTest(self._converged)
+
+    def _damp(self, state: PETSc.Vec, step: PETSc.Vec) -> bool:
+        """Shorten a full step where they go round in circles."""
+        share = self._damping.share(self.imbalances[self._before :])
+        step.scale(share)
+        return share < 1.0
 
     def _cut(self, state: PETSc.Vec, step: PETSc.Vec) -> bool:
         """Cut a Newton step (it is taken off the state) to where energy falls; collective."""
@@ -332,19 +344,3 @@ class Newton:
             factorisations=self.system.factorisations,
             bulk_round_off=self.system.bulk_round_off,
         )
-
-
-class _FactorisationLog:
-    """Seconds that PETSc spends on factorisations from now on."""
-
-    _EVENTS = ("MatLUFactorSym", "MatLUFactorNum")
-
-    def __init__(self) -> None:
-        PETSc.Log.begin()
-        self._before = self._read()
-
-    def _read(self) -> float:
-        return float(sum(PETSc.Log.Event(name).getPerfInfo()["time"] for name in self._EVENTS))
-
-    def seconds(self) -> float:
-        return self._read() - self._before
