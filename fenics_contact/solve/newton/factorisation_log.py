@@ -18,4 +18,5 @@ class FactorisationLog:
         return float(sum(PETSc.Log.Event(name).getPerfInfo()["time"] for name in self._EVENTS))
 
     def seconds(self) -> float:
+        """So far."""
         return self._read() - self._before

@@ -68,4 +68,4 @@ def test_steps_that_bring_nothing_are_halved_for_longer_and_longer():
     found = shares(circle)
     assert set(found[:11]) == {1.0}
     text = "".join("." if share == 1 else "h" for share in found)
-    assert [len(part) for part in text.split(".") if part] [:5] == [2, 4, 8, 16, 16]
+    assert [len(part) for part in text.split(".") if part][:5] == [2, 4, 8, 16, 16]
