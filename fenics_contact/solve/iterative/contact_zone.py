@@ -1,4 +1,4 @@
-"""The cells at the contacts, whose equations are solved directly: stiff, nonlinear, and few."""
+"""What lies at the contacts, whose equations are solved directly: stiff, nonlinear, and few."""
 
 from __future__ import annotations
 
@@ -15,20 +15,19 @@ from fenics_contact.solve.systems import mumps
 
 
 class ContactZone:
-    """Free displacements of the cells that touch nodes of contacts, and the scalars.
+    """Free displacements of nodes at contacts, and the scalars.
 
     The penalty makes K + K_c as stiff as 1/ε₁ there, where no multigrid would follow; a sparse
     factor of the zone does, and grows with the surface alone.
 
     Attributes:
-        nodes: This rank's nodes of contacts, owned and ghost, whose cells are in it.
         places: Of its unknowns among those of this rank.
 
     Args:
         problem: The problem.
         stiffness: K with supports cleared.
         contacts: K_c.
-        nodes: See the attributes.
+        nodes: This rank's nodes in it, owned and ghost.
         springs: What that diagonal has too much, at this rank's dofs (force/length).
     """
 
@@ -41,9 +40,8 @@ class ContactZone:
         springs: Array,
     ) -> None:
         self._contacts = contacts
-        self.nodes = nodes
         scalars = contacts.scalars if problem.comm.rank == 0 else 0
-        dofs = free_dofs(problem, beside(problem, nodes))
+        dofs = free_dofs(problem, nodes)
         owned = stiffness.getLocalSize()[0]
         self.places = np.concatenate([dofs, owned + np.arange(scalars)])
         rows = self._indices(stiffness, dofs)

@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 from petsc4py import PETSc
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
@@ -40,12 +40,14 @@ class IterativeSystem(BodySystem):
 
     Attributes:
         multigrid: Of the bulk, set up once.
-        zone: The cells at the contacts.
+        zone: The cells at the contacts, for the preconditioner.
+        surface: Their nodes alone, for what is nonlinear.
         contacts: K_c.
     """
 
     name = "iterative"
     first_way = "monolithic"  # every pass of a loop would take linear solves of the body
+    scale_tolerance = 1e-2  # these steps cost as much as those that follow
     options: ClassVar = {
         "ksp_type": "fgmres",
         "ksp_gmres_restart": 30,
@@ -110,13 +112,19 @@ class IterativeSystem(BodySystem):
         near = self._on_contacts
         if not self._is_sprung:
             near = near & beside(self.problem, touching(self.problem))
-        self.zone = ContactZone(self.problem, self._stiffness, self.contacts, near, self._springs)
+        self._near = near
+        self.zone = self._zone_of(beside(self.problem, near))
+        self.surface = self._zone_of(near)
+
+    def _zone_of(self, nodes: Flags) -> ContactZone:
+        return ContactZone(self.problem, self._stiffness, self.contacts, nodes, self._springs)
 
     def follow_contacts(self) -> None:
         """Move the zone where something touches outside it; collective."""
-        outside = touching(self.problem) & ~self.zone.nodes
+        outside = touching(self.problem) & ~self._near
         if total(self.comm, int(outside.sum())) > 0:
             self.zone.destroy()
+            self.surface.destroy()
             self._place_zone()
 
     def _add_springs(self, rigid: Array) -> None:
@@ -142,6 +150,7 @@ class IterativeSystem(BodySystem):
         for thing in (
             self.multigrid,
             self.zone,
+            self.surface,
             self.contacts,
             self.tangent,
             self._stiffness,

@@ -158,10 +158,11 @@ class EliminatingNewton:
         """
         system = self._system
         system.follow_contacts()
-        zone = system.zone
+        zone = system.surface
         left = residual.array_r[zone.places].copy()
         size = self._norm(left)
-        outside = system.imbalance() - size
+        before = system.imbalance()
+        outside = before - size
         enough = max(_ZONE_SHARE * outside, _BELOW_TOLERANCE * self._tolerance * system.forces)
         if not size > enough:
             return
@@ -180,6 +181,10 @@ class EliminatingNewton:
         inside.keep_best()
         system.follow_supports()  # a half-space's outer boundary, as its resultants have changed
         snes.computeFunction(state, residual)
+        if not system.imbalance() < before:  # what was held has got more than the zone has lost
+            inside.go_back()
+            system.follow_supports()
+            snes.computeFunction(state, residual)
 
     def _norm(self, forces: Array) -> float:
         return float(total(self._comm, np.abs(forces).sum()))
@@ -189,7 +194,7 @@ class _Inside:
     """Forces in the zone as its displacements change, those outside held."""
 
     def __init__(self, system: IterativeSystem, state: PETSc.Vec, left: Array) -> None:
-        self._system, self._zone, self._state = system, system.zone, state
+        self._system, self._zone, self._state = system, system.surface, state
         self._start = state.array_r[self._zone.places].copy()
         self._fixed = left - system.contact_residual(state)[self._zone.places]
         self._moved = np.zeros_like(left)
@@ -230,6 +235,10 @@ class _Inside:
         """Go back to the least imbalance found."""
         if self._best[1] is not self._moved:
             self._go(self._best[1])
+
+    def go_back(self) -> None:
+        """Go back to where this began."""
+        self._go(np.zeros_like(self._moved))
 
     def _go(self, moved: Array) -> None:
         with self._state as array:
