@@ -7,7 +7,7 @@ from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Integers
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.systems.bordered_tangent import AddedTangents, add_entries
+from fenics_contact.solve.systems.bordered_tangent import AddedTangents
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 
 Pairs = tuple[Integers, Integers]
@@ -35,23 +35,35 @@ class ContactMatrix(AddedTangents):
             self._place(displacement, self.matrix)
         constrained = problem.constrained[problem.constrained < self._owned]
         self._constrained = self._rows(self.matrix, constrained)
-        parts = [self._between_nodes(surface) for surface in self.surfaces if surface.contact.terms]
+        self._direct = [s for s in self.surfaces if s.contact.kinematics.pairing is None]
+        parts = [self._at_places(surface) for surface in self._direct]
+        filled = sum(len(part[0]) for part in parts)
+        parts += [self._of_pair(s) for s in self.surfaces if s not in self._direct]
         parts += [self._with_scalar(number) for number in range(self.scalars)]
         rows, columns = (
-            np.concatenate([np.zeros(0, dtype=np.int64), *part])
+            np.concatenate([np.zeros(0, dtype=np.int64), *part]).astype(PETSc.IntType)
             for part in (zip(*parts, strict=True) if parts else ((), ()))
         )
-        self.matrix.setUp()
-        add_entries(self.matrix, rows, columns, np.zeros(len(rows)))
+        self._room = np.zeros(len(rows) - filled)
+        self.matrix.setPreallocationCOO(rows, columns)
         self.matrix.assemble()
         keep = PETSc.Mat.Option.KEEP_NONZERO_PATTERN
         self.matrix.setOption(keep, True)
 
-    def _between_nodes(self, surface: SurfaceMatrix) -> Pairs:
-        """Pairs of dofs of the same facet, or of two surfaces that touch each other."""
+    def _at_places(self, surface: SurfaceMatrix) -> Pairs:
+        """Pairs of dofs, one for each entry of a contact with an obstacle."""
+        assembled = surface.assembled
+        if assembled is None:
+            none = np.zeros(0, dtype=np.int64)
+            return none, none
+        rows, columns = surface.dofs[assembled.rows], surface.dofs[assembled.columns]
+        return self._matrix_rows(rows), self._matrix_rows(columns)
+
+    def _of_pair(self, surface: SurfaceMatrix) -> Pairs:
+        """Pairs of dofs of two surfaces that touch each other; one rank gives all."""
         rows, columns = surface.pattern()
-        if surface.contact.kinematics.pairing is not None and self._problem.comm.rank > 0:
-            rows = columns = rows[:0]  # one rank gives all
+        if self._problem.comm.rank > 0 or surface.assembled is None:
+            rows = columns = rows[:0]
         return self._matrix_rows(rows), self._matrix_rows(columns)
 
     def _with_scalar(self, number: int) -> Pairs:
@@ -66,8 +78,17 @@ class ContactMatrix(AddedTangents):
 
     def linearise(self) -> None:
         """Take the tangents that the contacts' terms have at present; collective."""
-        self.matrix.zeroEntries()
-        self.add_contacts(self.matrix)
+        entries = [surface.entries() for surface in self.surfaces]
+        direct = [
+            values
+            for surface, (_, _, values) in zip(self.surfaces, entries, strict=True)
+            if surface in self._direct
+        ]
+        self.matrix.setValuesCOO(np.concatenate([*direct, self._room]))
+        for surface, motions, found in zip(self.surfaces, self._motions, entries, strict=True):
+            if surface not in self._direct:
+                self._add_on_body(self.matrix, surface, found)
+            self._add_borders(self.matrix, surface, motions, found)
         self.add_far_field(self.matrix)
         self.matrix.assemble()
         self.matrix.zeroRowsColumns(self._constrained, diag=0.0)

@@ -93,9 +93,13 @@ class AddedTangents:
         """Add the tangents of all contacts' terms to a matrix of the size of K; collective."""
         for surface, motions in zip(self.surfaces, self._motions, strict=True):
             entries = surface.entries()
-            rows, columns, values = surface.on_body(*entries)
-            add_entries(tangent, self._matrix_rows(rows), self._matrix_rows(columns), values)
+            self._add_on_body(tangent, surface, entries)
             self._add_borders(tangent, surface, motions, entries)
+
+    def _add_on_body(self, tangent: PETSc.Mat, surface: SurfaceMatrix, entries: Entries) -> None:
+        """Add between displacements, from K_c between dofs of a surface; collective."""
+        rows, columns, values = surface.on_body(*entries)
+        add_entries(tangent, self._matrix_rows(rows), self._matrix_rows(columns), values)
 
     def _motion(self, surface: SurfaceMatrix, unknown: ScalarUnknown) -> Array:
         """Of the jump over a scalar unknown, at all dofs of a surface; collective."""
@@ -118,6 +122,8 @@ class AddedTangents:
         self, tangent: PETSc.Mat, surface: SurfaceMatrix, motions: list[Array], entries: Entries
     ) -> None:
         """Add to the scalars' rows and columns, from K_c between dofs of a surface; collective."""
+        if not self._unknowns:
+            return
         rows, columns, values = entries
         at_rows, at_columns = (self._matrix_rows(surface.dofs[d]) for d in (rows, columns))
         size = self._problem.spaces.components
