@@ -16,21 +16,19 @@ from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
+from fenics_contact.solve.iterative.forcing_terms import ForcingTerms
 from fenics_contact.solve.line_search import search_by_secants
 
 if TYPE_CHECKING:
     from fenics_contact.solve.iterative.iterative_system import IterativeSystem
 
 
-# Forces that the first linear solve leaves, over those it starts with; later ones leave
-# this times the last reduction to this power.
-_FIRST_REST = 0.1
-_FACTOR, _POWER = 0.9, 2
-# The last one is to end the Newton steps.
+# The zone is settled below the imbalance that is accepted.
 _BELOW_TOLERANCE = 0.5
 # The zone is settled to this share of the imbalance outside it.
 _ZONE_SHARE = 1e-2
 _MOST_ZONE_STEPS = 15
+_GROWTH = 1.0
 # Krylov vectors are restarted; a solve that needs more than this is given up.
 _MOST_ITERATIONS = 300
 # Steps whose linear solves ran out of iterations, one after the other, that come to nothing: each
@@ -61,24 +59,30 @@ class EliminatingNewton:
         residual = snes.getFunction()[0]
         step, left = state.duplicate(), state.duplicate()
         snes.computeFunction(state, residual)
-        before, reason, number, vain = 0.0, 0, 0, 0
+        forcing = ForcingTerms(self._is_nonlinear)
+        reason, number, vain = 0, 0, 0
         while True:
-            self._settle(snes, state, residual, searched)
+            if not forcing.stagnates:
+                self._settle(snes, state, residual, searched)
+            else:
+                self._system.follow_contacts()
             reason = self._judge(snes, number, residual)
             if reason or number == snes.getTolerances()[3]:
                 break
             imbalance = self._system.imbalance()
-            vain = vain + 1 if self._ran_out and imbalance > _GAIN * before else 0
+            rest = forcing.next(imbalance, self._tolerance * self._system.forces)
+            vain = vain + 1 if self._ran_out and forcing.stagnates else 0
             if vain == _MOST_VAIN:
                 reason = -3
                 break
-            rest = self._rest(imbalance, before)
-            before = imbalance
             snes.computeJacobian(state, self._system.tangent)
             self._system.follow_contacts()
+            import os
+            if os.environ.get("DBG"): print("   rest %.1e"%rest, end=" ")
             if not self._find_step(snes.getKSP(), residual, rest, step, left):
                 reason = -3  # the linear solve failed
                 break
+            if os.environ.get("DBG"): print("its", snes.getKSP().getIterationNumber())
             self._advance(snes, state, residual, step, searched)
             number += 1
         snes.setConvergedReason(reason or -5)
@@ -91,15 +95,6 @@ class EliminatingNewton:
         snes.setFunctionNorm(norm)
         snes.monitor(number, norm)
         return int(snes.callConvergenceTest(number, 0.0, 0.0, norm) or 0)
-
-    def _rest(self, imbalance: float, before: float) -> float:
-        """Share of the forces that a linear solve may leave."""
-        last = _BELOW_TOLERANCE * self._tolerance * self._system.forces / imbalance
-        if not self._is_nonlinear:
-            return last
-        if before == 0.0:
-            return max(_FIRST_REST, last)
-        return max(min(_FACTOR * (imbalance / before) ** _POWER, _FIRST_REST), last)
 
     def _find_step(
         self, solver: PETSc.SNES, residual: PETSc.Vec, rest: float, step: PETSc.Vec, left: PETSc.Vec
@@ -161,7 +156,7 @@ class EliminatingNewton:
         zone = system.surface
         left = residual.array_r[zone.places].copy()
         size = self._norm(left)
-        before = system.imbalance()
+        before = system.imbalance(); size0=size
         outside = before - size
         enough = max(_ZONE_SHARE * outside, _BELOW_TOLERANCE * self._tolerance * system.forces)
         if not size > enough:
@@ -179,9 +174,13 @@ class EliminatingNewton:
             if not size > enough:
                 break
         inside.keep_best()
+        import os
+        b0 = inside._best[0]
+        nset = inside.n
         system.follow_supports()  # a half-space's outer boundary, as its resultants have changed
         snes.computeFunction(state, residual)
-        if not system.imbalance() < before:  # what was held has got more than the zone has lost
+        if os.environ.get("DBG"): print("   settled in %d: zone %.2e -> %.2e, total %.2e -> %.2e"%(nset, self._norm(residual.array_r[zone.places])*0+size0, b0, before, system.imbalance()))
+        if not system.imbalance() < _GROWTH * before:  # what was held has got more than the zone has lost
             inside.go_back()
             system.follow_supports()
             snes.computeFunction(state, residual)
@@ -224,7 +223,9 @@ class _Inside:
         self._left = self._fixed + self._zone.forces_inside(self._tried) + contacts
         return self._left
 
+    n = 0
     def _accept(self) -> Array:
+        self.n += 1
         self._moved = self._tried
         norm = self._norm(self._left)
         if norm < self._best[0]:
