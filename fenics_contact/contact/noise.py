@@ -21,9 +21,7 @@ _STRAINLESS = 1e-6
 _OF_COMPONENTS = 4.0
 
 
-def carries_more_than(
-    contact: ContactSurface, imbalance: float, accuracy: float = TELLING
-) -> bool:
+def carries_more_than(contact: ContactSurface, imbalance: float, accuracy: float = TELLING) -> bool:
     """Whether its pressure is more than what solver and round-off leave; collective.
 
     Args:

@@ -9,7 +9,7 @@ from __future__ import annotations
 # Share of the forces that the first linear solve leaves; later ones leave this times the last
 # reduction to this power.
 _FIRST = 0.03
-_FACTOR, _POWER = 0.9, 2
+_FACTOR, _POWER = 0.9, 1.5
 # What is left after a step that has come to little: it is not to be for want of digits.
 _AFTER_STAGNATION = 1e-3
 # An imbalance that is not reduced to this share stagnates.
@@ -26,7 +26,6 @@ class ForcingTerms:
 
     Args:
         is_nonlinear: Whether anything is; else the first solve is the last.
-        enough: Imbalance at which Newton's method ends (force).
     """
 
     def __init__(self, is_nonlinear: bool) -> None:

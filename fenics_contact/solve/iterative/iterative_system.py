@@ -175,6 +175,10 @@ class IterativeSystem(BodySystem):
     def linearise(self, state: PETSc.Vec) -> None:
         """K_c of a state; collective."""
         self.take(state)
+        self.linearise_contacts()
+
+    def linearise_contacts(self) -> None:
+        """K_c of the state that was taken last; collective."""
         for contact in self.problem.contacts:
             contact.follow()
         self.contacts.linearise()
