@@ -1,8 +1,8 @@
 """Newton's method with the contact zone eliminated.
 
-All that is nonlinear lies at the contacts: before each step their nodes are settled alone. The step for the whole body
-then changes contact and slip only by what is smooth, so few digits of it are asked for.
-See X.-C. Cai and X. Li, SIAM J. Sci. Comput. 33 (2011) 746-762.
+All that is nonlinear lies at the contacts: before each step their nodes are settled alone. The
+step for the whole body then changes contact and slip only by what is smooth, so few digits of it
+are asked for. See X.-C. Cai and X. Li, SIAM J. Sci. Comput. 33 (2011) 746-762.
 """
 
 from __future__ import annotations
