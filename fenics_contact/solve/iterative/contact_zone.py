@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from dolfinx import la
 from petsc4py import PETSc
@@ -15,7 +17,7 @@ from fenics_contact.solve.systems import mumps
 
 
 class ContactZone:
-    """Free displacements of nodes at contacts, and the scalars.
+    """Free displacements of nodes at contacts, and scalar unknowns.
 
     The penalty makes K + K_c as stiff as 1/ε₁ there, where no multigrid would follow; a sparse
     factor of the zone does, and grows with the surface alone.
@@ -29,6 +31,7 @@ class ContactZone:
         contacts: K_c.
         nodes: This rank's nodes in it, owned and ghost.
         springs: What that diagonal has too much, at this rank's dofs (force/length).
+        scalars: Numbers of the scalar unknowns in it.
     """
 
     def __init__(
@@ -38,12 +41,13 @@ class ContactZone:
         contacts: ContactMatrix,
         nodes: Flags,
         springs: Array,
+        scalars: Sequence[int],
     ) -> None:
         self._contacts = contacts
-        scalars = contacts.scalars if problem.comm.rank == 0 else 0
+        own = list(scalars) if problem.comm.rank == 0 else []
         dofs = free_dofs(problem, nodes)
         owned = stiffness.getLocalSize()[0]
-        self.places = np.concatenate([dofs, owned + np.arange(scalars)])
+        self.places = np.concatenate([dofs, owned + np.array(own, dtype=np.int64)])
         rows = self._indices(stiffness, dofs)
         every = PETSc.IS().createStride(
             owned, stiffness.getOwnershipRange()[0], 1, comm=problem.comm
@@ -55,7 +59,7 @@ class ContactZone:
         with diagonal as array:
             array -= self._springs
         inner.setDiagonal(diagonal)
-        self._stiffness = _with_scalars(inner, scalars, contacts.scalars)
+        self._stiffness = _with_scalars(inner, len(own), len(scalars))
         self._unknowns = self._indices(contacts.matrix, self.places)
         self._added = contacts.matrix.createSubMatrix(self._unknowns, self._unknowns)
         self._added.zeroEntries()  # room for K_c only: it has values where a zone is moved

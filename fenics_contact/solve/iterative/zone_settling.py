@@ -65,20 +65,15 @@ class ZoneSettling:
             if not inside.imbalance > self._enough(before):
                 break
         inside.keep_best()
-        self._balance(state)
+        self._snes.computeFunction(state, self._residual)
         if not system.imbalance() < _GROWTH * before:
             inside.go_back()
-            self._balance(state)
+            self._snes.computeFunction(state, self._residual)
 
     def _enough(self, before: float) -> float:
         forces = self._system.forces
         accepted = _BELOW_TOLERANCE * self._tolerance * forces
         return float(max(_SHARE * min(before, forces), accepted))
-
-    def _balance(self, state: PETSc.Vec) -> None:
-        """The residual; a half-space's outer boundary follows its resultants, which changed."""
-        self._system.follow_supports()
-        self._snes.computeFunction(state, self._residual)
 
 
 class _Inside:
