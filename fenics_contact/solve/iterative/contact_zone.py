@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from dolfinx import la
 from petsc4py import PETSc
@@ -31,7 +29,7 @@ class ContactZone:
         contacts: K_c.
         nodes: This rank's nodes in it, owned and ghost.
         springs: What that diagonal has too much, at this rank's dofs (force/length).
-        scalars: Numbers of the scalar unknowns in it.
+        scalars: How many scalar unknowns are in it: all of them, or none.
     """
 
     def __init__(
@@ -41,13 +39,13 @@ class ContactZone:
         contacts: ContactMatrix,
         nodes: Flags,
         springs: Array,
-        scalars: Sequence[int],
+        scalars: int,
     ) -> None:
         self._contacts = contacts
-        own = list(scalars) if problem.comm.rank == 0 else []
+        own = scalars if problem.comm.rank == 0 else 0
         dofs = free_dofs(problem, nodes)
         owned = stiffness.getLocalSize()[0]
-        self.places = np.concatenate([dofs, owned + np.array(own, dtype=np.int64)])
+        self.places = np.concatenate([dofs, owned + np.arange(own)])
         rows = self._indices(stiffness, dofs)
         every = PETSc.IS().createStride(
             owned, stiffness.getOwnershipRange()[0], 1, comm=problem.comm
@@ -59,7 +57,7 @@ class ContactZone:
         with diagonal as array:
             array -= self._springs
         inner.setDiagonal(diagonal)
-        self._stiffness = _with_scalars(inner, len(own), len(scalars))
+        self._stiffness = _with_scalars(inner, own, scalars)
         self._unknowns = self._indices(contacts.matrix, self.places)
         self._added = contacts.matrix.createSubMatrix(self._unknowns, self._unknowns)
         self._added.zeroEntries()  # room for K_c only: it has values where a zone is moved

@@ -8,7 +8,6 @@ step only has to carry smooth changes into the body.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -114,12 +113,12 @@ class IterativeSystem(BodySystem):
         if not self._is_sprung:
             near = near & beside(self.problem, touching(self.problem))
         self._near = near
-        self.zone = self._zone_of(beside(self.problem, near), range(self.scalars))
-        # A resultant moves the outer boundary of a half-space, and so all that settling holds.
-        unknowns = enumerate(self.problem.unknowns)
-        self.surface = self._zone_of(near, [n for n, u in unknowns if u.column is None])
+        self.zone = self._zone_of(beside(self.problem, near), self.contacts.scalars)
+        # Scalars are held: an obstacle under a force, or a resultant of a half-space, moves more
+        # than what settling may follow.
+        self.surface = self._zone_of(near, 0)
 
-    def _zone_of(self, nodes: Flags, scalars: Sequence[int]) -> ContactZone:
+    def _zone_of(self, nodes: Flags, scalars: int) -> ContactZone:
         return ContactZone(
             self.problem, self._stiffness, self.contacts, nodes, self._springs, scalars
         )

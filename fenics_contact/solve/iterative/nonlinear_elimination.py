@@ -51,7 +51,8 @@ class EliminatingNewton:
         reason, number, vain = 0, 0, 0
         while True:
             self._system.follow_contacts()
-            if not forcing.stagnates:  # else whole steps have to lead out of a circle
+            # Full steps and settling may go round in a circle; what follows the energy does not.
+            if searched or not forcing.stagnates:
                 settling.settle(state)
             reason = self._judge(snes, number, residual)
             if reason or number == snes.getTolerances()[3]:

@@ -150,6 +150,18 @@ def test_multigrid_is_set_up_once_over_load_steps():
     assert system.multigrid.cycles < 4 * 30
 
 
+FAR = {"support": (), "half_space": HalfSpace(on=("z0", "x0", "x1", "y0", "y1"))}
+
+
+@pytest.mark.parametrize("coefficient", [0.0, 0.5])
+@pytest.mark.parametrize("keys", [FAR, {"force": 13}, FAR | {"force": 13}], ids=str)
+def test_few_steps_where_scalars_move_the_contact(coefficient, keys):
+    """Resultants move the outer boundary of a half-space, a force its obstacle."""
+    _, newton, system = solved(sphere(coefficient, **keys), block(14))
+    assert newton.steps <= 8
+    assert system.multigrid.cycles <= 30
+
+
 def test_cycles_hold_under_refinement():
     cycles, steps = [], []
     for cells in (8, 16):
