@@ -9,7 +9,10 @@ from __future__ import annotations
 # Share of the forces that the first linear solve leaves; later ones leave this times the last
 # reduction to this power.
 _FIRST = 0.03
-_FIRST_BETWEEN_BODIES = 0.01  # nothing is settled there before
+# Between bodies nothing is settled before a step. What the imbalance does says little as long as it
+# is more than a share of the forces: the solve leaves as much. Later ones start with fewer.
+_FAR, _FAR_BETWEEN_BODIES = 0.01, 0.1
+_FIRST_BETWEEN_BODIES = 0.01
 _FACTOR, _POWER = 0.9, 1.5
 # What is left after a step that has come to little: it is not to be for want of digits.
 _AFTER_STAGNATION = 1e-3
@@ -31,17 +34,19 @@ class ForcingTerms:
     """
 
     def __init__(self, is_nonlinear: bool, between_bodies: bool) -> None:
+        self._between_bodies = between_bodies
         self._first = _FIRST_BETWEEN_BODIES if between_bodies else _FIRST
         self._is_nonlinear = is_nonlinear
         self._before = 0.0
         self.stagnates = False
 
-    def next(self, imbalance: float, enough: float) -> float:
+    def next(self, imbalance: float, enough: float, forces: float) -> float:
         """That of the next solve.
 
         Args:
             imbalance: At present (force).
             enough: At which Newton's method ends (force).
+            forces: What the imbalance is small against (force).
         """
         before, self._before = self._before, imbalance
         self.stagnates = imbalance > _GAIN * before > 0
@@ -49,7 +54,9 @@ class ForcingTerms:
         if not self._is_nonlinear:
             return last
         share = self._first
-        if self.stagnates:
+        if self._between_bodies and imbalance > _FAR * forces:
+            share = _FAR_BETWEEN_BODIES
+        elif self.stagnates:
             share = _AFTER_STAGNATION
         elif before > 0:
             share = min(_FACTOR * (imbalance / before) ** _POWER, self._first)

@@ -60,7 +60,8 @@ class EliminatingNewton:
             if reason or number == snes.getTolerances()[3]:
                 break
             imbalance = self._system.imbalance()
-            rest = forcing.next(imbalance, self._tolerance * self._system.forces)
+            forces = self._system.forces
+            rest = forcing.next(imbalance, self._tolerance * forces, forces)
             vain = vain + 1 if self._ran_out and forcing.stagnates else 0
             if vain == _MOST_VAIN:
                 reason = -3
