@@ -12,23 +12,25 @@ import numpy as np
 
 from fenics_contact.contact.contact_surface import ContactSurface
 
-# Of the accepted imbalance: a contact that carries no more is off by a hundredth of that or more.
-_TELLING = 100.0
+# Share of its force to which a contact's pressures are to be known: one that carries less than a
+# hundred times the accepted imbalance may be off by more.
+TELLING = 0.01
 # Of the forces that would strain a body by its motion: forces of less strain nothing.
 _STRAINLESS = 1e-6
 # 1-norm of the forces at the nodes of a contact, friction included, over ∫ p: at the most about.
 _OF_COMPONENTS = 4.0
 
 
-def carries_more_than(contact: ContactSurface, imbalance: float) -> bool:
+def carries_more_than(contact: ContactSurface, imbalance: float, accuracy: float = TELLING) -> bool:
     """Whether its pressure is more than what solver and round-off leave; collective.
 
     Args:
         contact: Any.
         imbalance: That was accepted (force).
+        accuracy: To which the pressures are to be known.
     """
     carried = float(contact.trace.integral(np.abs(contact.pressure())))
-    return carried > max(_TELLING * imbalance, round_off(contact))
+    return carried > max(imbalance / accuracy, round_off(contact))
 
 
 def round_off(contact: ContactSurface) -> float:

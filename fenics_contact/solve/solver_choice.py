@@ -10,13 +10,17 @@ from fenics_contact.common.memory import free_memory_for, memory_limit
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.iterative.contact_zone import has_slaves_that_are_masters
 from fenics_contact.solve.iterative.iterative_system import IterativeSystem
-from fenics_contact.solve.memory import Name, memory_estimate, unknowns
+from fenics_contact.solve.memory import Name, contact_unknowns, memory_estimate, unknowns
 from fenics_contact.solve.systems.full_system import FullSystem
 from fenics_contact.solve.systems.system import System
 
 # Unknowns from which multigrid is faster in 3D, by degree (measured on one rank).
 _ITERATIVE_FROM = {1: 50_000, 2: 100_000}
+# Dofs of contacts from which it is, with obstacles and between bodies, both surfaces counted: the
+# Schur complement of ``condensed`` grows with them (likewise).
+_LARGE_CONTACT, _LARGE_PAIR = 2_000, 2_500
 
 
 @dataclass(frozen=True)
@@ -51,6 +55,12 @@ def choose_solver(problem: Problem) -> SolverChoice:
                 "solver.solver = 'iterative' is for 3D models, and not for nearly incompressible "
                 "materials; use 'condensed' or 'full'"
             )
+        if wanted == "iterative" and has_slaves_that_are_masters(problem):
+            raise InputError(
+                "solver.solver = 'iterative' is not for a slave surface that shares nodes with the "
+                "master of another contact; choose contact.slave so that none does, or use "
+                "'condensed'"
+            )
         choice = SolverChoice(wanted, "as the scene says", memory_estimate(problem, wanted))
     if choice.memory > free:
         raise MachineError(
@@ -72,12 +82,17 @@ def _automatic(problem: Problem, free: float) -> SolverChoice:
     condensed = choice("condensed", "one factorisation of the bulk")
     if not _suits_multigrid(problem):
         return condensed
-    if condensed.memory > free:
+    if condensed.memory > free and not has_slaves_that_are_masters(problem):
         return choice("iterative", "a factorisation would not fit into memory")
-    if problem.between_bodies:
-        return condensed  # in multigrid's zone P couples all of a slave with all of its master
+    if has_slaves_that_are_masters(problem):
+        return condensed  # whose stiff coupling multigrid's zone does not have
     # Each further step costs the iterative solver about half of the first, the other nothing.
     steps = 0.5 + 0.5 * len(problem.scene.steps.all_times)
+    large = _LARGE_PAIR if problem.between_bodies else _LARGE_CONTACT
+    if contact_unknowns(problem) > steps * large:
+        return choice("iterative", "multigrid is faster than condensing onto so large a contact")
+    if problem.between_bodies:
+        return condensed
     if unknowns(problem) > steps * _ITERATIVE_FROM[problem.spaces.degree]:
         return choice("iterative", "multigrid is faster than a factorisation of this size")
     return condensed

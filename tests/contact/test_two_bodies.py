@@ -1,6 +1,7 @@
 """Contact between deformable bodies: statics, exact fields, rigid limits, one solver by another."""
 
 import dataclasses
+from itertools import product
 from pathlib import Path as File
 
 import numpy as np
@@ -71,10 +72,16 @@ def box_pair(shape, shared=(0.0, 0.0)):
     return boxes(parts, shape)
 
 
+CROSSED = [
+    *product(["quadrilateral", "triangle", "hexahedron", "tetrahedron"], ["condensed"]),
+    *product(["hexahedron", "tetrahedron"], ["iterative"]),
+]
+
+
 @pytest.mark.parametrize("slave", ["on", "against"])
 @pytest.mark.parametrize("degree", [1, 2])
-@pytest.mark.parametrize("cell", ["quadrilateral", "triangle", "hexahedron", "tetrahedron"])
-def test_uniform_pressure_crosses_meshes_that_do_not_match(cell, degree, slave):
+@pytest.mark.parametrize("cell, solver", CROSSED)
+def test_uniform_pressure_crosses_meshes_that_do_not_match(cell, solver, degree, slave):
     """The patch test: with ν = 0 a column under p is compressed by p/E, whatever the meshes."""
     space = cell in ("hexahedron", "tetrahedron")
     up, sides = ("z", ("x", "y")) if space else ("y", ("x",))
@@ -88,6 +95,7 @@ def test_uniform_pressure_crosses_meshes_that_do_not_match(cell, degree, slave):
         ),
         load=(Load(f"upper.{up}1", pressure=5.0),),
         contact=(touching(f"upper.{up}0", f"lower.{up}1", slave=slave, penalty_parameter=1e-9),),
+        solver=SolverSettings(solver=solver),
     )
     prepared = Run(scene, COMM, box_pair(cell))
     assert prepared.solve().passed
@@ -98,8 +106,10 @@ def test_uniform_pressure_crosses_meshes_that_do_not_match(cell, degree, slave):
     is_upper = spaces.parts.of_node == list(spaces.parts.names).index("upper")
     lowered = 5 / 300 * (1 + np.minimum(height, 0)) + is_upper * (5e-9 + 5 / 1000 * height)
     found = -solution.displacement[:, 2 if space else 1]
-    # Stress error 1e-9: strains are differences of displacements over a cell.
-    assert largest(COMM, np.abs(found - lowered)) <= 1e-9 * 5 / 300
+    # Stress error 1e-9: strains are differences of displacements over a cell. Krylov vectors end at
+    # the round-off of the penalty.
+    share = 1e-8 if solver == "iterative" else 1e-9
+    assert largest(COMM, np.abs(found - lowered)) <= share * 5 / 300
 
 
 @pytest.mark.parametrize("law", ["static", "incremental"])
@@ -131,9 +141,10 @@ def test_solvers_agree(cell, degree, law):
         found[solver] = prepared.solution
     reference = found.pop("full")
     assert {"STICK", "SLIP"} <= set().union(*COMM.allgather(set(reference.states[0].status)))
-    for solution in found.values():
+    for solver, solution in found.items():
         moved = largest(COMM, np.abs(solution.displacement - reference.displacement).ravel())
-        assert moved <= 1e-10 * 0.05
+        # Krylov vectors end at the round-off of the penalty, a direct solver goes below.
+        assert moved <= (1e-8 if solver == "iterative" else 1e-10) * 0.05
         pressures = solution.states[0].contact_pressure, reference.states[0].contact_pressure
         assert largest(COMM, np.abs(pressures[0] - pressures[1])) <= 1e-7 * largest(
             COMM, pressures[1]

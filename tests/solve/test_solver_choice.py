@@ -12,8 +12,9 @@ from fenics_contact.common.errors import InputError, MachineError
 from fenics_contact.common.memory import free_memory_for
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve import solver_choice
-from fenics_contact.solve.memory import memory_estimate
+from fenics_contact.solve.memory import contact_unknowns, memory_estimate
 from fenics_contact.solve.solver_choice import choose_solver
+from tests.contact.pair_bodies import Box, boxes
 from tests.scenes import box_body, with_solver
 
 COMM = MPI.COMM_WORLD
@@ -58,6 +59,32 @@ def test_small_problems_are_condensed():
 
 def test_large_ones_in_space_are_iterated(small_limit):
     assert choose_solver(made(block())).name == "iterative"
+
+
+def test_large_contacts_are_iterated(monkeypatch):
+    size = contact_unknowns(made(block()))
+    monkeypatch.setattr(solver_choice, "_LARGE_CONTACT", size + 1)
+    assert choose_solver(made(block())).name == "condensed"
+    monkeypatch.setattr(solver_choice, "_LARGE_CONTACT", size - 1)
+    choice = choose_solver(made(block()))
+    assert choice.name == "iterative"
+    assert "so large a contact" in choice.reason
+    assert choose_solver(made(block(steps=4))).name == "condensed"
+
+
+@pytest.mark.parametrize("large, name", [(96, "iterative"), (1000, "condensed")])
+def test_large_pairs_are_iterated(monkeypatch, large, name):
+    """Surfaces of 25 and 16 nodes: 123 dofs."""
+    monkeypatch.setattr(solver_choice, "_LARGE_PAIR", large)
+    lower = Box("lower", (0, 0, -1), (1, 1, 0), (4, 4, 2))
+    upper = Box("upper", (0, 0, 0), (1, 1, 1), (3, 3, 2))
+    scene = dataclasses.replace(
+        block(),
+        support=(Support("lower.z0", dict.fromkeys("xyz", 0)), Support("upper.z1", {"z": -0.01})),
+        contact=(Contact("upper.z0", against="lower.z1", friction_coefficient=0.5),),
+    )
+    problem = Problem.on_mesh(scene, boxes((lower, upper), "hexahedron"))
+    assert choose_solver(problem).name == name
 
 
 def test_many_steps_pay_for_a_factorisation(small_limit):

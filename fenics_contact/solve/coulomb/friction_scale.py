@@ -8,17 +8,18 @@ from __future__ import annotations
 
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.noise import carries_more_than
+from fenics_contact.contact.noise import TELLING, carries_more_than
 
 
-def follow_pressure(contact: ContactSurface, imbalance: float) -> None:
+def follow_pressure(contact: ContactSurface, imbalance: float, accuracy: float = TELLING) -> None:
     """Set ε to what the present pressure needs, if that is more than round-off; collective.
 
     Args:
         contact: Any; one whose ε is given keeps it.
         imbalance: That was accepted (force).
+        accuracy: To which the pressures are to be known.
     """
-    if not contact.friction.finds_scale or not carries_more_than(contact, imbalance):
+    if not contact.friction.finds_scale or not carries_more_than(contact, imbalance, accuracy):
         return
     contact.friction.set_scale(_needed(contact))
 

@@ -21,9 +21,11 @@ from fenics_contact.solve.newton.newton import Newton
 
 logger = logging.getLogger(__name__)
 
-# Of the pressures from which ε follows. Its bias is below .1 %, so an error of it in ε counts
-# a thousandth.
+# Imbalance over the forces where only the pressures are wanted from which ε follows. Its bias is
+# below .1 %, so an error of it in ε counts a thousandth.
 _SCALE_TOLERANCE = 1e-6
+# To which the pressures are to be known where a system solves less exactly than that.
+_SCALE_ACCURACY = 0.1
 # Of ε over that which the answer needs, beyond which a step is solved again: its bias stays below
 # .1 %, also where steps add up.
 _TOO_LARGE = 3.0
@@ -72,9 +74,21 @@ def monolithic(newton: Newton, start: Array) -> None:
                 raise
             logger.info("%s; next: with the regularisation that this step needs", error)
             newton.restore(start)
-    contact_without_friction(newton, _SCALE_TOLERANCE)
+    _find_scale(newton)
     newton.restore(start)
     solve_coupled(newton)
+
+
+def _find_scale(newton: Newton) -> None:
+    """Set ε from contact without friction, solved as exactly as that needs; collective."""
+    rough = newton.system.scale_tolerance
+    if rough is not None:
+        contact_without_friction(newton, rough, _SCALE_ACCURACY)
+        contacts = newton.problem.coulomb
+        limit = newton.limit
+        if all([carries_more_than(contact, limit, _SCALE_ACCURACY) for contact in contacts]):
+            return
+    contact_without_friction(newton, _SCALE_TOLERANCE)
 
 
 def continuation(newton: Newton, start: Array) -> None:
@@ -107,5 +121,5 @@ def fit_scale(newton: Newton) -> None:
             follow_pressure(contact, limit)
         if RigidMotions(newton.problem).slides_on_coulomb:
             # Nothing but friction takes the creep back, by one ε a step of Newton's method.
-            contact_without_friction(newton, _SCALE_TOLERANCE)
+            _find_scale(newton)
         solve_coupled(newton)

@@ -10,6 +10,7 @@ from fenics_contact.common.arrays import Flags
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.noise import TELLING
 from fenics_contact.problem.rigid_motions import RigidMotions
 from fenics_contact.solve.coulomb.friction_scale import follow_pressure
 from fenics_contact.solve.newton.newton import Newton
@@ -20,7 +21,9 @@ logger = logging.getLogger(__name__)
 _GLUE = 1e4
 
 
-def contact_without_friction(newton: Newton, tolerance: float | None = None) -> bool:
+def contact_without_friction(
+    newton: Newton, tolerance: float | None = None, accuracy: float = TELLING
+) -> bool:
     """Solve without friction, with glue along contacts where friction has to hold; collective.
 
     Sets ε to what the pressures found need, and all points to stick.
@@ -28,6 +31,7 @@ def contact_without_friction(newton: Newton, tolerance: float | None = None) -> 
     Args:
         newton: Goes on from its present state.
         tolerance: Of the solve, by default the scene's.
+        accuracy: To which a contact's pressures are to be known if its ε is to follow from them.
 
     Returns:
         Whether glue was used.
@@ -46,7 +50,7 @@ def contact_without_friction(newton: Newton, tolerance: float | None = None) -> 
         is_glued = True
         _solve(newton, tolerance, is_glued)
     for contact in problem.coulomb:
-        follow_pressure(contact, newton.limit)
+        follow_pressure(contact, newton.limit, accuracy)
         contact.friction.stick_all()
     return is_glued
 

@@ -1,14 +1,20 @@
-"""K_c as a sparse matrix of all unknowns that is empty away from contacts and scalars."""
+"""K_c as a sparse matrix of all unknowns that is empty away from contacts and scalars.
+
+Between two bodies it is Jᵀ K_c J, which would be full, as the jump J u = u − P u' follows all of
+the master. The matrix has K_c of the slave alone, as of an obstacle; P is applied beside it.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from petsc4py import PETSc
+from scipy.sparse import csr_matrix
 
-from fenics_contact.common.arrays import Integers
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.systems.bordered_tangent import AddedTangents, add_entries
+from fenics_contact.solve.systems.bordered_tangent import AddedTangents
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
+from fenics_contact.solve.systems.pair_stiffness import PairStiffness
 
 Pairs = tuple[Integers, Integers]
 
@@ -17,7 +23,7 @@ class ContactMatrix(AddedTangents):
     """What K lacks to be the tangent, so that no copy of K is made.
 
     Attributes:
-        matrix: The entries, in the layout of all unknowns.
+        matrix: The entries, in the layout of all unknowns; masters of contacts between bodies held.
 
     Args:
         problem: The problem.
@@ -34,23 +40,29 @@ class ContactMatrix(AddedTangents):
         if self.scalars:
             self._place(displacement, self.matrix)
         constrained = problem.constrained[problem.constrained < self._owned]
+        self._held = constrained
         self._constrained = self._rows(self.matrix, constrained)
-        parts = [self._between_nodes(surface) for surface in self.surfaces if surface.contact.terms]
+        self._pairs_on_slave: list[tuple[PairStiffness, csr_matrix]] = []
+        parts = [self._at_places(surface) for surface in self.surfaces]
+        filled = sum(len(part[0]) for part in parts)
         parts += [self._with_scalar(number) for number in range(self.scalars)]
         rows, columns = (
-            np.concatenate([np.zeros(0, dtype=np.int64), *part])
+            np.concatenate([np.zeros(0, dtype=np.int64), *part]).astype(PETSc.IntType)
             for part in (zip(*parts, strict=True) if parts else ((), ()))
         )
-        self.matrix.setUp()
-        add_entries(self.matrix, rows, columns, np.zeros(len(rows)))
-        self._reserve_pairs(self.matrix)
+        self._room = np.zeros(len(rows) - filled)
+        self.matrix.setPreallocationCOO(rows, columns)
         self.matrix.assemble()
         keep = PETSc.Mat.Option.KEEP_NONZERO_PATTERN
         self.matrix.setOption(keep, True)
 
-    def _between_nodes(self, surface: SurfaceMatrix) -> Pairs:
-        """Pairs of dofs of the same facet."""
-        rows, columns = surface.pattern()
+    def _at_places(self, surface: SurfaceMatrix) -> Pairs:
+        """Pairs of dofs, one for each entry of a contact's tangent."""
+        assembled = surface.assembled
+        if assembled is None:
+            none = np.zeros(0, dtype=np.int64)
+            return none, none
+        rows, columns = surface.dofs[assembled.rows], surface.dofs[assembled.columns]
         return self._matrix_rows(rows), self._matrix_rows(columns)
 
     def _with_scalar(self, number: int) -> Pairs:
@@ -65,8 +77,17 @@ class ContactMatrix(AddedTangents):
 
     def linearise(self) -> None:
         """Take the tangents that the contacts' terms have at present; collective."""
-        self.matrix.zeroEntries()
-        self.add_contacts(self.matrix)
+        entries = [surface.entries() for surface in self.surfaces]
+        values = [found for _, _, found in entries]
+        self.matrix.setValuesCOO(np.concatenate([*values, self._room]))
+        comm = self._problem.comm
+        self._pairs_on_slave = [
+            (surface.pair, surface.pair.on_slave(comm, found))
+            for surface, found in zip(self.surfaces, entries, strict=True)
+            if surface.pair is not None and surface.contact.terms
+        ]
+        for surface, motions, found in zip(self.surfaces, self._motions, entries, strict=True):
+            self._add_borders(self.matrix, surface, motions, found)
         self.add_far_field(self.matrix)
         self.matrix.assemble()
         self.matrix.zeroRowsColumns(self._constrained, diag=0.0)
@@ -83,14 +104,54 @@ class ContactMatrix(AddedTangents):
         self.matrix.diagonalScale(scale, None)
         scale.destroy()
 
+    def mult(self, vector: PETSc.Vec, result: PETSc.Vec) -> None:
+        """K_c times a vector of all unknowns; collective."""
+        self.matrix.mult(vector, result)
+        if not self._pairs_on_slave:
+            return
+        displacement = self._free_displacement(vector)
+        comm, forces = self._problem.comm, np.zeros(self._owned)
+        for pair, stiffness in self._pairs_on_slave:
+            moved = pair.gathered(comm, displacement)
+            opposite = pair.opposite(moved)
+            at_dofs = pair.reaction(stiffness @ (moved[: len(opposite)] - opposite))
+            at_dofs[: len(opposite)] = -(stiffness @ opposite)
+            forces += pair.on_body(at_dofs, self._owned)
+        self._add_to_free(forces, result)
+
     def magnitude(self, lengths: PETSc.Vec, result: PETSc.Vec) -> None:
-        """|K_c| times a vector; collective."""
+        """|K_c| times a vector of no negative numbers; collective.
+
+        Of P, which is not written out, the magnitude of what it makes of them.
+        """
         first, columns, values = self.matrix.getValuesCSR()
         absolute = PETSc.Mat().createAIJ(
             self.matrix.getSizes(), csr=(first, columns, np.abs(values)), comm=self.matrix.comm
         )
         absolute.mult(lengths, result)
         absolute.destroy()
+        displacement = self._free_displacement(lengths)
+        comm, forces = self._problem.comm, np.zeros(self._owned)
+        for pair, stiffness in self._pairs_on_slave:
+            moved = pair.gathered(comm, displacement)
+            opposite = np.abs(pair.opposite(moved))
+            pulled = abs(stiffness) @ (moved[: len(opposite)] + opposite)
+            at_dofs = np.abs(pair.reaction(pulled))
+            at_dofs[: len(opposite)] = abs(stiffness) @ opposite
+            forces += pair.on_body(at_dofs, self._owned)
+        self._add_to_free(forces, result)
+
+    def _free_displacement(self, vector: PETSc.Vec) -> Array:
+        """This rank's displacements of a vector, 0 where supports hold."""
+        displacement = np.array(vector.array_r[: self._owned])
+        displacement[self._held] = 0.0
+        return displacement
+
+    def _add_to_free(self, forces: Array, result: PETSc.Vec) -> None:
+        """Add forces on this rank's displacements but where supports hold."""
+        forces[self._held] = 0.0
+        with result as array:
+            array[: self._owned] += forces
 
     def destroy(self) -> None:
         """Free the matrix."""

@@ -1,4 +1,4 @@
-"""The cells at the contacts, whose equations are solved directly: stiff, nonlinear, and few."""
+"""What lies at the contacts, whose equations are solved directly: stiff, nonlinear, and few."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import MachineError
+from fenics_contact.common.parallel import total
 from fenics_contact.common.petsc_options import ZONE_PREFIX
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.iterative.contact_matrix import ContactMatrix
@@ -15,21 +16,21 @@ from fenics_contact.solve.systems import mumps
 
 
 class ContactZone:
-    """Free displacements of the cells that touch nodes of contacts, and the scalars.
+    """Free displacements of nodes at contacts, and scalar unknowns.
 
     The penalty makes K + K_c as stiff as 1/ε₁ there, where no multigrid would follow; a sparse
     factor of the zone does, and grows with the surface alone.
 
     Attributes:
-        nodes: This rank's nodes of contacts, owned and ghost, whose cells are in it.
         places: Of its unknowns among those of this rank.
 
     Args:
         problem: The problem.
         stiffness: K with supports cleared.
         contacts: K_c.
-        nodes: See the attributes.
+        nodes: This rank's nodes in it, owned and ghost.
         springs: What that diagonal has too much, at this rank's dofs (force/length).
+        scalars: How many scalar unknowns are in it: all of them, or none.
     """
 
     def __init__(
@@ -39,13 +40,13 @@ class ContactZone:
         contacts: ContactMatrix,
         nodes: Flags,
         springs: Array,
+        scalars: int,
     ) -> None:
         self._contacts = contacts
-        self.nodes = nodes
-        scalars = contacts.scalars if problem.comm.rank == 0 else 0
-        dofs = free_dofs(problem, beside(problem, nodes))
+        own = scalars if problem.comm.rank == 0 else 0
+        dofs = free_dofs(problem, nodes)
         owned = stiffness.getLocalSize()[0]
-        self.places = np.concatenate([dofs, owned + np.arange(scalars)])
+        self.places = np.concatenate([dofs, owned + np.arange(own)])
         rows = self._indices(stiffness, dofs)
         every = PETSc.IS().createStride(
             owned, stiffness.getOwnershipRange()[0], 1, comm=problem.comm
@@ -57,7 +58,7 @@ class ContactZone:
         with diagonal as array:
             array -= self._springs
         inner.setDiagonal(diagonal)
-        self._stiffness = _with_scalars(inner, scalars, contacts.scalars)
+        self._stiffness = _with_scalars(inner, own, scalars)
         self._unknowns = self._indices(contacts.matrix, self.places)
         self._added = contacts.matrix.createSubMatrix(self._unknowns, self._unknowns)
         self._added.zeroEntries()  # room for K_c only: it has values where a zone is moved
@@ -139,22 +140,45 @@ class ContactZone:
 
 
 def touching(problem: Problem) -> Flags:
-    """Nodes at which forces of contacts depend on displacements at present; collective."""
+    """Nodes of contact surfaces, slaves of pairs, where forces depend on displacements; collective.
+
+    At present: what is open has none.
+    """
     found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
     for contact in (contact for contact in problem.contacts if contact.terms):
         acts = contact.normal.acts(contact.pressure()) | (contact.friction.bound > 0)
         at_nodes = contact.trace.to_nodes(acts.astype(np.float64)) > 0
-        found |= contact.kinematics.reaches(contact.trace.at_all_nodes(at_nodes))
+        whole = contact.trace.at_all_nodes(at_nodes).astype(np.float64)
+        found |= contact.trace.surface.on_body(whole) > 0
     return found
 
 
 def on_contacts(problem: Problem) -> Flags:
-    """All nodes of contacts that exert forces; collective."""
+    """All nodes of the surfaces of contacts that exert forces, slaves of pairs; collective."""
     found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
     for contact in (contact for contact in problem.contacts if contact.terms):
-        every = np.ones(len(contact.trace.all_nodes), dtype=bool)
-        found |= contact.kinematics.reaches(every)
+        trace = contact.trace
+        found |= trace.surface.on_body(np.ones(len(trace.all_nodes))) > 0
     return found
+
+
+def masters(problem: Problem) -> Flags:
+    """All nodes opposite to contacts between bodies that exert forces; collective."""
+    found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
+    for contact in (contact for contact in problem.contacts if contact.terms):
+        pairing = contact.kinematics.pairing
+        if pairing is not None:
+            found |= pairing.master_nodes()
+    return found
+
+
+def has_slaves_that_are_masters(problem: Problem) -> bool:
+    """Whether nodes of a contact surface are on the master of a contact as well; collective.
+
+    Free ones: K_c there, and what follows from P of another contact, are as stiff as each other.
+    """
+    both = on_contacts(problem) & masters(problem)
+    return bool(total(problem.comm, len(free_dofs(problem, both))) > 0)
 
 
 def beside(problem: Problem, nodes: Flags) -> Flags:

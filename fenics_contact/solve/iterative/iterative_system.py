@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 from petsc4py import PETSc
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
@@ -23,6 +23,7 @@ from fenics_contact.solve.iterative.contact_zone import (
     ContactZone,
     beside,
     free_dofs,
+    masters,
     on_contacts,
     touching,
 )
@@ -40,12 +41,14 @@ class IterativeSystem(BodySystem):
 
     Attributes:
         multigrid: Of the bulk, set up once.
-        zone: The cells at the contacts.
+        zone: The cells at the contacts, for the preconditioner.
+        surface: Their nodes alone, for what is nonlinear.
         contacts: K_c.
     """
 
     name = "iterative"
     first_way = "monolithic"  # every pass of a loop would take linear solves of the body
+    scale_tolerance = 1e-2  # these steps cost as much as those that follow
     options: ClassVar = {
         "ksp_type": "fgmres",
         "ksp_gmres_restart": 30,
@@ -87,7 +90,7 @@ class IterativeSystem(BodySystem):
     def _set_up(self) -> None:
         problem, spaces = self.problem, self.problem.spaces
         _, fields = rigid_fields(spaces)
-        self._on_contacts = on_contacts(problem)
+        self._on_contacts, self._masters = on_contacts(problem), masters(problem)
         self._add_springs(self._owned_columns(apart(spaces.parts, fields)))
         self._place_zone()
         self.multigrid = Multigrid(self._stiffness, self._owned_columns(fields))
@@ -110,13 +113,25 @@ class IterativeSystem(BodySystem):
         near = self._on_contacts
         if not self._is_sprung:
             near = near & beside(self.problem, touching(self.problem))
-        self.zone = ContactZone(self.problem, self._stiffness, self.contacts, near, self._springs)
+        self._near = near
+        # Masters are held: what is as stiff as the penalty is the jump, which slaves can close.
+        inside = near | (beside(self.problem, near) & ~self._masters)
+        self.zone = self._zone_of(inside, self.contacts.scalars)
+        # Scalars are held: an obstacle under a force, or a resultant of a half-space, moves more
+        # than what settling may follow.
+        self.surface = self._zone_of(near, 0)
+
+    def _zone_of(self, nodes: Flags, scalars: int) -> ContactZone:
+        return ContactZone(
+            self.problem, self._stiffness, self.contacts, nodes, self._springs, scalars
+        )
 
     def follow_contacts(self) -> None:
         """Move the zone where something touches outside it; collective."""
-        outside = touching(self.problem) & ~self.zone.nodes
+        outside = touching(self.problem) & ~self._near
         if total(self.comm, int(outside.sum())) > 0:
             self.zone.destroy()
+            self.surface.destroy()
             self._place_zone()
 
     def _add_springs(self, rigid: Array) -> None:
@@ -130,7 +145,7 @@ class IterativeSystem(BodySystem):
         self._is_sprung = loose.shape[1] > 0
         if not self._is_sprung:
             return
-        dofs = free_dofs(self.problem, self._on_contacts)
+        dofs = free_dofs(self.problem, self._on_contacts | self._masters)
         self._stiffness.getDiagonal(self._inner)
         self._springs[dofs] = self._inner.array_r[dofs]
         with self._inner as array:
@@ -142,6 +157,7 @@ class IterativeSystem(BodySystem):
         for thing in (
             self.multigrid,
             self.zone,
+            self.surface,
             self.contacts,
             self.tangent,
             self._stiffness,
@@ -166,6 +182,10 @@ class IterativeSystem(BodySystem):
     def linearise(self, state: PETSc.Vec) -> None:
         """K_c of a state; collective."""
         self.take(state)
+        self.linearise_contacts()
+
+    def linearise_contacts(self) -> None:
+        """K_c of the state that was taken last; collective."""
         for contact in self.problem.contacts:
             contact.follow()
         self.contacts.linearise()
@@ -196,7 +216,7 @@ class IterativeSystem(BodySystem):
 
     def apply_tangent(self, vector: PETSc.Vec, result: PETSc.Vec) -> None:
         """(K + K_c) times a vector of all unknowns; collective."""
-        self.contacts.matrix.mult(vector, result)
+        self.contacts.mult(vector, result)
         with self._inner as array:
             array[:] = vector.array_r[: self._owned_size]
         self._bulk_forces()
@@ -242,7 +262,7 @@ class IterativeSystem(BodySystem):
 
     def _forces_in_zone(self, solution: PETSc.Vec) -> Array:
         """(K + K_c) times displacements of ``_outer``, in the zone."""
-        self.contacts.matrix.mult(solution, self._work)
+        self.contacts.mult(solution, self._work)
         return np.asarray(
             self.zone.forces_of_body(self._outer) + self._work.array_r[self.zone.places]
         )

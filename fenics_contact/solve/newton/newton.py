@@ -125,7 +125,9 @@ class Newton:
             self._hopeless = None  # it may know who asks, and that knows this: a circle
         if self._one_sided:
             left, forces = self.imbalances[-1], self.system.forces
-            words = runaway(self.problem, self.system) or drowned(self.problem, left, forces)
+            words = runaway(self.problem, self.system)
+            if words is None and left > self._tolerance * forces:  # round-off, as it was taken
+                words = drowned(self.problem, left, forces)
             if words is not None:
                 raise NotConvergedError(words, tuple(self.imbalances))
 

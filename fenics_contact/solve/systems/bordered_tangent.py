@@ -142,6 +142,8 @@ class AddedTangents:
         self, tangent: PETSc.Mat, surface: SurfaceMatrix, motions: list[Array], entries: Entries
     ) -> None:
         """Add to the scalars' rows and columns, from K_c between dofs of a surface; collective."""
+        if not self._unknowns:
+            return
         rows, columns, values = entries
         at_rows, at_columns = (self._matrix_rows(surface.dofs[d]) for d in (rows, columns))
         size = self._problem.spaces.components

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import cached_property
+
 import numpy as np
 from dolfinx import fem
 from scipy.sparse import csr_matrix
 
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import Array
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.mortar.pairing import Pairing
+from fenics_contact.contact.surface.point_rule import needs_centres
 from fenics_contact.contact.surface.space import SurfaceSpace
 from fenics_contact.solve.systems.pair_stiffness import Entries, PairStiffness
 
@@ -24,46 +28,35 @@ class SurfaceMatrix:
     def __init__(self, contact: ContactSurface) -> None:
         self.contact = contact
         self._surface = contact.trace.surface
-        self._assembled: dict[fem.Form, AssembledForm] = {}
         self.dofs = self._surface.dofs
         pairing = contact.kinematics.pairing
         self.pair = None if pairing is None else self._between_bodies(pairing)
 
+    @cached_property
+    def assembled(self) -> AssembledForms | None:
+        """The forms of its tangents, which share one pattern; None of a contact without any."""
+        forms = (form for term in self.contact.terms for form in term.forms if form.rank == 2)
+        first = next(forms, None)
+        if first is None:
+            return None
+        return AssembledForms(first, self._surface, not needs_centres(self._surface.spaces))
+
     def entries(self) -> Entries:
-        """Rows, columns (dofs of the surface) and values; every rank has some of them."""
-        none = np.zeros(0, dtype=np.int64)
-        found: list[Entries] = [(none, none, np.zeros(0))]
-        found += [(part.rows, part.columns, part.values()) for part in self.parts()]
-        rows, columns, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
-        return rows, columns, values
+        """Rows, columns (dofs of the surface) and values; every rank has some of them.
+
+        They are at the same places every time.
+        """
+        if self.assembled is None:
+            none = np.zeros(0, dtype=np.int64)
+            return none, none, np.zeros(0)
+        forms = [form for term in self.contact.terms for form in term.tangents]
+        return self.assembled.rows, self.assembled.columns, self.assembled.values(forms)
 
     def _between_bodies(self, pairing: Pairing) -> PairStiffness:
         index_map = self._surface.spaces.displacement_space.dofmap.index_map
         size = self._surface.components
         first, owned = index_map.local_range[0] * size, index_map.size_local * size
         return PairStiffness(pairing, self.dofs, first, owned)
-
-    def pattern(self) -> tuple[Integers, Integers]:
-        """Pairs of the body's dofs, on this rank's facets, between which there can be entries."""
-        surface = self._surface
-        nodes = surface.numbers[surface.facet_nodes]
-        places = nodes[..., None] * surface.components + np.arange(surface.components)
-        width = nodes.shape[1] * surface.components
-        return every_pair(self.dofs[places.reshape(len(nodes), width)])
-
-    def parts(self) -> list[AssembledForm]:
-        """The forms that the contact's terms have at present; collective."""
-        forms = [form for term in self.contact.terms for form in term.tangents]
-        for form in forms:
-            if form not in self._assembled:
-                self._assembled[form] = AssembledForm(form, self._surface)
-        return [self._assembled[form] for form in forms]
-
-
-def every_pair(dofs: Integers) -> tuple[Integers, Integers]:
-    """All pairs of dofs in each row of an array (groups, dofs)."""
-    first = np.broadcast_to(dofs[:, :, None], (*dofs.shape, dofs.shape[1]))
-    return first.ravel(), np.swapaxes(first, 1, 2).ravel()
 
 
 def congruent(entries: Entries, left: csr_matrix, right: csr_matrix) -> Entries:
@@ -82,21 +75,27 @@ def congruent(entries: Entries, left: csr_matrix, right: csr_matrix) -> Entries:
     return found.row.astype(np.int64), found.col.astype(np.int64), found.data
 
 
-class AssembledForm:
-    """A form's matrix, whose pattern is worked out once.
+class AssembledForms:
+    """The matrix of forms on a surface, whose pattern is worked out once.
 
     Attributes:
         rows: Dofs of the surface, of every entry of this rank; an entry may come twice.
         columns: Likewise.
+
+    Args:
+        form: Any of the forms.
+        surface: The surface.
+        at_nodes: Whether their points are the nodes, so that no two of these are coupled.
     """
 
-    def __init__(self, form: fem.Form, surface: SurfaceSpace) -> None:
-        self._form = form
+    def __init__(self, form: fem.Form, surface: SurfaceSpace, at_nodes: bool) -> None:
         self._matrix = fem.create_matrix(form)
         self._matrix.data[:] = np.arange(len(self._matrix.data))
         pattern = self._matrix.to_scipy().tocoo()
         size = surface.components
         own = pattern.row < surface.owned_nodes * size
+        if at_nodes:
+            own &= pattern.row // size == pattern.col // size
         self._order = pattern.data[own].astype(np.int64)
         self.rows, self.columns = (
             index_map.local_to_global((local[own] // size).astype(np.int32)) * size
@@ -107,9 +106,10 @@ class AssembledForm:
             )
         )
 
-    def values(self) -> Array:
-        """Assemble; collective."""
+    def values(self, forms: Sequence[fem.Form]) -> Array:
+        """Assemble the sum of forms; collective."""
         self._matrix.set_value(0.0)
-        fem.assemble_matrix(self._matrix, self._form)
+        for form in forms:
+            fem.assemble_matrix(self._matrix, form)
         self._matrix.scatter_reverse()
         return np.asarray(self._matrix.data[self._order])

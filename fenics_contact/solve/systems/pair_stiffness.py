@@ -1,8 +1,8 @@
 """The tangent of a contact between two bodies, as entries between displacements of both.
 
 With the jump w = u − P u' it is Jᵀ K_c J, J = (1, −P): full between all displacements of both
-surfaces. It is made some rows at a time, by J and its transpose applied; each rank makes its own
-rows, so that what it holds beside them grows with the surfaces only.
+surfaces. It is applied by its factors, or made some rows at a time, by J and its transpose applied;
+each rank makes its own rows, so that what it holds beside them grows with the surfaces only.
 """
 
 from __future__ import annotations
@@ -42,6 +42,7 @@ class PairStiffness:
         self._size = len(pairing.projection.components)
         # Those of one component together: P u' of the others is 0.
         self.own = own[np.argsort(own % self._size, kind="stable")]
+        self._own_in_body = self.dofs[self.own] - first
 
     def own_rows(self) -> Iterator[Integers]:
         """The body's numbers of this rank's rows, some at a time."""
@@ -57,11 +58,41 @@ class PairStiffness:
         Returns:
             The body's numbers of rows, and these, (rows, dofs).
         """
+        return self._made(csr_matrix(self.on_slave(comm, entries).T))
+
+    def on_slave(self, comm: MPI.Comm, entries: Entries) -> csr_matrix:
+        """K_c of the whole slave, (slave dofs, slave dofs), on every rank; collective.
+
+        Args:
+            comm: Communicator.
+            entries: Rows, columns (dofs of the slave) and values, of this rank.
+        """
         rows, columns, values = (
             np.concatenate(parts) for parts in zip(*comm.allgather(entries), strict=True)
         )
         shape = (self._slaves, self._slaves)
-        return self._made(csr_matrix((values, (columns, rows)), shape=shape))
+        return csr_matrix((values, (rows, columns)), shape=shape)
+
+    def gathered(self, comm: MPI.Comm, displacement: Array) -> Array:
+        """Displacements at ``dofs``, of those that this rank owns in the body; collective."""
+        found = np.zeros(len(self.dofs))
+        found[self.own] = displacement[self._own_in_body]
+        comm.Allreduce(MPI.IN_PLACE, found)
+        return found
+
+    def on_body(self, forces: Array, owned: int) -> Array:
+        """Forces at ``dofs`` as those on the dofs that this rank owns in the body, (owned,)."""
+        return np.bincount(self._own_in_body, forces[self.own], minlength=owned)
+
+    def opposite(self, displacement: Array) -> Array:
+        """P u', (slave dofs,), of displacements (dofs,)."""
+        moved = self._pairing.projection.apply(displacement[self._slaves :].reshape(-1, self._size))
+        return moved.reshape(-1)
+
+    def reaction(self, forces: Array) -> Array:
+        """−Pᵀ f on the master, and nothing on the slave, (dofs,), of forces (slave dofs,)."""
+        taken = self._pairing.projection.transposed(forces.reshape(-1, self._size))
+        return np.concatenate([np.zeros(self._slaves), -taken.reshape(-1)])
 
     def _made(self, transposed: csr_matrix) -> Iterator[tuple[Integers, Array]]:
         """The same, from K_cᵀ."""

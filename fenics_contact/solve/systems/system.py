@@ -30,6 +30,8 @@ class System(ABC):
         tangent: Its derivative, a PETSc matrix.
         options: PETSc's options for its linear solves.
         first_way: Which strategy of Coulomb friction ``auto`` begins with.
+        scale_tolerance: Imbalance over the forces from which the ε of a contact that carries
+            most of the forces is known well enough; None where further steps cost little.
         factorisations: How often a matrix of the bulk was factorised.
         earlier_forces: Largest of ``present_forces`` in the load steps that are done (force).
         bulk_round_off: Largest that round-off may leave of the balance inside the body in the
@@ -39,6 +41,7 @@ class System(ABC):
     name: ClassVar[str]
     options: ClassVar[dict[str, Any]]
     first_way: str = "campos"
+    scale_tolerance: ClassVar[float | None] = None
     state: PETSc.Vec
     residual: PETSc.Vec
     tangent: PETSc.Mat

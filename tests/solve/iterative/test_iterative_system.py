@@ -113,6 +113,22 @@ def test_quadratic_tetrahedra():
     require_same(sphere(0.3, degree=2), block(6, mesh.CellType.tetrahedron))
 
 
+@pytest.mark.parametrize("coefficient", [0.1, 0.3, 1.0])
+def test_a_whole_face_that_rubs(coefficient):
+    """All of it touches, a part sticks and a part slips; ε follows from the pressure."""
+    plane = Obstacle(
+        shape="plane", position=(1, 1, 1), indentation=0.02, displacement=(0.004, 0, 0)
+    )
+    contact = Contact("z1", friction_coefficient=coefficient, obstacle=plane)
+    scene = dataclasses.replace(sphere(), contact=(contact,))
+    found, newton, system = solved(scene, block())
+    wanted, *_ = solved(scene, block(), FullSystem)
+    assert difference(found.displacement, wanted.displacement) < TOLERANCE
+    assert difference(found.contact_force[0], wanted.contact_force[0]) < 10 * TOLERANCE
+    assert newton.steps <= 10
+    assert system.multigrid.cycles <= 70
+
+
 def test_bodies_that_only_contacts_hold():
     """K is singular: on a rough floor, glued to it, and under the sphere as well."""
     top = sphere(0.5, force=13, shear=0.004).contact[0]
@@ -132,6 +148,18 @@ def test_multigrid_is_set_up_once_over_load_steps():
     _, _, system = solved(sphere(0.5, force=13, steps=4, law="incremental"), block())
     assert system.multigrid.setups == system.factorisations == 1
     assert system.multigrid.cycles < 4 * 30
+
+
+FAR = {"support": (), "half_space": HalfSpace(on=("z0", "x0", "x1", "y0", "y1"))}
+
+
+@pytest.mark.parametrize("coefficient", [0.0, 0.5])
+@pytest.mark.parametrize("keys", [FAR, {"force": 13}, FAR | {"force": 13}], ids=str)
+def test_few_steps_where_scalars_move_the_contact(coefficient, keys):
+    """Resultants move the outer boundary of a half-space, a force its obstacle."""
+    _, newton, system = solved(sphere(coefficient, **keys), block(14))
+    assert newton.steps <= 8
+    assert system.multigrid.cycles <= 30
 
 
 def test_cycles_hold_under_refinement():
@@ -189,9 +217,8 @@ def test_a_scene_may_ask_for_it():
 def test_linear_solves_that_come_to_nothing_are_given_up(monkeypatch):
     """Each costs as many cycles as are allowed; a hundred Newton steps of them took minutes."""
     monkeypatch.setattr("fenics_contact.solve.iterative.nonlinear_elimination._MOST_ITERATIONS", 1)
-    monkeypatch.setattr(
-        "fenics_contact.solve.iterative.nonlinear_elimination._GAIN", 1e-3
-    )  # what is gained is nothing
+    # What is gained is nothing.
+    monkeypatch.setattr("fenics_contact.solve.iterative.forcing_terms._GAIN", 1e-3)
     scene = dataclasses.replace(
         sphere(steps=1), solver=SolverSettings(strategy="monolithic", max_iterations=60)
     )

@@ -1,0 +1,151 @@
+"""Pairs of bodies by the iterative solver: the condensed one's answers."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import (
+    Contact,
+    Load,
+    Material,
+    Obstacle,
+    Run,
+    Scene,
+    SolverSettings,
+    Steps,
+    Support,
+)
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.parallel import largest
+from fenics_contact.common.timings import Timings
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.iterative.iterative_system import IterativeSystem
+from fenics_contact.solve.solver_choice import choose_solver
+from fenics_contact.solve.systems.full_system import FullSystem
+from tests.contact.pair_bodies import Box, boxes
+from tests.scenes import with_solver
+
+COMM = MPI.COMM_WORLD
+LOWER = Box("lower", (0, 0, -1), (1, 1, 0), (5, 5, 4))
+UPPER = Box("upper", (0, 0, 0), (1, 1, 1), (4, 4, 3))
+TOP = Box("top", (0, 0, 1), (1, 1, 2), (3, 3, 3))
+CLAMP = Support("lower.z0", {"x": 0, "y": 0, "z": 0})
+DEEP = (
+    Box("block", (0, 0, 0), (1, 1, 1), (4, 4, 4)),
+    Box("floor", (0, -0.5, 0), (1.25, 0, 1), (3, 2, 3)),
+    Box("wall", (-0.5, -0.5, 0), (0, 1.25, 1), (2, 5, 3)),
+)
+
+
+def pair(coefficient, **changes):
+    """A block pressed onto another, its top moved down and aside."""
+    contact = Contact("upper.z0", against="lower.z1", friction_coefficient=coefficient)
+    scene = Scene(
+        kinematics="3D",
+        material=Material(1000, 0.3),
+        support=(CLAMP, Support("upper.z1", {"x": 0.004, "y": 0.001, "z": -0.02})),
+        contact=(contact,),
+    )
+    return dataclasses.replace(scene, **changes)
+
+
+def solved(scene, body, solver):
+    prepared = Run(dataclasses.replace(scene, solver=SolverSettings(solver=solver)), COMM, body)
+    result = prepared.solve()
+    assert result.passed, result.verdict
+    return prepared.solution
+
+
+def require_same(scene, body):
+    found, wanted = (solved(scene, body, solver) for solver in ("iterative", "condensed"))
+    parts = [(found.displacement, wanted.displacement)]
+    parts += list(zip(found.contact_force, wanted.contact_force, strict=True))
+    for one, other in parts:
+        assert largest(COMM, np.abs(one - other)) < 1e-7 * largest(COMM, np.abs(other))
+    return found
+
+
+@pytest.mark.parametrize("coefficient", [0.0, 0.05, 0.3, 1.0])
+def test_sticking_and_slipping(coefficient):
+    require_same(pair(coefficient), boxes((LOWER, UPPER), "hexahedron"))
+
+
+def test_bodies_that_slide_are_paired_anew():
+    contact = Contact("upper.z0", against="lower.z1", friction_coefficient=0.1, law="incremental")
+    aside = Support("upper.z1", {"x": 0.15, "y": 0.02, "z": -0.02})
+    scene = pair(0.1, contact=(contact,), support=(CLAMP, aside), steps=Steps(number=3))
+    require_same(scene, boxes((LOWER, UPPER), "hexahedron"))
+
+
+def test_bodies_that_only_contact_holds():
+    """Each slave or master of what holds it, a load moves the upper one."""
+    contacts = (
+        Contact("upper.z0", against="lower.z1", friction_coefficient=0.5),
+        Contact("top.z0", against="upper.z1", friction_coefficient=0.5),
+    )
+    load = (Load("top.z1", traction=(0.1, 0, -1)),)
+    scene = pair(0.5, contact=contacts, support=(CLAMP,), load=load)
+    require_same(scene, boxes((LOWER, UPPER, TOP), "hexahedron"))
+
+
+def seat(slaves):
+    """A block on a floor and against a wall: its edge is in both contacts."""
+    clamped = {"x": 0, "y": 0, "z": 0}
+    faces = (("block.y0", "floor.y1"), ("block.x0", "wall.x1"))
+    contacts = tuple(
+        Contact(on, against=against, slave=slave, friction_coefficient=0.3)
+        for (on, against), slave in zip(faces, slaves, strict=True)
+    )
+    support = (
+        Support("floor.y0", clamped),
+        Support("wall.x0", clamped),
+        Support("block.y1", clamped | {"x": -0.002, "y": -0.01}),
+    )
+    return pair(0.3, contact=contacts, support=support)
+
+
+def test_two_slaves_that_share_an_edge():
+    require_same(seat(("on", "on")), boxes(DEEP, "hexahedron"))
+
+
+@pytest.mark.parametrize("slaves", [("on", "against"), ("against", "on")])
+def test_a_slave_that_is_a_master_is_refused_and_not_chosen(slaves):
+    scene, body = seat(slaves), boxes(DEEP, "hexahedron")
+    with pytest.raises(InputError, match="master of another contact"):
+        choose_solver(Problem.on_mesh(with_solver(scene, solver="iterative"), body))
+    assert choose_solver(Problem.on_mesh(scene, body)).name == "condensed"
+
+
+@pytest.mark.parametrize("driven", [{"indentation": 0.004}, {"force": 2.0}])
+def test_an_obstacle_beside_another_body(driven):
+    plane = Obstacle("plane", normal=(1, 0, 0), position=(0, 0.5, 0.5), **driven)
+    scene = pair(0.3)
+    contacts = (*scene.contact, Contact("upper.x0", obstacle=plane, friction_coefficient=0.2))
+    require_same(dataclasses.replace(scene, contact=contacts), boxes((LOWER, UPPER), "hexahedron"))
+
+
+def test_the_tangent_is_that_of_the_full_solver():
+    """K + Jᵀ K_c J, applied by its factors and as a matrix, where a part slips."""
+    body = boxes((LOWER, UPPER), "hexahedron")
+    images = []
+    for kind in (FullSystem, IterativeSystem):
+        problem = Problem.on_mesh(pair(0.1), body)
+        problem.set_time(1.0)
+        spaces = problem.spaces
+        x = spaces.coordinates
+        system = kind(problem, Timings())
+        lowered = np.stack([1e-3 * x[:, 2], 0 * x[:, 0], -1e-3 * (x[:, 2] + x[:, 0])], axis=1)
+        system.begin(lowered)
+        system.linearise(system.state)
+        given, image = system.tangent.createVecs()
+        with given as array:
+            array[:] = np.sin(np.arange(*given.getOwnershipRange()) ** 2.0)
+            array[system._owned_constrained] = 0.0
+        system.tangent.mult(given, image)
+        found = np.array(image.array_r)
+        found[system._owned_constrained] = 0.0
+        images.append(found)
+        system.destroy()
+    assert largest(COMM, np.abs(images[0] - images[1])) <= 1e-12 * largest(COMM, np.abs(images[0]))
