@@ -36,8 +36,8 @@ _MULTIGRID, _ZONE = 2.4, 15_000.0
 # What is dense. ``condensed``: S and what it and a Newton step make of it, in bytes over (contact
 # dofs)². Of two bodies P couples every dof of a slave to every one of its master: that is in the
 # tangent of ``full``, in bytes over (dofs of both surfaces)²; ``iterative`` only applies P.
-_DENSE = {"condensed": 72.0, "full": 0.0, "iterative": 0.0}
-_COUPLED = {"condensed": 0.0, "full": 110.0, "iterative": 0.0}
+_DENSE = {"condensed": 60.0, "full": 0.0, "iterative": 0.0}
+_COUPLED = {"condensed": 0.0, "full": 75.0, "iterative": 0.0}
 
 # Error bars: bytes for every dof of every cell, of the local problems (measured in space:
 # 470-700).
