@@ -8,7 +8,6 @@ Python does not wrap the four calls that ask MUMPS for it, so they go through it
 from __future__ import annotations
 
 import ctypes
-from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -18,6 +17,7 @@ from scipy.sparse import csr_matrix
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import FenicsContactError
 from fenics_contact.common.parallel import raise_together
+from fenics_contact.common.petsc_library import call
 from fenics_contact.common.petsc_options import PREFIX
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.systems import mumps
@@ -201,24 +201,20 @@ class LocalFactor:
     def _ask_for_schur(self) -> PETSc.Mat:
         """Tell MUMPS which unknowns to condense onto; they are to live until it has."""
         rows = PETSc.IS().createGeneral(self._kept.tolist(), comm=PETSc.COMM_SELF)
-        library = ctypes.CDLL(PETSc.__file__)
-        _call(library.MatFactorSetSchurIS, self._preconditioner.getFactorMatrix(), rows)
+        call("MatFactorSetSchurIS", self._preconditioner.getFactorMatrix(), rows)
         return rows
 
     def _read_schur(self) -> Array:
         """S, of a factorisation that has succeeded; from then on MUMPS solves without it."""
         factor, size = self._preconditioner.getFactorMatrix(), len(self._kept)
-        library = ctypes.CDLL(PETSc.__file__)
         pointer = ctypes.c_void_p()
-        _call(library.MatFactorGetSchurComplement, factor, ctypes.byref(pointer), None)
+        call("MatFactorGetSchurComplement", factor, ctypes.byref(pointer), None)
         found = np.zeros((size, size), order="F")
         schur = PETSc.Mat().createDense((size, size), array=found, comm=PETSc.COMM_SELF)
         schur.assemble()
         same = 0  # MatStructure's SAME_NONZERO_PATTERN
-        _call(library.MatCopy, pointer, schur, ctypes.c_int(same))
-        _call(
-            library.MatFactorRestoreSchurComplement, factor, ctypes.byref(pointer), ctypes.c_int(0)
-        )
+        call("MatCopy", pointer, schur, ctypes.c_int(same))
+        call("MatFactorRestoreSchurComplement", factor, ctypes.byref(pointer), ctypes.c_int(0))
         if self._kind == "cholesky":  # gives the lower triangle only
             found = np.tril(found) + np.tril(found, -1).T
         factor.setMumpsIcntl(26, _WITHOUT_SCHUR_DOFS)
@@ -243,13 +239,3 @@ def _factorised_by_mumps(operator: PETSc.Mat, kind: str) -> PETSc.PC:
     preconditioner.setFactorSolverType("mumps")
     preconditioner.setFactorSetUpSolverType()
     return preconditioner
-
-
-def _call(function: Any, *arguments: Any) -> None:
-    passed = [
-        ctypes.c_void_p(argument.handle) if hasattr(argument, "handle") else argument
-        for argument in arguments
-    ]
-    code = function(*passed)
-    if code:
-        raise FenicsContactError(f"PETSc's error {code} in {function.__name__}")

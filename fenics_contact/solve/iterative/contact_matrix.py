@@ -11,6 +11,7 @@ from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.petsc_library import preallocate_places, set_at_places
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.bordered_tangent import AddedTangents
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
@@ -51,7 +52,7 @@ class ContactMatrix(AddedTangents):
             for part in (zip(*parts, strict=True) if parts else ((), ()))
         )
         self._room = np.zeros(len(rows) - filled)
-        self.matrix.setPreallocationCOO(rows, columns)
+        preallocate_places(self.matrix, rows, columns)
         self.matrix.assemble()
         keep = PETSc.Mat.Option.KEEP_NONZERO_PATTERN
         self.matrix.setOption(keep, True)
@@ -79,7 +80,7 @@ class ContactMatrix(AddedTangents):
         """Take the tangents that the contacts' terms have at present; collective."""
         entries = [surface.entries() for surface in self.surfaces]
         values = [found for _, _, found in entries]
-        self.matrix.setValuesCOO(np.concatenate([*values, self._room]))
+        set_at_places(self.matrix, np.concatenate([*values, self._room]))
         comm = self._problem.comm
         self._pairs_on_slave = [
             (surface.pair, surface.pair.on_slave(comm, found))
