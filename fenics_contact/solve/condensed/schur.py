@@ -17,10 +17,10 @@ from scipy.sparse import csr_matrix
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import FenicsContactError
 from fenics_contact.common.parallel import raise_together
-from fenics_contact.common.petsc_library import call
 from fenics_contact.common.petsc_options import PREFIX
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.systems import mumps
+from fenics_contact.solve.systems.petsc_library import call
 
 _WITHOUT_SCHUR_DOFS = 0  # MUMPS' ICNTL(26): solve with K_II alone
 _SPARE_WORKSPACE = 50  # ICNTL(14), in per cent: a mean stress may need other pivots than foreseen

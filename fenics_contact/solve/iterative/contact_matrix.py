@@ -11,11 +11,11 @@ from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.common.petsc_library import preallocate_places, set_at_places
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.bordered_tangent import AddedTangents
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.pair_stiffness import PairStiffness
+from fenics_contact.solve.systems.petsc_library import preallocate_places, set_at_places
 
 Pairs = tuple[Integers, Integers]
 
