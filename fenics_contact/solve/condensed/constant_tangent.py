@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.linalg import blas
+from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array
 
@@ -60,6 +61,10 @@ class ConstantTangent:
         found = forces[: self.size].copy()
         found[: self.count] += forces[self.size :] @ self.derived
         return found
+
+    def with_contacts(self, added: csr_matrix, values: Array) -> Array:
+        """(A + Qᵀ W Q) y, of W between all of Q y."""
+        return self.times(values) + self.onto_unknowns(added @ self.every(values))
 
     def magnitude(self, sizes: Array) -> float:
         """Σ |A| |y| over all rows."""

@@ -41,7 +41,6 @@ class SplitSolver:
     def __init__(self, constant: ConstantTangent, nodes: Integers) -> None:
         self._constant = constant
         self._nodes = _Nodes(nodes, constant.schur.diagonal())
-        self._added = csr_matrix((constant.width, constant.width))
 
     def split(self, added: csr_matrix) -> None:
         """Find out what is stiff under W, (all of Q y, all of Q y)."""
@@ -144,10 +143,8 @@ class SplitSolver:
 
     def mult(self, matrix: PETSc.Mat, values: PETSc.Vec, result: PETSc.Vec) -> None:
         """M y, as PETSc asks for it."""
-        constant, given = self._constant, np.array(values.array_r)
         with result as array:
-            forces = self._added @ constant.every(given)
-            array[:] = constant.times(given) + constant.onto_unknowns(forces)
+            array[:] = self._constant.with_contacts(self._added, np.array(values.array_r))
 
     def apply(self, preconditioner: PETSc.PC, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         """Nearly M⁻¹ r, as PETSc asks for it: stiff first, then soft with what that leaves."""

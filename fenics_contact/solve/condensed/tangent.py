@@ -93,8 +93,7 @@ class ContactTangent:
 
     def multiply(self, values: Array) -> Array:
         """M y."""
-        forces = self._added @ self.constant.every(values)
-        return np.asarray(self.constant.times(values) + self.constant.onto_unknowns(forces))
+        return self.constant.with_contacts(self._added, values)
 
     def magnitude(self, values: Array) -> float:
         """Σ |M| |y| over all rows."""
