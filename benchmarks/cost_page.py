@@ -1,15 +1,13 @@
-"""The tables of docs/solve_cost.md, written between its marks.
-
-A mark is a line ``<!-- table: NAME -->`` before a table, and ``<!-- end of table -->`` after it.
-"""
+"""The tables of docs/solve_cost.md."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from typing import Any
 
+import page_tables
 from cost_measure import LIMIT_OF_FURTHER_STEP, limit_of
+from page_tables import markdown
 
 Row = dict[str, Any]
 
@@ -29,17 +27,11 @@ def filled(page: str, rows: list[Row]) -> str:
     Raises:
         ValueError: A table that there is to be is missing on the page, or is not known.
     """
-    pattern = re.compile(r"(<!-- table: (.+?) -->\n).*?(<!-- end of table -->)", re.DOTALL)
-    names = [found[1] for found in pattern.findall(page)]
-    if sorted(names) != sorted(TABLES):
-        raise ValueError(f"the page has the tables {names}, and is to have {list(TABLES)}")
-
-    def made(found: re.Match[str]) -> str:
-        chosen = [row for row in rows if TABLES[found[2]](row)]
-        table = _further_table(chosen) if found[2] == "further steps" else _table(chosen)
-        return f"{found[1]}{table}{found[3]}"
-
-    return pattern.sub(made, page)
+    tables = {}
+    for name, belongs in TABLES.items():
+        chosen = [row for row in rows if belongs(row)]
+        tables[name] = _further_table(chosen) if name == "further steps" else _table(chosen)
+    return page_tables.filled(page, tables)
 
 
 def _is_one_step(row: Row) -> bool:
@@ -53,7 +45,7 @@ def _is_alone(row: Row) -> bool:
 def _table(rows: list[Row]) -> str:
     headings = ["case", "contact dofs", "slips", "solver", "linear solver", "linear", "frictional"]
     headings += ["ratio", "limit", "error bars", "Newton, passes", "memory", "over linear"]
-    return _markdown(headings, [_cells(row) for row in rows])
+    return markdown(headings, [_cells(row) for row in rows])
 
 
 def _cells(row: Row) -> list[str]:
@@ -89,15 +81,10 @@ def _further_table(rows: list[Row]) -> str:
         ]
         for row in rows
     ]
-    return _markdown(headings, cells)
+    return markdown(headings, cells)
 
 
 def _against(ratio: float, limit: float | None, digits: int) -> str:
     """A ratio, bold where it is above its limit."""
     said = f"{ratio:.{digits}f}"
     return said if limit is None or ratio <= limit else f"**{said}**"
-
-
-def _markdown(headings: list[str], rows: list[list[str]]) -> str:
-    lines = [headings, ["---"] * len(headings), *rows]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
