@@ -22,7 +22,7 @@ from fenics_contact.report.report import write_report
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.results.result_file import read_result
-from fenics_contact.results.result_tables import error_bar
+from fenics_contact.results.words.tables import error_bar
 from fenics_contact.verification.case import Finding
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))

@@ -17,8 +17,10 @@ from fenics_contact.results.quantities import QUANTITIES, idle_quantities
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, RigidMotion
 from fenics_contact.results.result import Check, Result
-from fenics_contact.results.result_tables import branch_rows, error_bar, motion_words, share_words
-from fenics_contact.results.short_forms import in_figures, quantity_rows
+from fenics_contact.results.words.headlines import headlines
+from fenics_contact.results.words.rounding import rounded, size_of_forces
+from fenics_contact.results.words.short_forms import in_figures, quantity_rows
+from fenics_contact.results.words.tables import branch_rows, motion_words, share_words
 from fenics_contact.scene.scene import Scene
 
 # Keys of the model whose names alone say little.
@@ -115,6 +117,8 @@ def print_result(result: Result, folder: Path) -> None:
     """Say what came out and whether to trust it."""
     console = Terminal()
     console.print(f"\n[bold]{escape(one_line(result.title or 'Result'))}[/bold]", highlight=False)
+    for line in headlines(result):
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
     if result.converged:
         bars = ("±",) if result.errors else ()
         quantities = _table("quantity", "value", *bars)
@@ -132,7 +136,7 @@ def print_result(result: Result, folder: Path) -> None:
     console.print(one_line(result.verdict), markup=False, highlight=False)
     took = f"{result.timings['total']:.2f} s"
     if result.steps:  # it may have been interrupted before the first
-        took += f", {result.steps[-1]['newton_iterations']} Newton steps"
+        took += f", {sum(step['newton_iterations'] for step in result.steps)} Newton steps"
     console.print(
         f"{took}. Files in {folder}/",
         markup=False,
@@ -185,9 +189,11 @@ def _add_quantity(quantities: Table, result: Result, key: str) -> None:
 
 def _add_reactions(quantities: Table, result: Result) -> None:
     """Those of each name, where there are several."""
+    size = size_of_forces(result.quantities, result.contacts)
     for name, found in result.reactions.items() if len(result.reactions) > 1 else ():
-        bars = [error_bar(found.errors.get("reaction"))] if result.errors else []
-        quantities.add_row(f"  of {escape(one_line(name))}", in_figures(found.reaction), *bars)
+        value, bar = rounded(found.reaction, found.errors.get("reaction"), size)
+        bars = [bar] if result.errors else []
+        quantities.add_row(f"  of {escape(one_line(name))}", value, *bars)
 
 
 def _shown(result: Result) -> list[str]:

@@ -187,6 +187,10 @@ QUANTITIES = tuple(
 )
 
 
+# Resultants.
+FORCES = frozenset(one.name for one in ALL if one.unit == "force")
+
+
 def has_true_value(name: str) -> bool:
     """Whether a quantity has a true value to be apart from: then an error bar, or a ``?``."""
     return name in QUANTITIES or name.startswith(_OF_POINTS)

@@ -33,7 +33,7 @@ def test_text_has_verdict_and_main_quantities_with_bars():
     assert repr(result()).splitlines() == [
         "Result: <script>alert(1)</script> & co",
         "Converged near '<top>'.",
-        "normal force: 2400 ± 2.5e+00",
+        "normal force: 2400.0 ± 2.5",
         "friction force: 209.97, 0 ± ?",
     ]
 

@@ -17,7 +17,8 @@ from fenics_contact.report.page import tables
 from fenics_contact.report.page.templates import render
 from fenics_contact.results.accuracy_messages import level_rows
 from fenics_contact.results.records.run import RunRecord
-from fenics_contact.results.result_tables import branch_rows
+from fenics_contact.results.words.headlines import headlines
+from fenics_contact.results.words.tables import branch_rows
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,9 @@ class Section:
 
 SECTIONS = (
     Section("advice", "What to try", lambda content: not content.result.converged),
+    Section("pictures", "Pictures", lambda content: bool(content.pictures)),
+    Section("view-3d", "Interactive view", lambda content: bool(content.view)),
+    Section("quantities", "Quantities and errors", lambda content: bool(content.result.quantities)),
     Section(
         "checks",
         "Checks",
@@ -67,9 +71,6 @@ SECTIONS = (
             or level_rows(content.result)
         ),
     ),
-    Section("quantities", "Quantities and errors", lambda content: bool(content.result.quantities)),
-    Section("pictures", "Pictures", lambda content: bool(content.pictures)),
-    Section("view-3d", "Interactive view", lambda content: bool(content.view)),
     Section("scene", "Scene"),
     Section("model", "Model"),
     Section("contacts", "Contacts", lambda content: bool(content.result.contacts)),
@@ -97,6 +98,7 @@ def page(content: Content) -> str:
         title=result.title or content.name,
         style=Markup(style),
         outcome=_outcome(result),
+        headlines=headlines(result),
         failures=tables.failures(result),
         attempts=last.attempts if last else [],
         branches=branch_rows(result.branches),

@@ -10,6 +10,7 @@ from markupsafe import Markup
 from fenics_contact.report.page.templates import bar, table, verdict
 from fenics_contact.results.check_messages import WORDS, compares, failure
 from fenics_contact.results.quantities import (
+    FORCES,
     has_true_value,
     idle_quantities,
     reactions_by_name,
@@ -17,12 +18,12 @@ from fenics_contact.results.quantities import (
 )
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, Seconds
+from fenics_contact.results.records.record import ErrorRow
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.steps import CheckRecord, StepRecord
 from fenics_contact.results.result import check_of
-from fenics_contact.results.result_tables import (
-    UNKNOWN,
-    error_bar,
+from fenics_contact.results.words.rounding import rounded, size_of_forces
+from fenics_contact.results.words.tables import (
     error_rows,
     motion_words,
     share_words,
@@ -81,28 +82,35 @@ def quantities_table(
     """
     idle, errors = idle_quantities(contacts), found.errors
     quantities = found.quantities
+    forces = size_of_forces(quantities, contacts)
     if len(contacts) > 1:  # each has its own table
         idle |= set(OF_ONE_CONTACT)
     rows: list[list[str]] = [["quantity", "value", *(_BARS if errors else ())]]
     for name in [name for name in quantities if name not in idle]:
         value = quantities[name]
-        is_known = value is not None and has_true_value(name)
-        bars = _with_share(error_bar(errors.get(name)), value) if is_known else ["", ""]
-        said = without_value(name, quantities) if value is None else written(value)
-        rows.append([words(name), said, *(bars if errors else [])])
+        if value is None:
+            rows.append(
+                [words(name), without_value(name, quantities), *["", ""][: 2 * bool(errors)]]
+            )
+        elif not errors or not has_true_value(name):
+            rows.append([words(name), written(value), *["", ""][: 2 * bool(errors)]])
+        else:
+            size = forces if name in FORCES else 0.0
+            rows.append([words(name), *_with_bar(value, errors.get(name), size)])
     return table(rows, caption)
 
 
 _BARS = ("± estimated error", "relative")
 
 
-def _with_share(width: str, value: float | list[float]) -> list[str]:
-    """An error bar, and what share it is of the value, of vectors of their length."""
-    if width == UNKNOWN:
-        return [UNKNOWN, UNKNOWN]
-    size = math.hypot(*value) if isinstance(value, list) else abs(value)
-    share = _percent(float(width) / size) if size else ""
-    return [f"± {float(width):.2g}", share]
+def _with_bar(value: float | list[float], row: ErrorRow | None, size: float) -> list[str]:
+    """A value, its error bar, and what share that is of the value, of vectors of their length."""
+    said, width = rounded(value, row, size)
+    if row is None or row["total"] is None or not width:
+        return [said, width, width]
+    length = math.hypot(*value) if isinstance(value, list) else abs(value)
+    share = _percent(row["total"] / length) if length else ""
+    return [said, f"± {width}", share]
 
 
 def _percent(share: float) -> str:
@@ -134,10 +142,10 @@ def reactions_table(result: Outcome) -> Markup:
     # Files of earlier versions have no ``reactions``.
     errors = {name: of.errors.get("reaction") for name, of in result.reactions.items()}
     has_bars = any(row is not None for row in errors.values())
+    forces = size_of_forces(result.quantities, result.contacts)
     rows: list[list[str]] = [["support", "reaction", *(_BARS if has_bars else ())]]
     for name, force in found.items():
-        bars = _with_share(error_bar(errors.get(name)), force) if has_bars else []
-        rows.append([name, written(force), *bars])
+        rows.append([name, *_with_bar(force, errors.get(name), forces)[: 3 if has_bars else 1]])
     return table(rows, "Reactions of supports") if found else Markup()
 
 

@@ -38,7 +38,7 @@ from tests.simulation.output.test_run_folder import block, cycled
 pytestmark = pytest.mark.serial
 
 ORDER = [
-    *("checks", "quantities", "pictures", "view-3d", "scene", "model", "contacts", "iterations"),
+    *("pictures", "view-3d", "quantities", "checks", "scene", "model", "contacts", "iterations"),
     *("timings", "versions", "cite", "reproduce"),
 ]
 VOID = ("meta", "link", "img", "br")
@@ -207,7 +207,7 @@ def test_errors_are_beside_the_quantities():
     errors = {"normal_force": row, "reaction": whole}
     text = page_of(found(quantities=quantities, errors=errors, error_notes=["A note."]))
     assert "normal force</th><td>2</td><td>?</td><td>?</td>" in text
-    assert "± 0.02</td><td>0.4 %" in text
+    assert "3.000, 4.000</td><td>± 0.020</td><td>0.4 %" in text
     assert "external work</th><td>0</td><td>?</td><td>?</td>" in text
     assert "undecided points</th><td>3</td><td></td><td></td>" in text  # it has no true value
     assert "or more" not in text and "A note." in text
@@ -222,7 +222,7 @@ def test_reactions_have_bars_by_name():
     ]
     reactions = {"wall": {"reaction": [0.0, 5.0], "errors": {"reaction": row}}}
     text = page_of(found(supports=supports, reactions=reactions))
-    assert "wall</th><td>0, 5</td><td>± 0.05</td><td>1 %</td>" in text
+    assert "wall</th><td>0, 5.00</td><td>± 0.05</td><td>1 %</td>" in text
     assert "floor</th><td>0, 1</td><td>?</td><td>?</td>" in text
     assert "± 0.05" not in page_of(found(supports=supports))
 

@@ -11,7 +11,7 @@ from mpi4py import MPI
 from fenics_contact import Load, Run, Steps, run
 from fenics_contact.cli.program import main
 from fenics_contact.cli.summary import print_result
-from fenics_contact.results.result_tables import error_bar
+from fenics_contact.results.words.rounding import UNKNOWN, rounded
 from fenics_contact.trust.error_estimates.budget import SOURCES
 from tests.report.page.pages import page_of
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, with_solver
@@ -73,7 +73,7 @@ def test_what_takes_the_history_again_waits_to_be_asked_for():
         assert row[source] is None
     assert row["mesh"] > 0 and row["iteration"] >= 0
     assert len(result.error_notes) == 1 and "friction remembers" in result.error_notes[0]
-    assert error_bar(row) == "?"  # what is known of it is no bar
+    assert rounded(1.0, row)[1] == UNKNOWN  # what is known of it is no bar
     short = solved(dragged(Steps(number=2)), block(), "auto")
     assert short.errors["friction_force"]["total"] > 0 and not short.error_notes
 
@@ -184,10 +184,12 @@ def test_files_page_and_terminal_have_them(tmp_path_factory, capsys):
     row = result["errors"]["normal_force"]
     assert set(row) == COLUMNS and row["domain"] > 0
     assert result["contacts"][0]["errors"]["normal_force"] == pytest.approx(row)
-    assert "±" in shown and error_bar(row) in shown
+    value = result["quantities"]["normal_force"]
+    said, bar = rounded(value, row)
+    assert f"presses with {said} ± {bar}" in shown
     assert result["errors"]["friction_work"]["total"] == 0  # there is no friction
     assert result["contacts"][0]["errors"]["friction_work"]["total"] == 0
     named = result["reactions"]["axis"]["errors"]["reaction"]
     assert named == result["supports"][0]["errors"]["reaction"]
     page = page_of(result)
-    assert "Estimated errors" in page and f"± {row['total']:.2g}</td>" in page
+    assert "Estimated errors" in page and f"<td>{said}</td><td>± {bar}</td>" in page

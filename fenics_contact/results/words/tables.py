@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from fenics_contact.results.records.model import RigidMotion
 from fenics_contact.results.records.record import ErrorRow, Errors
 from fenics_contact.results.records.steps import BranchRecord
+from fenics_contact.results.words.rounding import UNKNOWN
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 
 # What answers of one scene are told apart by.
@@ -44,10 +45,6 @@ def share_words(share: float) -> str:
     """The used share of a limit load: no scene at the limit is run, so none is said to be."""
     words = f"{share:.6g}"
     return "just below 1, the limit" if words == "1" else words
-
-
-# In place of an error that was not estimated.
-UNKNOWN = "?"
 
 
 def error_bar(row: ErrorRow | None) -> str:

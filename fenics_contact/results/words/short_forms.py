@@ -5,10 +5,10 @@ from __future__ import annotations
 from html import escape
 
 from fenics_contact.common.plain_text import one_line
-from fenics_contact.results.quantities import idle_quantities, without_value
+from fenics_contact.results.quantities import FORCES, idle_quantities, without_value
 from fenics_contact.results.records.record import Errors, Quantities
 from fenics_contact.results.result import Result
-from fenics_contact.results.result_tables import error_bar
+from fenics_contact.results.words.rounding import rounded, size_of_forces
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 
 _MAIN = (
@@ -31,12 +31,14 @@ def quantity_rows(result: Result, key: str) -> list[tuple[str, str, str]]:
     places: list[tuple[str, Quantities, Errors]] = [(words, result.quantities, result.errors)]
     if key in OF_ONE_CONTACT and len(result.contacts) > 1:
         places = [(f"{words} of {one.name}", one.quantities, one.errors) for one in result.contacts]
+    size = size_of_forces(result.quantities, result.contacts) if key in FORCES else 0.0
     rows = []
     for name, found, errors in places:
-        value, bar = without_value(key, found), ""
-        if found[key] is not None:
-            value, bar = in_figures(found[key]), error_bar(errors.get(key))
-        rows.append((one_line(name), value, bar))
+        words, bar = without_value(key, found), ""
+        value = found[key]
+        if value is not None:
+            words, bar = rounded(value, errors.get(key), size)
+        rows.append((one_line(name), words, bar))
     return rows
 
 
