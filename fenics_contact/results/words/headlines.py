@@ -34,11 +34,10 @@ def _of_contact(contact: ContactRecord, size: float) -> str:
     if found.get(pressing) is not None:
         words.append(f"presses with {_estimate(pressing, contact, size)}")
     friction = found.get("friction_force")
-    if isinstance(friction, list) and "friction_force" not in idle:
-        if any(friction):  # around an axis they cancel
-            words.append(
-                f"friction {_length_of(contact, friction, size)}{_share(contact, friction)}"
-            )
+    # Around an axis they cancel.
+    if isinstance(friction, list) and any(friction) and "friction_force" not in idle:
+        resultant = _length_of(contact, friction, size)
+        words.append(f"friction {resultant}{_share(contact, friction)}")
     for key, said in (("max_contact_pressure", "peak pressure"), ("max_slip", "slips by up to")):
         if found.get(key) is not None and key not in idle:
             words.append(f"{said} {_estimate(key, contact)}")
