@@ -15,6 +15,7 @@ from fenics_contact.body.held_dofs import HeldDofs
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Integers
 from fenics_contact.common.errors import InputError
+from fenics_contact.contact.choice_of_slaves import NamedSurfaces, choose_slaves
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.scene import Scene
@@ -46,20 +47,16 @@ class DiscreteBody:
         self.displacement = fem.Function(self.spaces.displacement_space, name="displacement")
         self.held = HeldDofs(description, self.spaces)
         self._refuse_overlaps()
-        masters = self._surfaces_of_several()
         self.outer = self._outer_dofs()
         self.constrained = np.union1d(self.held.dofs, self.outer)
         self.elastic = ElasticBody(description, self.spaces, self.displacement)
-        self.sides = [
-            ContactSides(
-                contact,
-                f"contact[{number}]",
-                self.spaces,
-                self.held.flat_sides,
-                self.constrained,
-                masters,
-            )
+        named = [
+            NamedSurfaces(contact, f"contact[{number}]", self.spaces, self.held.flat_sides)
             for number, contact in enumerate(description.contacts)
+        ]
+        self.sides = [
+            ContactSides(surfaces, keeps, why, self.constrained)
+            for surfaces, (keeps, why) in zip(named, choose_slaves(named), strict=True)
         ]
 
     def require_fit(self, scene: Scene) -> None:
@@ -85,25 +82,8 @@ class DiscreteBody:
         nodes = np.unique(np.concatenate(found))
         return (nodes[:, None] * spaces.components + np.arange(spaces.components)).ravel()
 
-    def _surfaces_of_several(self) -> list[str]:
-        """Names of groups that several contacts act on, or that share facets with such."""
-        sides = [
-            (number, name)
-            for number, contact in enumerate(self.description.contacts)
-            for name in (contact.on, contact.against)
-            if name is not None
-        ]
-        body = self.spaces.body
-        tags = {name: set(found.tags) for _, name in sides if (found := body.find(name))}
-        return [
-            name
-            for number, name in sides
-            for other, its_name in sides
-            if number != other and tags.get(name, set()) & tags.get(its_name, set())
-        ]
-
     def _refuse_overlaps(self) -> None:
-        """Contacts may not share facets with supports, nor two with obstacles (Γ_C ∩ Γ_D = ∅)."""
+        """Contacts may not share facets with supports (Γ_C ∩ Γ_D = ∅), nor two with obstacles."""
         taken: dict[int, str] = {}
         description = self.description
         held = [(f"support[{i}].on", each.on) for i, each in enumerate(description.held)]
@@ -113,18 +93,18 @@ class DiscreteBody:
             group = self.spaces.body.group(on, key)
             if group.dimension == self.spaces.body.dimension - 1:
                 taken |= dict.fromkeys(group.tags, f"the support on '{on}'")
-        # Those of two bodies may share a side with each other, but not with an obstacle's.
-        contacts = sorted(enumerate(description.contacts), key=lambda item: bool(item[1].against))
-        for number, contact in contacts:
+        pressed: dict[int, str] = {}  # by obstacles
+        for number, contact in enumerate(description.contacts):
             for side, name in (("on", contact.on), ("against", contact.against)):
                 if name is None:
                     continue
                 group = self.spaces.body.boundary(name, f"contact[{number}].{side}")
-                shared = [taken[tag] for tag in group.tags if tag in taken]
+                forbidden = taken if contact.against else taken | pressed
+                shared = [forbidden[tag] for tag in group.tags if tag in forbidden]
                 if shared:
                     raise InputError(
                         f"contact[{number}].{side} = '{name}': shares boundary with {shared[0]}; "
                         "a contact surface must be free of both"
                     )
                 if contact.against is None:
-                    taken |= dict.fromkeys(group.tags, f"the contact '{contact.label}'")
+                    pressed |= dict.fromkeys(group.tags, f"the contact '{contact.label}'")

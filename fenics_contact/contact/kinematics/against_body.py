@@ -107,8 +107,11 @@ class BodyKinematics(ContactKinematics):
         return super().missed() + self.pairing.missed_opposite(self._places, self.trace.normals)
 
     def relative(self, displacement: Array) -> Array:
-        """U − P u' at all nodes of the surface, (nodes, components, ...); collective."""
-        return displacement[self.trace.all_nodes] - self.pairing.opposite(displacement)
+        """U − P u' at all nodes of the surface, (nodes, components, ...); collective.
+
+        It is 0 at nodes that face nothing.
+        """
+        return self.pairing.jump(displacement)
 
     def on_body(self, force: Array) -> Array:
         """Forces on the surface, and their reaction opposite, at the body's nodes; collective."""

@@ -37,7 +37,7 @@ class _Faced:
         centre_normals: At the centres of its facets, (facets, components), or none.
         centre_gaps: Likewise, (facets,) or none.
         integrals: Between the two surfaces, and how much of each facet faces the master.
-        used: Nodes at which the master's motion is asked for, (nodes,).
+        faced: Nodes at which the master's motion is asked for, (nodes,).
     """
 
     normals: Array
@@ -45,7 +45,7 @@ class _Faced:
     centre_normals: Array
     centre_gaps: Array
     integrals: MortarIntegrals
-    used: Flags
+    faced: Flags
 
 
 class Pairing:
@@ -58,6 +58,7 @@ class Pairing:
             moves is the jump's; infinite where there is nothing (length).
         shares: Of the slave's facets of this rank, how much faces the master.
         projection: P, of the whole surfaces: the displacement opposite is P u.
+        faced: Nodes of the whole slave at which anything is opposite; the others have no jump.
         dofs: The body's global number of every dof of the master.
         sagitta: How far facets of either surface are from smooth ones, about (length).
 
@@ -94,7 +95,8 @@ class Pairing:
         faced = on_root(self._comm, lambda: self._find(slave, master))
         self._moved_master, self._is_moved = master, displacement is not None
         surface = self._slave.surface
-        self.projection = Projection.between(faced.integrals, self._mirrored, faced.used)
+        self.projection = Projection.between(faced.integrals, self._mirrored, faced.faced)
+        self.faced = faced.faced
         self.normals = self._slave.symmetry.mirrored(faced.normals[surface.numbers])
         counts = self._comm.allgather(len(surface.facet_nodes))
         first = sum(counts[: self._comm.rank])
@@ -115,14 +117,15 @@ class Pairing:
         integrals = integrate(slave, master, normals, axisymmetric)
         gaps = self._gaps(self._surfaces[0].node_positions(), normals, found)
         centre_normals, centre_gaps = np.zeros((0, slave.dimension)), np.zeros(0)
-        used = np.isfinite(gaps)
+        at = np.isfinite(gaps)
         if not self._slave.nodal:
             own = normalised(self._surfaces[0].normals_at_centres())
             centre_normals, at_centres = face(slave.centres, own, master)
             centre_gaps = self._gaps(self._surfaces[0].centres, centre_normals, at_centres)
-            used[slave.nodes[np.isfinite(centre_gaps)]] = True
+            at[slave.nodes[np.isfinite(centre_gaps)]] = True
         # Beyond the master's edge the projection extrapolates, and nothing asks for it.
-        return _Faced(normals, gaps, centre_normals, centre_gaps, integrals, used)
+        at &= integrals.mass.diagonal() > 0
+        return _Faced(normals, gaps, centre_normals, centre_gaps, integrals, at)
 
     def _gaps(self, points: Array, normals: Array, found: Hits) -> Array:
         """Between points of the slave as meshed and the master's that face them, as meshed."""
@@ -132,14 +135,17 @@ class Pairing:
         gaps[facing] = np.einsum("ij,ij->i", opposite - points[facing], normals[facing])
         return gaps
 
-    def opposite(self, field: Array) -> Array:
-        """The master's motion at the slave's nodes of this rank; collective.
+    def jump(self, field: Array) -> Array:
+        """u − P u' at the slave's nodes of this rank, 0 at those that face nothing; collective.
 
         Args:
             field: At the body's nodes of this rank, (nodes, components, ...).
         """
         there = self._master.surface.gathered(field[self._master.all_nodes])
-        return self.projection.apply(there)[self._slave.surface.numbers]
+        numbers = self._slave.surface.numbers
+        found = field[self._slave.all_nodes] - self.projection.apply(there)[numbers]
+        found[~self.faced[numbers]] = 0.0
+        return np.asarray(found)
 
     def on_master(self, force: Array) -> Array:
         """What forces on the slave do to the master, −Pᵀ f, at the body's nodes; collective.

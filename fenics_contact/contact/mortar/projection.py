@@ -129,6 +129,10 @@ class NodalProjection:
         found[self._acts] = coupled[parts[self._rows[self._acts]]]
         return found
 
+    def nonzero_columns(self) -> Flags:
+        """To which master nodes any entry of M belongs, (master nodes,): P is 0 at the others."""
+        return np.bincount(self._coupling.indices, minlength=self.shape[1]) > 0
+
 
 class Projection:
     """P between displacements: one for each of their components, which do not mix.

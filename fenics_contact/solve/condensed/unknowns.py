@@ -90,7 +90,7 @@ class ContactVariables:
             self.derived_count += len(others)
 
     def _blocks_of(self, surface: SurfaceMatrix) -> list[_Block]:
-        """P of a contact by components, at all slaves; of those that are held without unknowns."""
+        """P of a contact by components, where it has entries; held slaves have no unknowns."""
         pairing = surface.contact.kinematics.pairing
         if pairing is None:
             return []
@@ -99,19 +99,28 @@ class ContactVariables:
         found, size = [], len(parts)
         for axis, projection in enumerate(parts):
             others = master[axis::size]
-            columns = np.flatnonzero(free[others])
-            rows = np.arange(axis, len(slave), size)
+            columns = np.flatnonzero(free[others] & projection.nonzero_columns())
+            kept = projection.restricted(np.arange(projection.shape[0]), columns)
+            nodes = np.flatnonzero(kept.nonzero_rows())
+            rows = nodes * size + axis
             slaves = np.where(free[slave[rows]], self._unknown_of[slave[rows]], -1)
             masters = self._unknown_of[others[columns]]
-            kept = projection.restricted(np.arange(len(rows)), columns)
+            kept = kept.restricted(nodes, np.arange(len(columns)))
             found.append(_Block(rows, slaves, masters, kept))
         return found
+
+    def _has_jump(self, surface: SurfaceMatrix) -> Flags:
+        """Which dofs of a surface have one: against another body those that face it."""
+        pairing = surface.contact.kinematics.pairing
+        if pairing is None:
+            return np.ones(len(surface.dofs), dtype=bool)
+        return np.repeat(pairing.faced, len(pairing.projection.components))
 
     def _choose_jumps(self, surfaces: Sequence[SurfaceMatrix]) -> dict[SurfaceMatrix, Flags]:
         """Of every surface which dofs have the jump as their unknown.
 
-        Free slaves that no contact before has claimed, unless what the jump is measured from
-        followed from the jump itself.
+        Free slaves that face a master and that no contact before has claimed, unless what the jump
+        is measured from followed from the jump itself.
         """
         chosen: dict[SurfaceMatrix, Flags] = {}
         claimed = np.zeros(self.count, dtype=bool)
@@ -123,8 +132,9 @@ class ContactVariables:
             for other in self._all_before(surface, chosen):
                 barred[self._masters(other)] = True
             places = self._places[surface]
-            free = self._dofs.is_free[places]
-            chosen[surface][free] = ~barred[self._unknown_of[places[free]]]
+            rows = np.concatenate([block.rows for block in self._blocks[surface]])
+            rows = rows[self._dofs.is_free[places[rows]]]
+            chosen[surface][rows] = ~barred[self._unknown_of[places[rows]]]
             claimed[self._unknown_of[places[chosen[surface]]]] = True
         return chosen
 
@@ -164,13 +174,14 @@ class ContactVariables:
     ) -> tuple[Integers, Integers]:
         """Dofs of a surface whose jump is an unknown; and those whose jump is derived.
 
-        Those that are held, and measured from nothing that moves, are neither.
+        Those without a jump, and those that are held and measured from nothing that moves, are
+        neither.
         """
         places = self._places[surface]
-        free = self._dofs.is_free[places]
+        free = self._dofs.is_free[places] & self._has_jump(surface)
         measured = np.zeros(len(places), dtype=bool)  # from displacements that are free
         for block in self._blocks[surface]:
-            measured[block.rows] = block.projection.nonzero_rows()
+            measured[block.rows] = True
         unknown = np.where(free, self._unknown_of[places], 0)
         own = free & ~measured & ~is_jump[unknown] if self.count else free
         unit = jumps | own
@@ -264,6 +275,7 @@ class ContactVariables:
             opposite = held[self._dofs.places(pairing.dofs)]
             opposite = opposite.reshape(-1, len(pairing.projection.components))
             found -= pairing.projection.apply(opposite).reshape(-1)
+            found[~self._has_jump(surface)] = 0.0
         return found
 
 

@@ -8,7 +8,9 @@ from dolfinx import fem
 
 from fenics_contact.body.forms import Expr
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
+from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.surface.facet_sizes import relative_cell_size
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
@@ -31,8 +33,9 @@ def boundary_stress(forces: BulkForces) -> Check | None:
 
     Relative to ∫ (p + g + mean stress of the body): where the contact carries little,
     the error of the stress is still that of the body's. First order in the cell size.
-    Left out are contacts that loads act on as well, and axes along which supports hold
-    the contact: their forces are in σ n, too.
+    The resultants of other contacts on the same surface count with it. Left out are contacts that
+    loads act on as well, or others on a part of them, and axes along which supports hold the
+    contact: their forces are in σ n, too.
     """
     problem = forces.problem
     spaces = problem.spaces
@@ -42,24 +45,23 @@ def boundary_stress(forces: BulkForces) -> Check | None:
     worst: Check | None = None
     for number, contact in enumerate(problem.contacts):
         axes = ~contact.supports.held_axes()
-        if problem.is_loaded(contact.sides.group) or not axes.any():
+        acting = _on_surface(problem, contact)
+        if acting is None or not axes.any():
             continue
         measure = spaces.boundary(contact.sides.group)
         nodal = spaces.assemble(
             form_cache.form(spaces.weight * ufl.dot(stress_vector, test) * measure)
         )
         found = total(problem.comm, nodal[: spaces.owned_nodes].sum(axis=0))
-        state = forces.solution.states[number]
-        traction = state.friction_traction - state.contact_pressure[:, None] * contact.trace.normals
-        given = contact.trace.integral(traction)
-        carried = np.abs(state.contact_pressure) + contact.friction_bound
+        given = sum(sign * _resultant(forces, other) for other, sign in acting)
+        carried = sum(_carried(forces, other) for other, _ in acting)
         limit = _STRESS_OVER_SIZE[spaces.degree] * relative_cell_size(contact.trace.surface)
         if limit > _LARGEST_STRESS_LIMIT and contact.is_one_sided:
             continue  # it may touch in a single point of so coarse a surface
         resultant = float(np.linalg.norm(given[axes]))
-        without_stress = resultant / (float(contact.trace.integral(carried)) or 1.0)
+        without_stress = resultant / (carried or 1.0)
         most = max(_LARGEST_STRESS_LIMIT, _OF_NO_STRESS * without_stress)
-        unit = float(contact.trace.integral(carried + typical)) or 1.0
+        unit = carried + typical * _area(contact) or 1.0
         left = 2 * forces.solution.imbalance_limit / unit  # of a body that has been unloaded, all
         check = Check(
             float(np.linalg.norm((found - given)[axes]) / unit),
@@ -68,6 +70,45 @@ def boundary_stress(forces: BulkForces) -> Check | None:
         )
         worst = nearer_to_failing(worst, check)
     return worst
+
+
+def _on_surface(problem: Problem, contact: ContactSurface) -> list[tuple[int, float]] | None:
+    """Numbers of the contacts that act on the slave surface of one, and the signs of their forces.
+
+    None where something else acts there as well, or a contact on a part of it.
+    """
+    group = contact.sides.group
+    if problem.is_loaded(group):
+        return None
+    tags, found = set(group.tags), []
+    for number, other in enumerate(problem.contacts):
+        for trace, sign in ((other.trace, 1.0), (other.sides.opposite, -1.0)):
+            if trace is None or not tags & set(trace.group.tags):
+                continue
+            if tags != set(trace.group.tags):
+                return None
+            found.append((number, sign))
+    return found
+
+
+def _area(contact: ContactSurface) -> float:
+    """Of the points of a contact's slave (area)."""
+    return float(contact.trace.integral(np.ones(len(contact.trace.weights))))
+
+
+def _resultant(forces: BulkForces, number: int) -> Array:
+    """∫ of the tractions on a contact's slave, (components,) (force)."""
+    trace, state = forces.problem.contacts[number].trace, forces.solution.states[number]
+    pressure = state.contact_pressure[:, None] * trace.normals
+    return np.asarray(trace.integral(state.friction_traction - pressure))
+
+
+def _carried(forces: BulkForces, number: int) -> float:
+    """∫ (p + g) of a contact (force)."""
+    contact, state = forces.problem.contacts[number], forces.solution.states[number]
+    return float(
+        contact.trace.integral(np.abs(state.contact_pressure) + contact.friction_bound)
+    )
 
 
 def _boundary_traction(problem: Problem) -> Expr:

@@ -23,6 +23,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.recovered_pressure import traction_of
+from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.problem import Problem
 from fenics_contact.trust.error_estimates.mesh.bubbles import bubble_space
 
@@ -56,7 +57,8 @@ class LocalErrors:
         self._residual = self._compile(problem.displacement, self._test)
         test = ufl.TestFunction(spaces.displacement_space)
         self._response = self._compile(test, self._error)
-        self._on_contacts = [self._contact_forms(trace, test) for _, trace in self._traces()]
+        self._work = [self._work_on(trace) for _, trace in self._traces()]
+        self._response_on_contacts = self._contact_response(test)
         self._loads = [
             (form_cache.form(load.acting.work(self._test)), load.path) for load in problem.loads
         ]
@@ -71,8 +73,7 @@ class LocalErrors:
         right = self._assembled(self._residual)
         for form, path in self._loads:
             right += path(time) * self._assembled(form)
-        pairs = zip(self._traces(), self._on_contacts, strict=True)
-        for (contact, trace), (form, _) in pairs:
+        for (contact, trace), form in zip(self._traces(), self._work, strict=True):
             self._set_traction(trace, _nodal_forces(forces, contact, trace))
             right += self._assembled(form)
         found = np.einsum("cij,cj->ci", self._inverse, right)
@@ -111,9 +112,7 @@ class LocalErrors:
         spaces = self._problem.spaces
         if draw is not None:
             self._set_error(self._signs(draw))
-        found = spaces.assemble(self._response)
-        for _, form in self._on_contacts:
-            found += spaces.assemble(form)
+        found = spaces.assemble(self._response) + spaces.assemble(self._response_on_contacts)
         self._set_error(np.ones(self._cells))
         return found
 
@@ -145,18 +144,23 @@ class LocalErrors:
             + ufl.dot(self._cut(stress), tested) * held(1)
         )
 
-    def _contact_forms(self, trace: Trace, test: Expr) -> tuple[CompiledForm, CompiledForm]:
-        """Work of the contact's traction on bubbles; and of a test function's on the errors.
+    def _work_on(self, trace: Trace) -> CompiledForm:
+        """Work of a contact's traction on bubbles, on one of its surfaces."""
+        spaces = self._problem.spaces
+        measure = spaces.boundary(trace.group, self._rule)
+        return form_cache.form(spaces.weight * ufl.dot(self._traction, self._test) * measure)
 
-        The traction that goes with a test function is taken for that of the cell itself.
+    def _contact_response(self, test: Expr) -> CompiledForm:
+        """Work of a test function's traction on the errors, on all surfaces in contact.
+
+        It is taken for that of the cell itself, and once where several contacts share facets.
         """
         spaces, elastic = self._problem.spaces, self._problem.elastic
-        measure = spaces.boundary(trace.group, self._rule)
+        tags = {tag for _, trace in self._traces() for tag in trace.group.tags}
+        group = Group(spaces.body.dimension - 1, tuple(sorted(tags)))
         stress = spaces.weight * elastic.law.stress(elastic.strain(test))
-        work = spaces.weight * ufl.dot(self._traction, self._test) * measure
-        return form_cache.form(work), form_cache.form(
-            ufl.dot(self._cut(stress), self._error) * measure
-        )
+        measure = spaces.boundary(group, self._rule)
+        return form_cache.form(ufl.dot(self._cut(stress), self._error) * measure)
 
     def _cut(self, stress: Expr, side: str = "") -> Expr:
         """Tractions of a stress, with the components that displacements have."""

@@ -1,0 +1,170 @@
+"""Which of two surfaces is the slave: for all contacts together, as they may share surfaces.
+
+A node that is the slave of two contacts can have its displacement relative to one master only as
+an unknown, so a surface is to be the slave of few contacts. Where that leaves the choice, it is the
+surface that the other covers, and not the much finer one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fenics_contact.body.description import CandidateContact
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.parallel import on_root, total
+from fenics_contact.contact.mortar.pairing import gathered
+from fenics_contact.contact.mortar.ray_projection import hits
+from fenics_contact.contact.surface.trace import Trace
+from fenics_contact.mesh.tagged_mesh import Group
+
+# A surface is covered whose facets, but for this share, have the other before their middle.
+_UNCOVERED = 1e-6
+# Of two surfaces that are both covered, or both not, one that is finer by this is no slave.
+_MUCH_FINER = 0.5
+_MORE_COVERED = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A surface that a contact names.
+
+    Attributes:
+        name: Of its group.
+        group: Its facets.
+        trace: Its contact points.
+    """
+
+    name: str
+    group: Group
+    trace: Trace
+
+
+class NamedSurfaces:
+    """The surfaces of a contact as the scene names them; collective.
+
+    Attributes:
+        on: What its ``on`` names.
+        against: The surface opposite, None where there is none.
+        wanted: The slave that the scene asks for: ``auto``, ``on`` or ``against``.
+
+    Args:
+        contact: Its groups.
+        key: Where the scene names them, for messages.
+        spaces: Those of the body.
+        flat_sides: Axis and coordinate of planes of symmetry.
+
+    Raises:
+        InputError: A surface is not on the boundary.
+    """
+
+    def __init__(
+        self,
+        contact: CandidateContact,
+        key: str,
+        spaces: Spaces,
+        flat_sides: list[tuple[int, float]],
+    ) -> None:
+        self._spaces, self._key, self._flat_sides = spaces, key, flat_sides
+        self.wanted = contact.slave
+        self.on = self._surface("on", contact.on)
+        self.against: Surface | None = None
+        if contact.against is not None:
+            self.against = self._surface("against", contact.against)
+
+    def _surface(self, side: str, name: str) -> Surface:
+        group = self._spaces.body.boundary(name, f"{self._key}.{side}")
+        if total(self._spaces.comm, len(self._spaces.facets(group))) == 0:
+            raise InputError(
+                f"{self._key}.{side} = '{name}': no facet of it is on the boundary of the body"
+            )
+        return Surface(name, group, Trace(self._spaces, group, self._flat_sides))
+
+    def compare(self) -> tuple[bool, str]:
+        """Whether ``on`` is the better slave, by what covers what and by sizes of facets, and why.
+
+        Collective.
+        """
+        assert self.against is not None
+        surfaces = gathered(self.on.trace), gathered(self.against.trace)
+
+        def find() -> tuple[list[float], list[float]]:
+            shares, sizes = [], []
+            for one, other in (surfaces, surfaces[::-1]):
+                normals = one.normals_at_centres()
+                areas = np.linalg.norm(normals, axis=1)
+                found = hits(other, one.centres, normals / areas[:, None])
+                faced = np.isfinite(found.distance)
+                shares.append(float(areas[faced].sum() / areas.sum()))
+                sizes.append(float(areas.mean()) ** (1 / (one.dimension - 1)))
+            return shares, sizes
+
+        shares, sizes = on_root(self._spaces.comm, find)
+        covered = [share > 1 - _UNCOVERED for share in shares]
+        if covered[0] != covered[1]:
+            return covered[0], "the other covers it"
+        if not covered[0] and abs(shares[0] - shares[1]) > _MORE_COVERED:
+            return shares[0] > shares[1], "the other covers more of it"
+        if sizes[0] < _MUCH_FINER * sizes[1]:
+            return False, "it is not the much finer one"
+        return True, "it comes first"
+
+
+def choose_slaves(contacts: Sequence[NamedSurfaces]) -> list[tuple[bool, str]]:
+    """Of every contact whether ``on`` is its slave, and why; collective.
+
+    Surfaces in the fewest contacts become slaves first, which leaves the others to be masters: so
+    none is the slave of two contacts, if that is possible.
+    """
+    chosen: dict[int, tuple[bool, str]] = {}
+    for number, contact in enumerate(contacts):
+        if contact.against is None:
+            chosen[number] = True, ""
+        elif contact.wanted != "auto":
+            chosen[number] = contact.wanted == "on", "as the scene says"
+    left = [number for number in range(len(contacts)) if number not in chosen]
+    beside = _sharing(contacts)
+
+    def cost(number: int, is_on: bool) -> tuple[int, int, int]:
+        """Contacts with this surface, too: as their slave, still to be decided, and all."""
+        others = beside[number, is_on]
+        slaves = sum(other in chosen and chosen[other][0] == on for other, on in others)
+        return slaves, sum(other in left for other, _ in others), len(others)
+
+    while left:
+        number = min(left, key=lambda number: min(cost(number, True), cost(number, False)))
+        costs = cost(number, True), cost(number, False)
+        if costs[0] == costs[1]:
+            chosen[number] = contacts[number].compare()
+        else:
+            is_alone = min(costs)[2] == 0
+            chosen[number] = (
+                costs[0] < costs[1],
+                "the other is in several contacts"
+                if is_alone
+                else "so few surfaces are slaves of several contacts",
+            )
+        left.remove(number)
+    return [chosen[number] for number in range(len(contacts))]
+
+
+def _sharing(
+    contacts: Sequence[NamedSurfaces],
+) -> dict[tuple[int, bool], list[tuple[int, bool]]]:
+    """Of every surface those of other contacts that have facets of it.
+
+    A surface is the number of its contact, and whether it is ``on``.
+    """
+    surfaces = {
+        (number, is_on): set(surface.group.tags)
+        for number, contact in enumerate(contacts)
+        for is_on, surface in ((True, contact.on), (False, contact.against))
+        if surface is not None
+    }
+    return {
+        one: [other for other, its in surfaces.items() if other[0] != one[0] and tags & its]
+        for one, tags in surfaces.items()
+    }
