@@ -23,7 +23,7 @@ from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.condensed.unknowns import ContactVariables
-from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix, congruent
+from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.pair_stiffness import Entries
 from fenics_contact.solve.systems.system import System
 
@@ -296,7 +296,7 @@ class CondensedSystem(System):
             parts = self.comm.gather(jump.surface.entries())
             if parts is not None:
                 rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
-                found.append(congruent((rows, columns, values), jump.work, jump.motion))
+                found.append(jump.tangent((rows, columns, values)))
         if self._dense is not None:
             self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
 

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
+import numpy as np
 from scipy.sparse import csr_matrix
 
-from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
+from fenics_contact.common.arrays import Integers
+from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix, congruent
+from fenics_contact.solve.systems.pair_stiffness import Entries
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,3 +31,27 @@ class ContactJump:
     relative: csr_matrix
     motion: csr_matrix
     work: csr_matrix
+
+    @cached_property
+    def _columns(self) -> Integers | None:
+        """The one column that each row of B and L has, −1 of a row of zeros; None of others."""
+        if self.work is not self.motion:
+            return None
+        found = np.full(self.motion.shape[0], -1)
+        entries = self.motion.tocoo()
+        found[entries.row] = entries.col
+        is_selection = len(entries.row) == len(set(entries.row)) and (entries.data == 1.0).all()
+        return found if is_selection else None
+
+    def tangent(self, entries: Entries) -> Entries:
+        """Entries of Lᵀ K_c B; those at the same place add up.
+
+        Args:
+            entries: Of K_c, between the dofs of the surface.
+        """
+        columns = self._columns
+        if columns is None:
+            return congruent(entries, self.work, self.motion)
+        rows, others, values = columns[entries[0]], columns[entries[1]], entries[2]
+        kept = (rows >= 0) & (others >= 0) & (values != 0)
+        return rows[kept], others[kept], values[kept]
