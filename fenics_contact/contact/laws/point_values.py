@@ -97,11 +97,11 @@ class PointDensity:
             scalars = [scalar for own in self._scalars.values() for scalar in own]
             parts = [_lowered(part) for part in self._derivatives(along)]
             self._programs[along] = _Program(scalars, parts)
-        given: list[Array | float] = []
+        given: list[Array] = []
         for name in self._scalars:
             value = np.asarray(values[name], dtype=np.float64)
             given += list(value.T) if value.ndim == 2 else [value]
-        count = max((len(value) for value in given if np.ndim(value)), default=1)
+        count = max((len(value) for value in given if value.ndim), default=1)
         return self._programs[along].run(given, count)
 
     def _derivatives(self, along: tuple[str, ...]) -> list[Expr]:
@@ -127,9 +127,7 @@ class _Program:
     """
 
     def __init__(self, variables: Sequence[Expr], expressions: Sequence[Expr]) -> None:
-        self._places = {
-            variable.ufl_operands[0]: place for place, variable in enumerate(variables)
-        }
+        self._places = {variable.ufl_operands[0]: place for place, variable in enumerate(variables)}
         self._constants: dict[int, float] = {}
         self._operations: list[tuple[int, Callable[..., Array], list[int]]] = []
         self._found = [self._place(expression) for expression in expressions]
@@ -148,14 +146,14 @@ class _Program:
                 self._operations.append((place, _OPERATORS[type(expression)], operands))
         return self._places[expression]
 
-    def run(self, given: Sequence[Array | float], count: int) -> Array:
+    def run(self, given: Sequence[Array], count: int) -> Array:
         """Numbers of the expressions, (points, expressions).
 
         Args:
-            given: Of the variables, (points,) or one for all.
+            given: Of the variables, (points,) or one for all, ().
             count: Number of points.
         """
-        numbers = dict(enumerate(given)) | self._constants
+        numbers: dict[int, Array | float] = {**dict(enumerate(given)), **self._constants}
         with np.errstate(all="ignore"):  # both sides of a condition are evaluated
             for place, operator, operands in self._operations:
                 numbers[place] = operator(*[numbers[operand] for operand in operands])

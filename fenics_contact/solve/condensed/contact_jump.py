@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, hstack
 
-from fenics_contact.common.arrays import Integers
+from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.problem.scalar_unknowns import ScalarUnknown
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix, congruent
 from fenics_contact.solve.systems.pair_stiffness import Entries
 
@@ -31,6 +33,41 @@ class ContactJump:
     relative: csr_matrix
     motion: csr_matrix
     work: csr_matrix
+
+    @classmethod
+    def over(
+        cls,
+        surface: SurfaceMatrix,
+        points: csr_matrix,
+        count: int,
+        unknowns: Sequence[ScalarUnknown],
+        far: Sequence[Array],
+    ) -> ContactJump:
+        """That of a contact, with what scalar unknowns move of it.
+
+        Args:
+            surface: Tangent in the jump.
+            points: Jumps over displacements and derived jumps, without scalars.
+            count: Number of the displacements.
+            unknowns: The scalars.
+            far: Displacements at the dofs of the surface that each of these adds.
+        """
+        none = csr_matrix((points.shape[0], len(unknowns)))
+        points = csr_matrix(hstack([points[:, :count], none, points[:, count:]]))
+        if not unknowns:
+            return cls(surface, points, points, points)
+        motion, work = points.tolil(), points.tolil()
+        relative = motion.copy()
+        for number, unknown in enumerate(unknowns):
+            column = count + number
+            if unknown.column is not None:
+                motion[:, column] = relative[:, column] = far[number][:, None]
+            direction = np.resize(unknown.direction, points.shape[0])[:, None]
+            if unknown.contact is surface.contact:
+                work[:, column] = -unknown.pushes * direction
+                if unknown.drives:
+                    motion[:, column] = -direction
+        return cls(surface, csr_matrix(relative), csr_matrix(motion), csr_matrix(work))
 
     @cached_property
     def _columns(self) -> Integers | None:
