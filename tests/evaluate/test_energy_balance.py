@@ -17,6 +17,7 @@ from fenics_contact.evaluate.quantities import (
 from fenics_contact.solve.load_steps.load_steps import solve
 from tests.contact.pair_bodies import Box, boxes
 from tests.scenes import box_body
+from tests.wrong_answers import with_body
 
 COMM = MPI.COMM_WORLD
 THERE_AND_BACK = Path(time=(0.2, 0.4, 0.8, 1), factor=(0, 1, -1, 0))
@@ -173,7 +174,7 @@ def test_static_law_has_no_path():
 def _wrong(solution, how):
     """A step's answer, made wrong by 5 %."""
     if how == "displacement":
-        return dataclasses.replace(
+        return with_body(
             solution,
             displacement=1.05 * solution.displacement,
             internal_force=1.05 * solution.internal_force,

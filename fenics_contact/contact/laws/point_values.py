@@ -7,7 +7,7 @@ expressions, evaluated here for all points of a rank at once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 
 import basix.ufl
@@ -73,7 +73,7 @@ class PointDensity:
             for name, size in sizes.items()
         }
         self._density = density(**given)
-        self._lowered: dict[tuple[str, ...], list[Expr]] = {}
+        self._programs: dict[tuple[str, ...], _Program] = {}
 
     def value(self, **values: Array | float) -> Array:
         """The density (energy/area).
@@ -93,20 +93,16 @@ class PointDensity:
         return self._numbers((of, of), values)[..., 0]
 
     def _numbers(self, along: tuple[str, ...], values: Mapping[str, Array | float]) -> Array:
-        if along not in self._lowered:
-            self._lowered[along] = [_lowered(part) for part in self._derivatives(along)]
-        known: dict[Expr, Array | float] = {}
-        for name, scalars in self._scalars.items():
-            given = np.asarray(values[name])
-            columns = given.T if given.ndim == 2 else [given]
-            constants = [scalar.ufl_operands[0] for scalar in scalars]
-            known |= dict(zip(constants, columns, strict=True))
-        count = max((np.shape(value)[0] for value in values.values() if np.ndim(value)), default=1)
-        with np.errstate(all="ignore"):  # both sides of a condition are evaluated
-            columns = [
-                np.broadcast_to(_evaluate(part, known), count) for part in self._lowered[along]
-            ]
-        return np.stack(columns, axis=-1).astype(np.float64)
+        if along not in self._programs:
+            scalars = [scalar for own in self._scalars.values() for scalar in own]
+            parts = [_lowered(part) for part in self._derivatives(along)]
+            self._programs[along] = _Program(scalars, parts)
+        given: list[Array] = []
+        for name in self._scalars:
+            value = np.asarray(values[name], dtype=np.float64)
+            given += list(value.T) if value.ndim == 2 else [value]
+        count = max((len(value) for value in given if value.ndim), default=1)
+        return self._programs[along].run(given, count)
 
     def _derivatives(self, along: tuple[str, ...]) -> list[Expr]:
         found = [self._density]
@@ -120,14 +116,48 @@ def _lowered(expression: Expr) -> Expr:
     return expand_indices(apply_derivatives(apply_algebra_lowering(expression)))
 
 
-def _evaluate(expression: Expr, known: dict[Expr, Array | float]) -> Array | float:
-    """The numbers of a scalar expression, arrays over the points; ``known`` is added to."""
-    if expression not in known:
-        if isinstance(expression, classes.ScalarValue | classes.Zero):
-            known[expression] = float(expression)
-        elif isinstance(expression, classes.Variable):
-            known[expression] = _evaluate(expression.ufl_operands[0], known)
-        else:
-            operands = [_evaluate(operand, known) for operand in expression.ufl_operands]
-            known[expression] = _OPERATORS[type(expression)](*operands)
-    return known[expression]
+class _Program:
+    """Scalar expressions as a list of operations, each on what comes before it.
+
+    Written out once: to look expressions up takes UFL longer than to work out their numbers.
+
+    Args:
+        variables: Scalar variables whose numbers are given.
+        expressions: Without derivatives and indices.
+    """
+
+    def __init__(self, variables: Sequence[Expr], expressions: Sequence[Expr]) -> None:
+        self._places = {variable.ufl_operands[0]: place for place, variable in enumerate(variables)}
+        self._constants: dict[int, float] = {}
+        self._operations: list[tuple[int, Callable[..., Array], list[int]]] = []
+        self._found = [self._place(expression) for expression in expressions]
+
+    def _place(self, expression: Expr) -> int:
+        """Where the numbers of an expression stand; adds what leads to them."""
+        if isinstance(expression, classes.Variable):
+            return self._place(expression.ufl_operands[0])
+        if expression not in self._places:
+            is_number = isinstance(expression, classes.ScalarValue | classes.Zero)
+            operands = [] if is_number else [self._place(one) for one in expression.ufl_operands]
+            place = self._places[expression] = len(self._places)
+            if is_number:
+                self._constants[place] = float(expression)
+            else:
+                self._operations.append((place, _OPERATORS[type(expression)], operands))
+        return self._places[expression]
+
+    def run(self, given: Sequence[Array], count: int) -> Array:
+        """Numbers of the expressions, (points, expressions).
+
+        Args:
+            given: Of the variables, (points,) or one for all, ().
+            count: Number of points.
+        """
+        numbers: dict[int, Array | float] = {**dict(enumerate(given)), **self._constants}
+        with np.errstate(all="ignore"):  # both sides of a condition are evaluated
+            for place, operator, operands in self._operations:
+                numbers[place] = operator(*[numbers[operand] for operand in operands])
+        found = np.empty((count, len(self._found)))
+        for column, place in enumerate(self._found):
+            found[:, column] = numbers[place]
+        return found

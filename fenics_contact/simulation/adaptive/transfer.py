@@ -43,7 +43,7 @@ def moved_over(old: Problem, new: Problem, unknowns: Unknowns) -> Unknowns:
         there = of_row == part
         at = new.spaces.coordinates[mine, : old.spaces.components]
         displacement[mine] = fitted(points[there], values[there], at)
-    return Unknowns(unknowns.time, displacement, unknowns.scalars, unknowns.mean_stress)
+    return Unknowns(unknowns.time, lambda: displacement, unknowns.scalars, unknowns.mean_stress)
 
 
 def fitted(points: Array, values: Array, at: Array) -> Array:

@@ -31,6 +31,7 @@ from fenics_contact.simulation.restart.sealed_arrays import Arrays, read, write
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.body_answer import BodyAnswer
 
 NAME = "state.npz"
 # The version by which a checkout that was not installed used to call itself.
@@ -159,8 +160,7 @@ class StateFile:
                 for number, plain in enumerate(header["contacts"])
             ],
             solution=Solution(
-                displacement=np.zeros(0),
-                internal_force=np.zeros(0),
+                find_body=lambda: BodyAnswer(np.zeros(0), np.zeros(0)),
                 normal_force=[],
                 friction_force=[],
                 friction_bound=[],
@@ -212,7 +212,7 @@ class StateFile:
             keys, values = arrays["mean_stresses"], arrays[f"{name}_mean_stress"]
             mean_stress = self._spread(self._mean_stresses, keys, values)
         displacement = self._spread(self._nodes, arrays["nodes"], arrays[name])
-        return Unknowns(time, displacement, arrays[f"{name}_scalars"], mean_stress)
+        return Unknowns(time, lambda: displacement, arrays[f"{name}_scalars"], mean_stress)
 
     def _spread(self, nodes: NodalKeys, keys: Integers, values: Array) -> Array:
         found = nodes.spread(keys, values)

@@ -1,16 +1,19 @@
 """The problem condensed onto its contacts: what is nonlinear, and nothing else.
 
 Unknowns are the displacements of the contact surfaces that no support holds, then the scalars;
-rank 0 has all of them. The bulk is factorised once, and solved for once a load step, at its end.
+rank 0 has all of them. The bulk is factorised once, and solved for once a load step, where somebody
+asks for the displacement of the body.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
-from scipy.sparse import csr_matrix, hstack
+from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.timings import Timings
@@ -22,8 +25,10 @@ from fenics_contact.solve.condensed.contact_jump import ContactJump
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import ContactTangent
+from fenics_contact.solve.condensed.tangent_operator import TangentOperator
 from fenics_contact.solve.condensed.unknowns import ContactVariables
-from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix, congruent
+from fenics_contact.solve.systems.body_answer import BodyAnswer, FindBody, FoundWhenAsked
+from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.pair_stiffness import Entries
 from fenics_contact.solve.systems.system import System
 
@@ -73,6 +78,7 @@ class CondensedSystem(System):
         """The unknowns, the jumps over them and the tangent; collective."""
         acting = [surface for surface in self._surfaces if surface is not None]
         self.variables = ContactVariables(self.dofs, acting)
+        self._followed: tuple[Array, Array] | None = None  # loads and prescribed displacements
         self._jumps = [None if s is None else self._jump(s) for s in self._surfaces]
         self._dense = self._dense_tangent()
 
@@ -82,7 +88,7 @@ class CondensedSystem(System):
         count = self.variables.count
         displacements = self.variables.displacements(values[:count])
         self._place_contacts()
-        self.tangent.setPythonContext(_Operator(self._dense))
+        self.tangent.setPythonContext(TangentOperator(self._dense))
         with self.state as array:
             if self._root:
                 array[:count] = self.variables.unknowns(displacements)
@@ -112,25 +118,10 @@ class CondensedSystem(System):
         return self._bulk_load(np.zeros_like(nodal), nodal), self.dofs.gathered(displacements)
 
     def _jump(self, surface: SurfaceMatrix) -> ContactJump:
-        places = self.dofs.places(surface.dofs)
-        points, count = self.variables.jump(surface), self.variables.count
-        none = csr_matrix((len(places), self.scalars))
-        points = csr_matrix(hstack([points[:, :count], none, points[:, count:]]))
-        if not self.scalars:
-            return ContactJump(surface, points, points, points)
-        motion, work = points.tolil(), points.tolil()
-        far = motion.copy()
-        for number, unknown in enumerate(self.problem.unknowns):
-            column = count + number
-            if unknown.column is not None:
-                columns = self._far_loads[number][1][places][:, None]
-                motion[:, column] = far[:, column] = columns
-            direction = np.resize(unknown.direction, len(places))[:, None]
-            if unknown.contact is surface.contact:
-                work[:, column] = -unknown.pushes * direction
-                if unknown.drives:
-                    motion[:, column] = -direction
-        return ContactJump(surface, csr_matrix(far), csr_matrix(motion), csr_matrix(work))
+        places, points = self.dofs.places(surface.dofs), self.variables.jump(surface)
+        far = [displacements[places] for _, displacements in self._far_loads]
+        unknowns = self.problem.unknowns
+        return ContactJump.over(surface, points, self.variables.count, unknowns, far)
 
     def _dense_tangent(self) -> ContactTangent | None:
         """A on rank 0, with what resultants do to the contact dofs through the bulk."""
@@ -152,9 +143,10 @@ class CondensedSystem(System):
         sizes = (own, self._size)
         self.state = PETSc.Vec().createMPI(sizes, comm=self.comm)
         self.residual = self.state.duplicate()
-        operator = _Operator(self._dense)
+        operator = TangentOperator(self._dense)
         self.tangent = PETSc.Mat().createPython((sizes, sizes), operator, comm=self.comm)
         self.tangent.setUp()
+        self._balanced: Array | None = None  # unknowns of this rank, at the last balance
 
     def surface_size(self, number: int) -> int:
         """Number of nodes of a contact's surface, on all ranks."""
@@ -193,15 +185,22 @@ class CondensedSystem(System):
         """Solve with the dense tangent."""
         preconditioner = snes.getKSP().getPC()
         preconditioner.setType("python")
-        preconditioner.setPythonContext(_Operator(self._dense))
+        preconditioner.setPythonContext(TangentOperator(self._dense))
 
-    def begin(self, displacement: Array) -> None:
-        """Start from nodal displacements, supports at their values; collective."""
+    def position(self) -> Array:
+        """Displacements of the free contact dofs, on every rank; collective."""
+        return self.variables.displacements(self._values(self.state)[: self.variables.count])
+
+    def position_of(self, displacement: Array) -> Array:
+        """The same of nodal displacements; collective."""
+        return np.asarray(self.dofs.gathered(displacement.reshape(-1))[self.dofs.is_free])
+
+    def begin_at(self, position: Array) -> None:
+        """Start from displacements of the free contact dofs; collective."""
         self.follow_loads()
-        at_contacts = self.dofs.gathered(displacement.reshape(-1))
         with self.state as array:
             if self._root:
-                own = self.variables.unknowns(at_contacts[self.dofs.is_free])
+                own = self.variables.unknowns(position)
                 array[:] = np.concatenate([own, self.starting_scalars()])
         self._started = self._displacements(self._values(self.state))
         self.take(self.state)
@@ -209,6 +208,11 @@ class CondensedSystem(System):
     def follow_loads(self) -> None:
         """Loads and supports at their present values; collective."""
         problem = self.problem
+        present = (problem.load, problem.prescribed)
+        same = self._followed is not None and all(map(np.array_equal, present, self._followed))
+        if self.comm.allreduce(same, op=MPI.LAND):
+            return
+        self._followed = problem.load.copy(), problem.prescribed.copy()
         supported = self._supported(problem.prescribed)
         self._load = self._bulk_load(problem.load, supported)
         self._held_values = self.dofs.gathered(supported.reshape(-1))
@@ -254,17 +258,10 @@ class CondensedSystem(System):
         found = jump.relative @ np.concatenate([values, derived]) + held
         return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
 
-    def _take_others(self, displacement: Array) -> None:
-        """The jumps of contacts that exert no forces, from the displacement; collective."""
-        at_surfaces = [
-            contact.kinematics.relative(displacement) if jump is None else None
-            for contact, jump in zip(self.problem.contacts, self._jumps, strict=True)
-        ]
-        self.move_contacts(at_surfaces, self._scalars_of(self._values(self.state)))
-
     def balance(self, state: PETSc.Vec, residual: PETSc.Vec) -> None:
         """A y − b − Σ Lᵀ r_c; collective."""
         self.take(state)
+        self._balanced = np.array(state.array_r)
         forces = self.all_contact_forces()
         parts = [self._of_all(jump, force) for jump, force in zip(self._jumps, forces, strict=True)]
         if self._dense is None:
@@ -288,7 +285,9 @@ class CondensedSystem(System):
 
     def linearise(self, state: PETSc.Vec) -> None:
         """W = Σ Lᵀ K_c B; collective."""
-        self.take(state)
+        same = self._balanced is not None and np.array_equal(state.array_r, self._balanced)
+        if not self.comm.allreduce(same, op=MPI.LAND):
+            self.take(state)
         none = np.zeros(0, dtype=np.int64)
         found: list[Entries] = [(none, none, np.zeros(0))]
         for jump in (jump for jump in self._jumps if jump is not None):
@@ -296,7 +295,7 @@ class CondensedSystem(System):
             parts = self.comm.gather(jump.surface.entries())
             if parts is not None:
                 rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
-                found.append(congruent((rows, columns, values), jump.work, jump.motion))
+                found.append(jump.tangent((rows, columns, values)))
         if self._dense is not None:
             self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
 
@@ -314,36 +313,34 @@ class CondensedSystem(System):
         present = self._displacements(self._values(self.state))
         return float(np.abs(present - self._started).max(initial=0.0))
 
-    def finish(self) -> tuple[Array, Array]:
-        """Displacement and K u at the nodes; the functions follow; collective."""
+    def finish(self) -> FindBody:
+        """What finds the displacement inside, when it is first asked for; collective.
+
+        At once where contacts that exert no forces follow it, or a mean stress.
+        """
         values = self._values(self.state)
         load = self._load.copy()
         for value, (far, _) in zip(self._scalars_of(values), self._far_loads, strict=True):
             load += value * far
-        at_contacts = self.variables.displacements(values[: len(self.dofs.free)])
+        at_contacts = self.variables.displacements(values[: self.variables.count])
+        find = FoundWhenAsked(partial(self._expanded, load, at_contacts))
+        if self.problem.elastic.mixed is not None:
+            find()
+        if None in self._jumps:
+            others = [
+                contact.kinematics.relative(find().displacement) if jump is None else None
+                for contact, jump in zip(self.problem.contacts, self._jumps, strict=True)
+            ]
+            self.move_contacts(others, self._scalars_of(values))
+        return find
+
+    def _expanded(self, load: Array, at_contacts: Array) -> BodyAnswer:
+        """Displacement and K u at the nodes; the functions follow; collective."""
         found = self._bulk.expand(load, at_contacts)
         self.stiffness.set_functions(found)
-        self.bulk_round_off = self.stiffness.round_off(found)
         components = self.problem.spaces.components
-        displacement = self.problem.displacement.x.array.reshape(-1, components).copy()
-        self._take_others(displacement)
-        return displacement, self.stiffness.forces(found)
-
-
-class _Operator:
-    """The dense tangent as PETSc sees it; only rank 0 has one, and all rows."""
-
-    def __init__(self, dense: ContactTangent | None) -> None:
-        self._dense = dense
-
-    def mult(self, matrix: PETSc.Mat, values: PETSc.Vec, result: PETSc.Vec) -> None:
-        """M y."""
-        if self._dense is not None:
-            with result as array:
-                array[:] = self._dense.multiply(np.array(values.array_r))
-
-    def apply(self, preconditioner: PETSc.PC, right: PETSc.Vec, solution: PETSc.Vec) -> None:
-        """M⁻¹ r."""
-        if self._dense is not None:
-            with solution as array:
-                array[:] = self._dense.solve(np.array(right.array_r))
+        return BodyAnswer(
+            self.problem.displacement.x.array.reshape(-1, components).copy(),
+            self.stiffness.forces(found),
+            self.stiffness.round_off(found),
+        )

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
-from scipy.sparse import csr_matrix
+import numpy as np
+from scipy.sparse import csr_matrix, hstack
 
-from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
+from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.problem.scalar_unknowns import ScalarUnknown
+from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix, congruent
+from fenics_contact.solve.systems.pair_stiffness import Entries
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,3 +33,62 @@ class ContactJump:
     relative: csr_matrix
     motion: csr_matrix
     work: csr_matrix
+
+    @classmethod
+    def over(
+        cls,
+        surface: SurfaceMatrix,
+        points: csr_matrix,
+        count: int,
+        unknowns: Sequence[ScalarUnknown],
+        far: Sequence[Array],
+    ) -> ContactJump:
+        """That of a contact, with what scalar unknowns move of it.
+
+        Args:
+            surface: Tangent in the jump.
+            points: Jumps over displacements and derived jumps, without scalars.
+            count: Number of the displacements.
+            unknowns: The scalars.
+            far: Displacements at the dofs of the surface that each of these adds.
+        """
+        none = csr_matrix((points.shape[0], len(unknowns)))
+        points = csr_matrix(hstack([points[:, :count], none, points[:, count:]]))
+        if not unknowns:
+            return cls(surface, points, points, points)
+        motion, work = points.tolil(), points.tolil()
+        relative = motion.copy()
+        for number, unknown in enumerate(unknowns):
+            column = count + number
+            if unknown.column is not None:
+                motion[:, column] = relative[:, column] = far[number][:, None]
+            direction = np.resize(unknown.direction, points.shape[0])[:, None]
+            if unknown.contact is surface.contact:
+                work[:, column] = -unknown.pushes * direction
+                if unknown.drives:
+                    motion[:, column] = -direction
+        return cls(surface, csr_matrix(relative), csr_matrix(motion), csr_matrix(work))
+
+    @cached_property
+    def _columns(self) -> Integers | None:
+        """The one column that each row of B and L has, −1 of a row of zeros; None of others."""
+        if self.work is not self.motion:
+            return None
+        found = np.full(self.motion.shape[0], -1)
+        entries = self.motion.tocoo()
+        found[entries.row] = entries.col
+        is_selection = len(entries.row) == len(set(entries.row)) and (entries.data == 1.0).all()
+        return found if is_selection else None
+
+    def tangent(self, entries: Entries) -> Entries:
+        """Entries of Lᵀ K_c B; those at the same place add up.
+
+        Args:
+            entries: Of K_c, between the dofs of the surface.
+        """
+        columns = self._columns
+        if columns is None:
+            return congruent(entries, self.work, self.motion)
+        rows, others, values = columns[entries[0]], columns[entries[1]], entries[2]
+        kept = (rows >= 0) & (others >= 0) & (values != 0)
+        return rows[kept], others[kept], values[kept]

@@ -101,9 +101,9 @@ class _Strategies:
         chosen = [strategy]
         if strategy == "auto":
             self.near = _NEAR
-            chosen = self._order()
+            chosen = [self._first_way()]
         attempts: list[str] = []
-        for number, way in enumerate(chosen):
+        for number, way in enumerate(chosen):  # grows where the first way fails
             try:
                 self._start_anew()
                 self._go(way)
@@ -115,6 +115,8 @@ class _Strategies:
                 )
             except (StalledError, NotConvergedError) as error:
                 attempts.append(f"{_WORDS[way]}: {error}")
+                if strategy == "auto" and number == 0:
+                    chosen += self._order(way)[1:]
                 if number + 1 == len(chosen):
                     imbalances = tuple(self.newton.imbalances)
                     words = attempts[-1] + ("" if strategy == "auto" else _OTHERS)
@@ -122,12 +124,16 @@ class _Strategies:
                 logger.info("%s: %s; next: %s", _WORDS[way], error, _WORDS[chosen[number + 1]])
         raise AssertionError("a strategy returns or raises")
 
-    def _order(self) -> list[str]:
-        """The ways that `auto` tries, the most promising one first."""
+    def _first_way(self) -> str:
+        """The way that `auto` tries first; collective."""
         # The answer of the last load step is near enough for Newton's method; between two bodies
         # it took fewer steps than the loop in all that was measured.
-        at_once = self.newton.begin.continues or self.problem.between_bodies
-        first = "monolithic" if at_once else self.newton.system.first_way
+        if self.newton.begin.continues or self.problem.between_bodies:
+            return "monolithic"
+        return self._order(self.newton.system.first_way)[0]
+
+    def _order(self, first: str) -> list[str]:
+        """The ways that `auto` tries, where possible one of them first; collective."""
         order = sorted(_WORDS, key=lambda way: way != first)
         if RigidMotions(self.problem).count > 0:
             order.remove("campos")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from fenics_contact.contact.snapshot import ContactMemory
 from fenics_contact.contact.state import STICK
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.system import System
 
 # Steps are extrapolated to at most so many times their length.
 _FARTHEST = 2.0
@@ -22,15 +24,30 @@ class Unknowns:
 
     Attributes:
         time: Pseudo-time.
-        displacement: At the body's nodes of this rank, (nodes, components) (length).
+        find_displacement: Gives that at the body's nodes of this rank, (nodes, components)
+            (length); collective.
         scalars: Values of the scalar unknowns.
         mean_stress: Of nearly incompressible bodies, at the dofs of this rank; else empty (stress).
+        position: Displacements as ``System.position`` gives them (length); None where another
+            system found the state.
     """
 
     time: float
-    displacement: Array
+    find_displacement: Callable[[], Array]
     scalars: Array
     mean_stress: Array
+    position: Array | None = None
+
+    @property
+    def displacement(self) -> Array:
+        """At the body's nodes of this rank, (nodes, components) (length); collective."""
+        return self.find_displacement()
+
+    def position_in(self, system: System) -> Array:
+        """Where a system begins at them; collective."""
+        if self.position is None:
+            return system.position_of(self.displacement)
+        return self.position
 
     def towards(self, later: Unknowns, time: float) -> Unknowns:
         """On the straight line through these and later ones, at a still later time."""
@@ -39,11 +56,15 @@ class Unknowns:
         def extrapolated(first: Array, second: Array) -> Array:
             return second + share * (second - first)
 
+        position = None
+        if self.position is not None and later.position is not None:
+            position = extrapolated(self.position, later.position)
         return Unknowns(
             time,
-            extrapolated(self.displacement, later.displacement),
+            lambda: extrapolated(self.displacement, later.displacement),
             extrapolated(self.scalars, later.scalars),
             extrapolated(self.mean_stress, later.mean_stress),
+            position,
         )
 
 

@@ -94,6 +94,7 @@ class LoadSteps:
             self.go_back()
             raise
         assert self.last is not None  # there is a step, or one was resumed
+        self.last.solution.find_body()  # whoever reads it later may no longer have the solver
         return self.last.solution
 
     def resume(self, last: AcceptedStep, pace: Sequence[float], forces: float) -> Solution:
@@ -204,7 +205,7 @@ class LoadSteps:
             for contact in problem.contacts:
                 contact.accept()
                 follow_pressure(contact, imbalance)  # a guess of what the next step needs
-            newton.begin.pair_anew(self.last.unknowns.displacement)
+            newton.begin.pair_anew(self.last.solution)
             self._has_moved_on = True
         problem.set_time(time)
         if predicted is not None:
@@ -237,9 +238,10 @@ class LoadSteps:
         self.last = AcceptedStep(
             unknowns=Unknowns(
                 time,
-                found.displacement,
+                lambda: found.displacement,
                 system.scalar_values(system.state),
                 np.zeros(0) if mixed is None else mixed.mean_stress.x.array.copy(),
+                system.position(),
             ),
             contacts=[remember(contact) for contact in problem.contacts],
             solution=found,
@@ -279,7 +281,7 @@ class LoadSteps:
         mixed = self.problem.elastic.mixed
         if mixed is not None:
             mixed.mean_stress.x.array[:] = unknowns.mean_stress
-        self.newton.begin.at(unknowns.displacement, unknowns.scalars)
+        self.newton.begin.at(unknowns.position_in(self.newton.system), unknowns.scalars)
 
 
 def solve(

@@ -10,6 +10,7 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
 from fenics_contact.solve.newton.initial_guess import starting_point
+from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.systems.system import System
 
 logger = logging.getLogger(__name__)
@@ -46,14 +47,14 @@ class Beginning:
         self._system.begin(displacement)
         self._problem.stick_all()
 
-    def at(self, displacement: Array, scalars: Array) -> None:
+    def at(self, position: Array, scalars: Array) -> None:
         """Take a state, at the present loads; collective.
 
         Args:
-            displacement: At the body's nodes of this rank, (nodes, components) (length).
+            position: Displacements as ``System.position`` gives them (length).
             scalars: Values of the scalar unknowns.
         """
-        self._system.begin(displacement)
+        self._system.begin_at(position)
         self._system.set_scalars(scalars)
         self._system.set_mean_stress()
         self._system.follow_supports()
@@ -72,17 +73,17 @@ class Beginning:
         self._system.follow_supports()
         self._problem.stick_all()
 
-    def pair_anew(self, displacement: Array) -> None:
+    def pair_anew(self, last: Solution) -> None:
         """Follow bodies that slid along each other in the last load step; collective.
 
         Args:
-            displacement: That of the step, at the body's nodes of this rank (length).
+            last: Of the step.
         """
         slid = [c for c in self._problem.contacts if c.slid_share() > _SLID]
         self.paired_anew = bool(slid)
         for contact in slid:
             logger.debug("  '%s': finding anew what faces what", contact.label)
-            contact.pair_anew(displacement)
+            contact.pair_anew(last.displacement)
         if slid:
             self.follow_pairing()
 

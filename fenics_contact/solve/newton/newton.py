@@ -325,15 +325,14 @@ class Newton:
     def solution(self, outer_iterations: int = 0, strategy: str = "") -> Solution:
         """What was found; collective."""
         with self.timings.phase("solve"):
-            displacement, internal = self.system.finish()
+            find_body = self.system.finish()
         for contact in self.problem.contacts:
             contact.touch()
         nodes = [contact.trace.numbers for contact in self.problem.contacts]
         normal = self.system.contact_forces("normal")
         friction = self.system.contact_forces("friction")
         return Solution(
-            displacement=displacement,
-            internal_force=internal,
+            find_body=find_body,
             normal_force=[force[n] for force, n in zip(normal, nodes, strict=True)],
             friction_force=[force[n] for force, n in zip(friction, nodes, strict=True)],
             friction_bound=[contact.friction.bound.copy() for contact in self.problem.contacts],
@@ -344,5 +343,4 @@ class Newton:
             strategy=strategy,
             imbalance_limit=self.limit,
             factorisations=self.system.factorisations,
-            bulk_round_off=self.system.bulk_round_off,
         )

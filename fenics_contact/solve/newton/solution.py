@@ -1,4 +1,4 @@
-"""Nodal values and contact states of a solved problem, on each rank."""
+"""What a solve found, on each rank: the contacts' state, and the body's when it is asked for."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.state import ContactState
+from fenics_contact.solve.systems.body_answer import FindBody
 
 
 @dataclass(frozen=True, eq=False)
@@ -13,8 +14,7 @@ class Solution:
     """Nodal values of this rank, each of shape (nodes, components), ghosts included.
 
     Attributes:
-        displacement: u (length).
-        internal_force: K u, from the bulk alone (force).
+        find_body: Gives what is inside the body; collective.
         normal_force: Force on the body across each contact, from penalty or foundation, at
             its nodes; one array a contact, without prescribed pressures, which are loads
             (force). Where bonded it is the whole force.
@@ -30,11 +30,9 @@ class Solution:
             differences, estimated; None where there were not two passes.
         attempts: Strategies that did not converge before, each with what happened.
         imbalance_limit: The imbalance that was accepted as converged (force).
-        bulk_round_off: As of the system that found it (force).
     """
 
-    displacement: Array
-    internal_force: Array
+    find_body: FindBody
     normal_force: list[Array]
     friction_force: list[Array]
     friction_bound: list[Array]
@@ -47,7 +45,21 @@ class Solution:
     factorisations: int
     contraction: float | None = None
     attempts: tuple[str, ...] = ()
-    bulk_round_off: float = 0.0
+
+    @property
+    def displacement(self) -> Array:
+        """Displacement (length); collective."""
+        return self.find_body().displacement
+
+    @property
+    def internal_force(self) -> Array:
+        """Forces K u, from the bulk alone (force); collective."""
+        return self.find_body().internal_force
+
+    @property
+    def bulk_round_off(self) -> float:
+        """Largest that round-off may leave of the balance inside the body (force); collective."""
+        return self.find_body().round_off
 
     @property
     def contact_force(self) -> list[Array]:

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.systems.body_answer import BodyAnswer, FindBody
 from fenics_contact.solve.systems.system import System
 
 
@@ -36,9 +37,17 @@ class BodySystem(System):
         """1-norm of loads, reactions and contact forces at the last residual; collective."""
         return super().present_forces + self._reactions
 
-    def begin(self, displacement: Array) -> None:
+    def position(self) -> Array:
+        """The displacement at the nodes, (nodes, components); collective."""
+        return self._nodal_displacement().copy()
+
+    def position_of(self, displacement: Array) -> Array:
+        """Itself."""
+        return displacement
+
+    def begin_at(self, position: Array) -> None:
         """Start from nodal displacements, supports at their values; collective."""
-        self._started = displacement.reshape(-1).copy()
+        self._started = position.reshape(-1).copy()
         self.state.set(0.0)
         owned = self.problem.constrained < self._owned_size
         with self.state as array:
@@ -114,12 +123,13 @@ class BodySystem(System):
         """Largest displacement since the start (length); collective."""
         return largest(self.comm, np.abs(self.problem.displacement.x.array - self._started))
 
-    def finish(self) -> tuple[Array, Array]:
-        """Displacement and K u at the nodes; collective."""
+    def finish(self) -> FindBody:
+        """What gives displacement and K u at the nodes, which are known; collective."""
         spaces = self.problem.spaces
         self.internal_forces(self.state, self._work)
         internal = fem.Function(spaces.displacement_space)
         internal.x.array[: self._owned_size] = self._work.array_r[: self._owned_size]
         internal.x.scatter_forward()
         forces = internal.x.array.reshape(-1, spaces.components).copy()
-        return self._nodal_displacement().copy(), forces
+        found = BodyAnswer(self._nodal_displacement().copy(), forces)
+        return lambda: found

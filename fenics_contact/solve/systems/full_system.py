@@ -11,10 +11,10 @@ from typing import ClassVar
 import numpy as np
 from petsc4py import PETSc
 
-from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.systems.body_answer import FindBody
 from fenics_contact.solve.systems.bulk_matrix import LinearSystem
 from fenics_contact.solve.systems.displacement_system import BodySystem
 
@@ -87,7 +87,7 @@ class FullSystem(BodySystem):
         """K u and what a mean stress adds; collective."""
         self._system.stiffness.mult(state, forces)
 
-    def finish(self) -> tuple[Array, Array]:
+    def finish(self) -> FindBody:
         """Displacement and K u at the nodes; the mean stress into its function; collective."""
         self._system.take_mean_stress(self.state)
         return super().finish()

@@ -18,6 +18,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ScalarUnknown
+from fenics_contact.solve.systems.body_answer import FindBody
 
 
 class System(ABC):
@@ -34,8 +35,6 @@ class System(ABC):
             most of the forces is known well enough; None where further steps cost little.
         factorisations: How often a matrix of the bulk was factorised.
         earlier_forces: Largest of ``present_forces`` in the load steps that are done (force).
-        bulk_round_off: Largest that round-off may leave of the balance inside the body in the
-            answer that was found last; 0 where the imbalance has it already (force).
     """
 
     name: ClassVar[str]
@@ -51,12 +50,23 @@ class System(ABC):
         self.problem = problem
         self.comm = problem.comm
         self.earlier_forces = 0.0
-        self.bulk_round_off = 0.0
         self._contact_norm = 0.0
 
-    @abstractmethod
     def begin(self, displacement: Array) -> None:
         """Start a solve from nodal displacements (nodes, components); collective."""
+        self.begin_at(self.position_of(displacement))
+
+    @abstractmethod
+    def position(self) -> Array:
+        """The displacements that the unknowns stand for, to begin at again; collective."""
+
+    @abstractmethod
+    def position_of(self, displacement: Array) -> Array:
+        """The same of nodal displacements (nodes, components); collective."""
+
+    @abstractmethod
+    def begin_at(self, position: Array) -> None:
+        """Start a solve from displacements as ``position`` gives them; collective."""
 
     @abstractmethod
     def follow_supports(self) -> None:
@@ -87,8 +97,8 @@ class System(ABC):
         """Largest displacement since the start (length); collective."""
 
     @abstractmethod
-    def finish(self) -> tuple[Array, Array]:
-        """Displacement and K u at the nodes, (nodes, components) each; collective."""
+    def finish(self) -> FindBody:
+        """What finds the body's displacement in the present state; collective."""
 
     @abstractmethod
     def pair_anew(self) -> None:

@@ -118,7 +118,8 @@ def _begin(load_steps: LoadSteps, start: Start) -> None:
     displacement = load_steps.last.unknowns.displacement.copy()
     for contact in problem.coulomb:
         displacement += _shift(contact, start)
-    newton.begin.at(displacement, load_steps.last.unknowns.scalars)
+    position = newton.system.position_of(displacement)
+    newton.begin.at(position, load_steps.last.unknowns.scalars)
     for contact in problem.coulomb:
         contact.friction.mode = "coupled"
         if start.way is None:

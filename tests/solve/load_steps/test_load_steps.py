@@ -299,7 +299,7 @@ def test_a_prediction_that_leads_nowhere_is_forgotten(monkeypatch):
         found = predict(self, time)
         if found is None:
             return None
-        return dataclasses.replace(found, displacement=found.displacement * np.nan)
+        return dataclasses.replace(found, position=found.position * np.nan)
 
     monkeypatch.setattr(LoadSteps, "_prediction", wild)
     require_same(run(dragged(Steps(number=8)), COMM, block()), plain)

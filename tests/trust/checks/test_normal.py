@@ -11,6 +11,7 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.solve.load_steps.load_steps import solve
 from tests.scenes import box_body
 from tests.trust.checks.test_run_checks import checks_of, failed
+from tests.wrong_answers import with_body
 
 COMM = MPI.COMM_WORLD
 
@@ -43,7 +44,7 @@ def pulling(problem, solution, where, factor):
     peak = solution.states[0].contact_pressure.max(initial=0.0)
     peak = COMM.allreduce(peak, op=MPI.MAX)
     internal[nodes, 1] += factor * peak * problem.contacts[0].trace.weights[where]
-    return dataclasses.replace(solution, internal_force=internal)
+    return with_body(solution, internal_force=internal)
 
 
 def test_the_right_solution_passes_them_all(solved):
@@ -99,7 +100,7 @@ def test_pressure_recovery_fails_for_other_pressures_of_the_same_resultant(solve
 
 def test_not_a_number_fails(solved):
     problem, solution = solved
-    wrong = dataclasses.replace(solution, internal_force=np.nan * solution.internal_force)
+    wrong = with_body(solution, internal_force=np.nan * solution.internal_force)
     assert {"equilibrium", "contact_law"} <= failed(problem, wrong)
 
 

@@ -37,6 +37,7 @@ from fenics_contact.trust.checks.run_checks import all_checks
 from tests.contact.pair_bodies import Box, boxes
 from tests.report.page.pages import page_of
 from tests.scenes import box_body
+from tests.wrong_answers import with_body
 
 COMM = MPI.COMM_WORLD
 BASE = Support("y0", {"x": 0, "y": 0})
@@ -183,7 +184,7 @@ def bulk(factor):
 
     def broken(prepared, monkeypatch):
         wrong = factor * prepared.solution.internal_force
-        return dataclasses.replace(prepared.solution, internal_force=wrong)
+        return with_body(prepared.solution, internal_force=wrong)
 
     return broken
 
@@ -193,7 +194,7 @@ def stress(factor):
 
     def broken(prepared, monkeypatch):
         wrong = factor * prepared.solution.displacement
-        return dataclasses.replace(prepared.solution, displacement=wrong)
+        return with_body(prepared.solution, displacement=wrong)
 
     return broken
 
@@ -218,7 +219,7 @@ def friction(factor):
         nodes = problem.contacts[0].nodes[solution.states[0].status == "SLIP"]
         internal = solution.internal_force.copy()
         internal[nodes] = problem.load[nodes] + factor * (internal - problem.load)[nodes]
-        return dataclasses.replace(solution, internal_force=internal)
+        return with_body(solution, internal_force=internal)
 
     return broken
 
@@ -233,7 +234,7 @@ def pressure(share, where):
         points = (state.status == "OPEN") == (where == "OPEN")
         internal = solution.internal_force.copy()
         internal[contact.nodes[points], 1] -= share * peak * contact.trace.weights[points]
-        return dataclasses.replace(solution, internal_force=internal)
+        return with_body(solution, internal_force=internal)
 
     return broken
 
@@ -258,7 +259,7 @@ def pushed_where_held(prepared, monkeypatch):
     """What is held against sliding gets a force, 1e-5 of those that press the block."""
     internal = prepared.solution.internal_force.copy()
     internal.reshape(-1)[prepared.problem.stabilisation[0].dofs] += 1e-5 * 20
-    return dataclasses.replace(prepared.solution, internal_force=internal)
+    return with_body(prepared.solution, internal_force=internal)
 
 
 def handed_over_elsewhere(prepared, monkeypatch):

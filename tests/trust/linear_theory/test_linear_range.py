@@ -25,6 +25,7 @@ from fenics_contact.solve.load_steps.load_steps import solve
 from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_range
 from fenics_contact.trust.linear_theory.zones import TURNED, Zone, exceeded
 from tests.scenes import ROOT, box_body, slab
+from tests.wrong_answers import with_body
 
 COMM = MPI.COMM_WORLD
 BEYOND = "Outside the range of linear theory"
@@ -89,7 +90,7 @@ def test_an_even_gradient(cell, degree):
 def of_gradient(prepared, solution, gradient):
     """What is found of u = H x."""
     x = prepared.problem.spaces.coordinates[:, : len(gradient)]
-    moved = dataclasses.replace(solution, displacement=x @ gradient.T)
+    moved = with_body(solution, displacement=x @ gradient.T)
     return LinearRange(prepared.problem).of(moved)
 
 
@@ -105,7 +106,7 @@ def test_out_of_plane_strains():
     solution = solve(prepared.problem)
     found = of_gradient(prepared, solution, np.diag([-0.3, 0.05]))
     assert found["strain"]["value"] == pytest.approx(0.3, rel=1e-9)
-    moved = dataclasses.replace(solution, displacement=0 * solution.displacement + [0.3, 0])
+    moved = with_body(solution, displacement=0 * solution.displacement + [0.3, 0])
     at = LinearRange(prepared.problem).of(moved)["strain"]["value"]  # .3/r, near the axis
     assert 1 < at < 0.3 / 1e-2
 
@@ -146,7 +147,7 @@ def test_a_thin_layer_inside_out_fails_and_one_corner_does_not():
     for chosen, kind in [(y > 1 - 1e-9, "turned"), ((x > 1 - 1e-9) & (y > 1 - 1e-9), "")]:
         pushed = 0 * solution.displacement
         pushed[chosen, 1] = -0.03  # through a cell of 1/64
-        moved = dataclasses.replace(solution, displacement=pushed)
+        moved = with_body(solution, displacement=pushed)
         found = LinearRange(prepared.problem).of(moved)
         assert failed_kind(found) == kind
         assert (found["turned"]["value"] > TURNED) == bool(kind)
@@ -227,7 +228,7 @@ def test_a_body_that_slid_into_an_obstacle():
     for aside, kind in [(0.0, ""), (0.5, "overlap")]:
         moved = np.tile([aside, 0.12], (count, 1))
         kinematics.move(kinematics.relative(moved))
-        solution = dataclasses.replace(prepared.solution, displacement=moved)
+        solution = with_body(prepared.solution, displacement=moved)
         found = LinearRange(prepared.problem).of(solution)
         assert failed_kind(found) == kind
     assert found["overlap"]["value"] == pytest.approx(0.13, abs=1e-6)
