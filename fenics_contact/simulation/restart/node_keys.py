@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 from fenics_contact.body.spaces import summed_over_ranks
 from fenics_contact.common.arrays import Array, Flags, Integers
-from fenics_contact.common.parallel import total
+from fenics_contact.common.parallel import gathered_on_root, total
 
 
 class NodalKeys:
@@ -74,7 +74,7 @@ def found_among(keys: Integers, wanted: Integers) -> tuple[Integers, Flags]:
 
 def gather_keyed(comm: MPI.Comm, keys: Integers, values: Array) -> tuple[Integers, Array]:
     """Keys and values of all ranks, sorted, on rank 0 and empty elsewhere; collective."""
-    parts = comm.gather((keys, values))
+    parts = gathered_on_root(comm, (keys, values))
     if parts is None:
         return keys[:0], values[:0]
     all_keys, all_values = (np.concatenate(part) for part in zip(*parts, strict=True))
