@@ -11,7 +11,7 @@ from pathlib import Path
 
 from fenics_contact.common import parallel
 
-GATHERINGS = ("_to_every_rank", "_to_root", "_from_root", "_summed")
+GATHERINGS = ("_to_every_rank", "_to_root", "_from_rank", "_from_root", "_summed")
 
 
 class Traffic:

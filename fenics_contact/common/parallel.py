@@ -94,6 +94,13 @@ def gathered_on_root(comm: MPI.Comm, thing: T) -> list[T] | None:
     return _to_root(comm, thing)
 
 
+def sent_to_root(comm: MPI.Comm, thing: T, rank: int) -> T:
+    """What one rank has, on rank 0; the others get back their own."""
+    if comm.rank == rank != 0:
+        comm.send(thing, 0)
+    return _from_rank(comm, rank) if comm.rank == 0 != rank else thing
+
+
 def from_root(comm: MPI.Comm, thing: T) -> T:
     """What rank 0 has, on every rank."""
     return _from_root(comm, thing)
@@ -107,6 +114,10 @@ def _to_every_rank(comm: MPI.Comm, thing: T) -> list[T]:
 def _to_root(comm: MPI.Comm, thing: T) -> list[T] | None:
     found: list[T] | None = comm.gather(thing)
     return found
+
+
+def _from_rank(comm: MPI.Comm, rank: int) -> Any:
+    return comm.recv(source=rank)
 
 
 def _from_root(comm: MPI.Comm, thing: T) -> T:
