@@ -11,7 +11,7 @@ from pathlib import Path
 
 from fenics_contact.common import parallel
 
-GATHERINGS = ("_to_every_rank", "_to_root", "_from_rank", "_from_root", "_summed")
+GATHERINGS = ("_to_every_rank", "_to_root", "_received", "_from_root", "_summed")
 
 
 class Traffic:
@@ -52,8 +52,8 @@ def counted() -> Iterator[Traffic]:
     traffic, before = Traffic(), {name: getattr(parallel, name) for name in GATHERINGS}
 
     def counting(name: str):
-        def gather(comm, thing):
-            found = before[name](comm, thing)
+        def gather(comm, *given):
+            found = before[name](comm, *given)
             traffic.take(found)
             return found
 

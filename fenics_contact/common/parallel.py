@@ -98,7 +98,12 @@ def sent_to_root(comm: MPI.Comm, thing: T, rank: int) -> T:
     """What one rank has, on rank 0; the others get back their own."""
     if comm.rank == rank != 0:
         comm.send(thing, 0)
-    return _from_rank(comm, rank) if comm.rank == 0 != rank else thing
+    return _received(comm, rank) if comm.rank == 0 != rank else thing
+
+
+def from_rank(comm: MPI.Comm, thing: T, rank: int) -> T:
+    """What one rank has, on every rank."""
+    return _from_root(comm, thing, rank)
 
 
 def from_root(comm: MPI.Comm, thing: T) -> T:
@@ -116,12 +121,12 @@ def _to_root(comm: MPI.Comm, thing: T) -> list[T] | None:
     return found
 
 
-def _from_rank(comm: MPI.Comm, rank: int) -> Any:
+def _received(comm: MPI.Comm, rank: int) -> Any:
     return comm.recv(source=rank)
 
 
-def _from_root(comm: MPI.Comm, thing: T) -> T:
-    found: T = comm.bcast(thing)
+def _from_root(comm: MPI.Comm, thing: T, rank: int = 0) -> T:
+    found: T = comm.bcast(thing, rank)
     return found
 
 
