@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.common.parallel import total
+from fenics_contact.common.parallel import gather_rows, of_every_rank, total
 from fenics_contact.mesh.tagged_mesh import Body
 
 
@@ -61,15 +61,15 @@ class Parts:
         """Largest of values ≥ 0 at owned nodes in each part, 1 where it is 0; collective."""
         found = np.zeros(self.count)
         np.maximum.at(found, self.of_node[: self._owned], values)
-        found = np.max(self._comm.allgather(found), axis=0)
-        return np.where(found > 0, found, 1.0)
+        of_all = np.max(of_every_rank(self._comm, found), axis=0)
+        return np.where(of_all > 0, of_all, 1.0)
 
 
 def _parts_of_cells(mesh: Mesh) -> tuple[Integers, int]:
     """Part of each cell of this rank (owned and ghost), and the number of parts; collective."""
     of_vertex, of_cell = _local_pieces(mesh)
     least = _least_inputs(mesh, of_cell)
-    counts = mesh.comm.allgather(len(least))
+    counts = of_every_rank(mesh.comm, len(least))
     first = int(np.sum(counts[: mesh.comm.rank]))
     index_map = mesh.topology.index_map(0)
     owners = la.vector(index_map, dtype=np.int64)
@@ -77,12 +77,12 @@ def _parts_of_cells(mesh: Mesh) -> tuple[Integers, int]:
     owners.scatter_forward()
     ghosts = slice(index_map.size_local, None)
     pairs = np.column_stack([first + of_vertex[ghosts], owners.array[ghosts]])
-    joints = np.concatenate(mesh.comm.allgather(np.unique(pairs, axis=0)))
+    joints = gather_rows(mesh.comm, np.unique(pairs, axis=0))
     pieces = int(np.sum(counts))
     graph = coo_matrix((np.ones(len(joints)), joints.T), shape=(pieces, pieces))
     count, of_piece = connected_components(graph, directed=False)
     earliest = np.full(count, np.iinfo(np.int64).max)
-    np.minimum.at(earliest, of_piece, np.concatenate(mesh.comm.allgather(least)))
+    np.minimum.at(earliest, of_piece, gather_rows(mesh.comm, least))
     in_order = np.argsort(np.argsort(earliest))
     return in_order[of_piece[first + of_cell]], count
 

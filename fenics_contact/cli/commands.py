@@ -18,7 +18,7 @@ from fenics_contact.common import petsc_options, program
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import READER_LEFT, drop_output, explain, failing_together, say
 from fenics_contact.common.interrupts import Interrupts
-from fenics_contact.common.parallel import on_root
+from fenics_contact.common.parallel import of_every_rank, on_root
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import PlainFormatter
 from fenics_contact.results.load_history import Announce
@@ -79,7 +79,7 @@ def guarded(action: Callable[[], int], comm: MPI.Comm = MPI.COMM_WORLD) -> int:
             return READER_LEFT
         raise
     except (Exception, KeyboardInterrupt) as error:
-        found = comm.allgather(explain(error))
+        found = of_every_rank(comm, explain(error))
     if comm.rank == 0:
         for said in dict(reversed(found)).values():  # the first rank's of every code
             say(said)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from mpi4py import MPI
 
 from fenics_contact.common import timings
+from fenics_contact.common.parallel import from_root
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.results.load_history import Announce, step_line
 from fenics_contact.results.records.steps import StepRecord
@@ -42,7 +43,7 @@ def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Anno
     """
     console = Terminal(stderr=True)
     shows = console.is_terminal and not console.is_dumb_terminal and not quiet
-    if not comm.bcast(shows):
+    if not from_root(comm, shows):
         yield None
         return
     if comm.rank > 0:

@@ -22,6 +22,8 @@ import ufl
 from dolfinx import fem, jit
 from mpi4py import MPI
 
+from fenics_contact.common.parallel import from_root
+
 logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
@@ -75,7 +77,7 @@ def _compiled(terms: Any, build: Callable[[dict[str, Any]], T]) -> T:
                 raise
             # Every rank has an error of the compiler, of which rank 0 knows more.
             found = _NOT_DONE.search(str(error)) if time.monotonic() < end else None
-            file = comm.bcast(None if found is None else Path(found[1]))
+            file = from_root(comm, None if found is None else Path(found[1]))
             if file is None:
                 raise
         if not waits:

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from mpi4py import MPI
 
+from fenics_contact.common.parallel import of_every_rank
+
 _GROUPS = Path("/sys/fs/cgroup")
 _OWN = Path("/proc/self/cgroup")
 # Of both versions of control groups: a limit, what is used of it, and which of the statistics is
@@ -54,7 +56,7 @@ def _free_for(comm: MPI.Comm) -> _Free:
     machine.Free()
     together = [(free * comm.size / share, what) for free, what in _shared()]
     together += [(free * comm.size, what) for free, what in _own()]
-    every: list[_Free] = comm.allgather(min(together))
+    every: list[_Free] = of_every_rank(comm, min(together))
     return min(every)
 
 

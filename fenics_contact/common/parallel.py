@@ -1,18 +1,23 @@
-"""Decisions that all ranks take together.
+"""Decisions that all ranks take together, and all that one rank gets to know of the others.
 
 A rank that raises while another waits hangs both, so an error is first made
 known to every rank and then raised on all of them.
+
+What is gathered stands whole on a rank. Nothing else of the program calls MPI's gathering
+functions, so that a test can count what passes: of contact surfaces and of other parts of the
+boundary, never of whole bodies.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from mpi4py import MPI
+from numpy.typing import NDArray
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Kind
 from fenics_contact.common.errors import FenicsContactError
 
 T = TypeVar("T")
@@ -42,16 +47,15 @@ def on_root(comm: MPI.Comm, action: Callable[[], T]) -> T:
         except Exception as caught:  # shared, so that no other rank waits for ever
             error = RuntimeError(f"{type(caught).__name__}: {caught}")
             error.__cause__ = caught
-    shared: tuple[T, Exception | None] = comm.bcast((result, error), root=0)
-    if shared[1] is not None:
-        raise error or shared[1]
-    return shared[0]
+    found, raised = _from_root(comm, (result, error))
+    if raised is not None:
+        raise error or raised
+    return cast(T, found)
 
 
 def raise_together(comm: MPI.Comm, error: Exception | None) -> None:
     """Raise the error of the lowest rank that has one, on every rank; else return."""
-    errors = comm.allgather(error)
-    for found in errors:
+    for found in of_every_rank(comm, error):
         if found is not None:
             raise found
 
@@ -60,16 +64,13 @@ def total(comm: MPI.Comm, value: Any) -> Any:
     """Sum of a number or an array (same shape on every rank) over the ranks."""
     if np.ndim(value) == 0:
         return comm.allreduce(float(value), op=MPI.SUM)
-    local = np.ascontiguousarray(value, dtype=np.float64)
-    summed = np.empty_like(local)
-    comm.Allreduce(local, summed, op=MPI.SUM)
-    return summed
+    return _summed(comm, np.ascontiguousarray(value, dtype=np.float64))
 
 
 def largest(comm: MPI.Comm, values: Array, empty: float = 0.0) -> float:
     """Largest entry over the ranks, not a number if one is; ``empty`` where there is none."""
     local = float(values.max()) if values.size else -np.inf
-    found = float(np.max(comm.allgather(local)))  # MPI's own maximum may lose a NaN
+    found = float(np.max(of_every_rank(comm, local)))  # MPI's own maximum may lose a NaN
     return empty if found == -np.inf else found
 
 
@@ -78,6 +79,58 @@ def smallest(comm: MPI.Comm, values: Array, empty: float = 0.0) -> float:
     return -largest(comm, -values, empty=-empty)
 
 
-def gather_rows(comm: MPI.Comm, rows: Array) -> Array:
+def gather_rows(comm: MPI.Comm, rows: NDArray[Kind]) -> NDArray[Kind]:
     """Rows of all ranks on every rank, in rank order; for contact points only."""
-    return np.concatenate(comm.allgather(rows), axis=0)
+    return np.concatenate(of_every_rank(comm, rows), axis=0)
+
+
+def of_every_rank(comm: MPI.Comm, thing: T) -> list[T]:
+    """A small thing of each rank, on every rank, in rank order."""
+    return _to_every_rank(comm, thing)
+
+
+def gathered_on_root(comm: MPI.Comm, thing: T) -> list[T] | None:
+    """What each rank has, in rank order, on rank 0; None on the others."""
+    return _to_root(comm, thing)
+
+
+def sent_to_root(comm: MPI.Comm, thing: T, rank: int) -> T:
+    """What one rank has, on rank 0; the others get back their own."""
+    if comm.rank == rank != 0:
+        comm.send(thing, 0)
+    return _received(comm, rank) if comm.rank == 0 != rank else thing
+
+
+def from_rank(comm: MPI.Comm, thing: T, rank: int) -> T:
+    """What one rank has, on every rank."""
+    return _from_root(comm, thing, rank)
+
+
+def from_root(comm: MPI.Comm, thing: T) -> T:
+    """What rank 0 has, on every rank."""
+    return _from_root(comm, thing)
+
+
+def _to_every_rank(comm: MPI.Comm, thing: T) -> list[T]:
+    found: list[T] = comm.allgather(thing)
+    return found
+
+
+def _to_root(comm: MPI.Comm, thing: T) -> list[T] | None:
+    found: list[T] | None = comm.gather(thing)
+    return found
+
+
+def _received(comm: MPI.Comm, rank: int) -> Any:
+    return comm.recv(source=rank)
+
+
+def _from_root(comm: MPI.Comm, thing: T, rank: int = 0) -> T:
+    found: T = comm.bcast(thing, rank)
+    return found
+
+
+def _summed(comm: MPI.Comm, values: Array) -> Array:
+    summed = np.empty_like(values)
+    comm.Allreduce(values, summed, op=MPI.SUM)
+    return summed

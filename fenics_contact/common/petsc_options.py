@@ -12,6 +12,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fenics_contact.common.errors import InputError
+from fenics_contact.common.parallel import of_every_rank
 
 logger = logging.getLogger(__name__)
 
@@ -113,7 +114,7 @@ def _is_refusal(error: PETSc.Error) -> bool:
 def _report_unused(options: dict[str, str], comm: MPI.Comm) -> None:
     """Name what was used on no rank."""
     used = [name for name in options if is_used(name)]
-    used_anywhere = {name for names in comm.allgather(used) for name in names}
+    used_anywhere = {name for names in of_every_rank(comm, used) for name in names}
     unused = {name: value for name, value in options.items() if name not in used_anywhere}
     if unused:
         logger.warning(

@@ -12,6 +12,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
 from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.parallel import from_root, gather_rows
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.surface.space import SurfaceSpace
 
@@ -38,10 +39,10 @@ def traction_of(surface: SurfaceSpace, forces: Array) -> Array:
     """
     # Only contact unknowns are gathered; the one small system is solved on every rank.
     comm = surface.comm
-    rows, columns, values = (np.concatenate(comm.allgather(part)) for part in _mass(surface))
+    rows, columns, values = (gather_rows(comm, part) for part in _mass(surface))
     entries = surface.gathered_scalars(forces)
     matrix = coo_matrix((values, (rows, columns)), shape=(len(entries),) * 2).tocsc()
-    found = comm.bcast(spsolve(matrix, entries)).reshape(entries.shape)
+    found = from_root(comm, spsolve(matrix, entries)).reshape(entries.shape)
     return surface.scattered_scalars(found)
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags, Integers
-from fenics_contact.common.parallel import on_root
+from fenics_contact.common.parallel import gathered_on_root, on_root
 from fenics_contact.mesh.tagged_mesh import Body
 
 Tags = NDArray[np.int32]
@@ -71,14 +71,15 @@ def gathered(body: Body) -> Simplices | None:
     facet_tags = body.facet_tags
     mine = facet_tags.indices < mesh.topology.index_map(dimension - 1).size_local
     facets = compat.nodes_of_entities(mesh, dimension - 1, facet_tags.indices[mine])
-    rows = mesh.comm.gather(
+    rows = gathered_on_root(
+        mesh.comm,
         (
             numbers[nodes],
             mesh.geometry.x[nodes][:, :, :dimension],
             _all_values(body.cell_tags, own),
             numbers[facets],
             facet_tags.values[mine],
-        )
+        ),
     )
     if rows is None:
         return None

@@ -14,7 +14,7 @@ from fenics_contact.body.forms import Expr
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import AnyIntegers, Array, Flags
-from fenics_contact.common.parallel import largest
+from fenics_contact.common.parallel import gather_rows, largest, of_every_rank
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
 from fenics_contact.mesh.tagged_mesh import Group
@@ -137,13 +137,13 @@ def _gathered(spaces: Spaces, pairs: AnyIntegers) -> tuple[FacetMesh, int]:
     nodes = len(layout.entity_closure_dofs(dimension, 0))
     mine = np.array(geometry).reshape(-1, nodes, size)
     outward = mine[:, :count].mean(axis=1) - corners[pairs[:, 0]].mean(axis=1)
-    whole = np.concatenate(spaces.comm.allgather(mine))
-    normals = normalised(np.concatenate(spaces.comm.allgather(outward)))
+    whole = gather_rows(spaces.comm, mine)
+    normals = normalised(gather_rows(spaces.comm, outward))
     numbers = np.arange(count * len(whole)).reshape(-1, count)
     surface = FacetMesh(
         shape, spaces.geometry_order, 1, whole, numbers, np.repeat(normals, count, axis=0)
     )
-    return surface, sum(spaces.comm.allgather(len(mine))[: spaces.comm.rank])
+    return surface, sum(of_every_rank(spaces.comm, len(mine))[: spaces.comm.rank])
 
 
 def _among(pairs: AnyIntegers, others: AnyIntegers) -> Flags:

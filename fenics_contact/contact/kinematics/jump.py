@@ -14,7 +14,7 @@ from dolfinx import fem
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.parallel import on_root, total
+from fenics_contact.common.parallel import of_every_rank, on_root, total
 from fenics_contact.contact.mortar.facet_mesh import reference_nodes
 from fenics_contact.contact.mortar.pairing import Pairing, gathered
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
@@ -102,7 +102,7 @@ class ContactKinematics(ABC):
             return smooth.at_nodes(), smooth.offsets(facets, np.tile(middle, (len(facets), 1)))
 
         at_nodes, at_centres = on_root(self._spaces.comm, find)
-        counts = self._spaces.comm.allgather(len(trace.centres))
+        counts = of_every_rank(self._spaces.comm, len(trace.centres))
         first = sum(counts[: self._spaces.comm.rank])
         mine = at_centres[first : first + len(trace.centres)]
         return np.concatenate([at_nodes[trace.surface.numbers][trace.numbers], mine])

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags, Integers, Kind
-from fenics_contact.common.parallel import on_root
+from fenics_contact.common.parallel import gather_rows, of_every_rank, on_root
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
 from fenics_contact.contact.mortar.integrals import MortarIntegrals, integrate
 from fenics_contact.contact.mortar.projection import Projection
@@ -98,7 +98,7 @@ class Pairing:
         self.projection = Projection.between(faced.integrals, self._mirrored, faced.faced)
         self.faced = faced.faced
         self.normals = self._slave.symmetry.mirrored(faced.normals[surface.numbers])
-        counts = self._comm.allgather(len(surface.facet_nodes))
+        counts = of_every_rank(self._comm, len(surface.facet_nodes))
         first = sum(counts[: self._comm.rank])
         mine = slice(first, first + counts[self._comm.rank])
         self.shares = faced.integrals.coverage[mine]
@@ -200,4 +200,4 @@ def gathered(trace: Trace) -> FacetMesh:
 
 def _joined(comm: MPI.Comm, rows: NDArray[Kind]) -> NDArray[Kind]:
     """Rows of all ranks; collective."""
-    return np.concatenate(comm.allgather(rows))
+    return gather_rows(comm, rows)

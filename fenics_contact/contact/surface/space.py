@@ -18,7 +18,7 @@ from fenics_contact.body.spaces import Spaces, summed_over_ranks
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Integers, Kind
-from fenics_contact.common.parallel import largest, smallest
+from fenics_contact.common.parallel import gather_rows, largest, smallest
 from fenics_contact.mesh.tagged_mesh import Group
 
 
@@ -77,7 +77,7 @@ class SurfaceSpace:
         """The body's global number of every dof of the whole surface, by its number here."""
         mine = self.body_nodes[: self.owned_nodes]
         numbers = self.spaces.displacement_space.dofmap.index_map.local_to_global(mine)
-        nodes = np.concatenate(self.comm.allgather(numbers)).astype(np.int64)
+        nodes = gather_rows(self.comm, numbers).astype(np.int64)
         return (nodes[:, None] * self.components + np.arange(self.components)).ravel()
 
     @cached_property
@@ -88,7 +88,7 @@ class SurfaceSpace:
 
     def gathered(self, nodal: NDArray[Kind]) -> NDArray[Kind]:
         """Values at this rank's nodes, first axis nodes, for the whole surface; collective."""
-        return np.concatenate(self.comm.allgather(nodal[: self.owned_nodes]))
+        return gather_rows(self.comm, nodal[: self.owned_nodes])
 
     def _nodes_in_body(self) -> NDArray[np.int32]:
         """The body's node at the place of each node here, facet by facet."""
@@ -161,7 +161,7 @@ class SurfaceSpace:
         ordered = np.empty_like(nodal)
         ordered[self._scalar_of_node] = nodal
         owned = self.scalar_space.dofmap.index_map.size_local
-        return np.concatenate(self.comm.allgather(ordered[:owned]))
+        return gather_rows(self.comm, ordered[:owned])
 
     def scattered_scalars(self, values: Array) -> Array:
         """At this rank's nodes, from ``gathered_scalars``."""

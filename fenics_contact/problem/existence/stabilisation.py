@@ -14,7 +14,7 @@ import numpy as np
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import AppliedSupport
 from fenics_contact.common.arrays import Array, Flags, Integers
-from fenics_contact.common.parallel import largest, total
+from fenics_contact.common.parallel import largest, of_every_rank, total
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
 
@@ -100,7 +100,7 @@ def determining_dofs(problem: Problem, fields: Array, nodes: Flags | None) -> In
         candidates = np.flatnonzero(sizes >= (1 - _EQUAL) * top)
         best = min((_place(spaces, dof), dof) for dof in candidates) if len(candidates) else None
         mine = None if best is None else (best[0], numbers[best[1] // components], rest[best[1]])
-        offers = [offer for offer in comm.allgather(mine) if offer is not None]
+        offers: list[Any] = [offer for offer in of_every_rank(comm, mine) if offer is not None]
         (*_, axis), node, row = min(offers, key=lambda offer: offer[0])
         along = row / np.linalg.norm(row)
         rest -= np.outer(rest @ along, along)

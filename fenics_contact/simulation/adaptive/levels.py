@@ -17,6 +17,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fenics_contact.common.errors import FenicsContactError, StoppedError
+from fenics_contact.common.parallel import from_root
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.accuracy_messages import (
     level_line,
@@ -206,7 +207,7 @@ class AdaptiveRun:
         body = wish.mesh(self._has_own_body)
         scene = balanced(self.run.scene, result, errors, self.asked)
         comm = self.run.problem.comm
-        self._between = comm.bcast(time.perf_counter() - began)
+        self._between = from_root(comm, time.perf_counter() - began)
         for phase in ("mesh", "total"):
             self._seconds[phase] += self._between
         return Run(scene, comm, body)

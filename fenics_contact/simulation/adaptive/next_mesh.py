@@ -13,7 +13,7 @@ import numpy as np
 
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags
-from fenics_contact.common.parallel import on_root
+from fenics_contact.common.parallel import gathered_on_root, on_root
 from fenics_contact.mesh.loading import is_geometry, load_body
 from fenics_contact.mesh.refinement import refined
 from fenics_contact.mesh.size_field import Cells, SizeField, finer_at, graded, next_sizes
@@ -84,7 +84,7 @@ def next_mesh(scene: Scene, problem: Problem, wish: Wish, is_own: bool) -> Body:
     """
     body, comm = problem.body, problem.comm
     rows = _own_cells(scene, body, _of_a_section(problem, wish.squared)) | {"edges": wish.edges}
-    gathered = comm.gather(rows)
+    gathered = gathered_on_root(comm, rows)
 
     def found() -> tuple[_All, Array]:
         assert gathered is not None  # on rank 0

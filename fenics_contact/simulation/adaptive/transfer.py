@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.parallel import gather_rows
+from fenics_contact.common.parallel import from_rank
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 
@@ -35,15 +35,69 @@ def moved_over(old: Problem, new: Problem, unknowns: Unknowns) -> Unknowns:
     rows = np.hstack(
         [old.spaces.coordinates[owned], unknowns.displacement[owned], parts.astype(np.float64)]
     )
-    rows = gather_rows(old.comm, rows)
-    points, values, of_row = rows[:, : old.spaces.components], rows[:, 3:-1], rows[:, -1]
+    size = old.spaces.components
+    at = [
+        new.spaces.coordinates[new.spaces.parts.of_node == part, :size]
+        for part in range(new.spaces.parts.count)
+    ]
+    nearest = [_Nearest(places, size) for places in at]
+    for rank in range(old.comm.size):  # no rank holds the nodes of all at once
+        found = from_rank(old.comm, rows, rank)
+        for part, one in enumerate(nearest):
+            there = found[found[:, -1] == part]
+            one.take(there[:, :size], there[:, 3:-1])
     displacement = np.zeros_like(new.load)
-    for part in range(new.spaces.parts.count):
-        mine = np.flatnonzero(new.spaces.parts.of_node == part)
-        there = of_row == part
-        at = new.spaces.coordinates[mine, : old.spaces.components]
-        displacement[mine] = fitted(points[there], values[there], at)
+    for part, one in enumerate(nearest):
+        displacement[new.spaces.parts.of_node == part] = one.fitted()
     return Unknowns(unknowns.time, lambda: displacement, unknowns.scalars, unknowns.mean_stress)
+
+
+class _Nearest:
+    """The old nodes that are nearest to new ones, of all that were shown so far.
+
+    Args:
+        at: The new nodes, (nodes, dimension) (length).
+        components: Of the values at the old ones.
+    """
+
+    def __init__(self, at: Array, components: int) -> None:
+        self._at, self._number = at, _NEAREST[at.shape[1]]
+        self._distances = np.zeros((len(at), 0))
+        self._points = np.zeros((len(at), 0, at.shape[1]))
+        self._values = np.zeros((len(at), 0, components))
+
+    def take(self, points: Array, values: Array) -> None:
+        """Look at more old nodes.
+
+        Args:
+            points: Where they are, (points, dimension) (length).
+            values: What is known there, (points, components).
+        """
+        if len(points) == 0 or len(self._at) == 0:
+            return
+        number = min(self._number, len(points))
+        distances, nearest = cKDTree(points).query(self._at, k=[*range(1, number + 1)])
+        distances = np.concatenate([self._distances, distances], axis=1)
+        order = np.argsort(distances, axis=1, kind="stable")[:, : self._number]
+        self._distances = np.take_along_axis(distances, order, axis=1)
+        self._points, self._values = (
+            np.take_along_axis(
+                np.concatenate([before, known[nearest]], axis=1), order[:, :, None], axis=1
+            )
+            for before, known in ((self._points, points), (self._values, values))
+        )
+
+    def fitted(self) -> Array:
+        """Values at the new nodes by the polynomials, (nodes, components)."""
+        found = np.zeros((len(self._at), self._values.shape[2]))
+        if self._distances.shape[1] == 0:
+            return found
+        for first in range(0, len(self._at), _AT_ONCE):
+            part = slice(first, first + _AT_ONCE)
+            found[part] = _fitted(
+                self._at[part], self._points[part], self._values[part], self._distances[part]
+            )
+        return found
 
 
 def fitted(points: Array, values: Array, at: Array) -> Array:
@@ -57,26 +111,20 @@ def fitted(points: Array, values: Array, at: Array) -> Array:
     Returns:
         Shape (others, components).
     """
-    if len(at) == 0 or len(points) == 0:
-        return np.zeros((len(at), values.shape[1]))
-    number = min(_NEAREST[points.shape[1]], len(points))
-    tree = cKDTree(points)
-    found = [
-        _fitted(points, values, at[i : i + _AT_ONCE], tree, number)
-        for i in range(0, len(at), _AT_ONCE)
-    ]
-    return np.concatenate(found)
+    nearest = _Nearest(at, values.shape[1])
+    nearest.take(points, values)
+    return nearest.fitted()
 
 
-def _fitted(points: Array, values: Array, at: Array, tree: cKDTree, number: int) -> Array:
-    distances, nearest = tree.query(at, k=[*range(1, number + 1)])
+def _fitted(at: Array, points: Array, values: Array, distances: Array) -> Array:
+    """Values at places by points (places, nearest, dimension), of each its own."""
     size = np.maximum(distances[:, -1:], np.finfo(float).tiny)
-    away = (points[nearest] - at[:, None]) / size[:, :, None]
+    away = (points - at[:, None]) / size[:, :, None]
     weights = np.exp(-((2 * distances / size) ** 2)) + 1e-12
     terms = _quadratic(away)
     normal = np.einsum("nki,nk,nkj->nij", terms, weights, terms)
     normal += _RIDGE * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(terms.shape[2])
-    right = np.einsum("nki,nk,nkc->nic", terms, weights, values[nearest])
+    right = np.einsum("nki,nk,nkc->nic", terms, weights, values)
     return np.asarray(np.linalg.solve(normal, right)[:, 0])
 
 

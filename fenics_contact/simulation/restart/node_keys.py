@@ -9,11 +9,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 
 from fenics_contact.body.spaces import summed_over_ranks
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import total
+from fenics_contact.simulation.restart.row_tables import SavedTables
 
 
 class NodalKeys:
@@ -35,48 +35,30 @@ class NodalKeys:
         self._of_node[nodes] = keys
         self._own_keys, self._own_nodes = keys[: cells.size_local], nodes[: cells.size_local]
 
-    def gathered(self, nodal: Array, wanted: Flags | None = None) -> tuple[Integers, Array]:
-        """Keys and values of all nodes, on rank 0 and empty elsewhere; collective.
+    def own(self, wanted: Flags | None = None) -> tuple[Integers, Integers]:
+        """Names and numbers of the nodes that this rank owns.
 
         Args:
-            nodal: First axis nodes of this rank.
             wanted: Only these.
         """
-        own = np.arange(self._index_map.size_local)
+        nodes = np.arange(self._index_map.size_local)
         if wanted is not None:
-            own = own[wanted[own]]
-        return gather_keyed(self._comm, self._of_node[own], nodal[own])
+            nodes = nodes[wanted[nodes]]
+        return self._of_node[nodes], nodes
 
-    def spread(self, keys: Integers, values: Array) -> Array | None:
-        """Values at the nodes of this rank, 0 without; None if they are another mesh's; collective.
+    def values(self, saved: SavedTables, table: str) -> dict[str, Array] | None:
+        """Columns of a table at the nodes of this rank, 0 without a row; collective.
 
-        Args:
-            keys: Sorted, the same on every rank; likewise
-            values: First axis keys.
+        Returns:
+            First axis nodes; None if there are rows of another mesh's nodes.
         """
-        places, known = found_among(keys, self._own_keys.ravel())
-        nodal = np.zeros((len(self._of_node), *values.shape[1:]))
-        # A key names a cell that one rank owns, so each value comes in once.
-        nodal[self._own_nodes.ravel()[known]] = values[places[known]]
-        if int(total(self._comm, int(known.sum()))) != len(keys):
+        # A key names a cell that one rank owns, so each row is taken once.
+        columns, known = saved.taken(table, self._own_keys.ravel())
+        if int(total(self._comm, int(known.sum()))) != saved.count(table):
             return None
+        return {name: self._at_nodes(values, known) for name, values in columns.items()}
+
+    def _at_nodes(self, values: Array, known: Flags) -> Array:
+        nodal = np.zeros((len(self._of_node), *values.shape[1:]))
+        nodal[self._own_nodes.ravel()[known]] = values[known]
         return summed_over_ranks(self._index_map, nodal)
-
-
-def found_among(keys: Integers, wanted: Integers) -> tuple[Integers, Flags]:
-    """Places of keys among sorted ones, and which there are."""
-    places = np.searchsorted(keys, wanted)
-    known = np.zeros(len(wanted), dtype=bool)
-    inside = places < len(keys)
-    known[inside] = keys[places[inside]] == wanted[inside]
-    return places, known
-
-
-def gather_keyed(comm: MPI.Comm, keys: Integers, values: Array) -> tuple[Integers, Array]:
-    """Keys and values of all ranks, sorted, on rank 0 and empty elsewhere; collective."""
-    parts = comm.gather((keys, values))
-    if parts is None:
-        return keys[:0], values[:0]
-    all_keys, all_values = (np.concatenate(part) for part in zip(*parts, strict=True))
-    order = np.argsort(all_keys)
-    return all_keys[order], all_values[order]

@@ -25,9 +25,9 @@ from fenics_contact.results.earlier_results import steps_in_todays_terms
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result_file import steps_of
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.restart import fingerprint
-from fenics_contact.simulation.restart.node_keys import NodalKeys, found_among, gather_keyed
-from fenics_contact.simulation.restart.sealed_arrays import Arrays, read, write
+from fenics_contact.simulation.restart import fingerprint, sealed_arrays
+from fenics_contact.simulation.restart.node_keys import NodalKeys
+from fenics_contact.simulation.restart.row_tables import Rows, SavedTables, write
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
@@ -110,8 +110,8 @@ class StateFile:
         assert last is not None
         header = {
             "made_for": self._made_for,
-            "time": last.unknowns.time,
-            "time_before": None if last.before is None else last.before.time,
+            "last": _plain_unknowns(last.unknowns),
+            "before": None if last.before is None else _plain_unknowns(last.before),
             "steps": [step.as_dict() for step in steps],
             "pace": load_steps.pace.state,
             "forces": load_steps.newton.system.earlier_forces,
@@ -123,19 +123,14 @@ class StateFile:
                 "imbalance_limit": last.solution.imbalance_limit,
             },
         }
-        arrays = self._unknowns_as_arrays("last", last.unknowns)
-        if last.before is not None:
-            arrays |= self._unknowns_as_arrays("before", last.before)
-        for number, memory in enumerate(last.contacts):
-            arrays |= self._contact_as_arrays(number, memory)
-        on_root(self._comm, lambda: write(self.path, header, arrays))
+        write(self._comm, self.path, header, self._tables(last))
 
     def finish(self, exit_code: int) -> None:
         """Say in it that the run came to its end; collective."""
 
         def say() -> None:
-            header, arrays = read(self.path)
-            write(self.path, header | {"exit_code": exit_code}, arrays)
+            header = sealed_arrays.read_header(self.path)
+            sealed_arrays.replace_header(self.path, header | {"exit_code": exit_code})
 
         on_root(self._comm, say)
 
@@ -147,16 +142,19 @@ class StateFile:
         """
         if not on_root(self._comm, self.path.exists):
             return None
-        header, arrays = on_root(self._comm, lambda: read(self.path))
+        saved = SavedTables(self._comm, self.path)
+        header = saved.header
         self._require_same(header["made_for"])
         said, signs = header["solution"], [c.sides.on_sign for c in self._problem.contacts]
         axisymmetric = self._problem.spaces.kinematics == "axisymmetric"
         steps = steps_of(steps_in_todays_terms(header["steps"], signs, axisymmetric))
-        before = header["time_before"]
+        nodal, mean_stresses = self._read(saved, self._nodes, "nodes"), {}
+        if self._mixed is not None:
+            mean_stresses = self._read(saved, self._mean_stresses, "mean_stresses")
         last = AcceptedStep(
-            unknowns=self._unknowns("last", header["time"], arrays),
+            unknowns=_unknowns(header, "last", nodal, mean_stresses),
             contacts=[
-                self._contact(number, plain, arrays)
+                self._contact(number, plain, saved, nodal)
                 for number, plain in enumerate(header["contacts"])
             ],
             solution=Solution(
@@ -172,7 +170,9 @@ class StateFile:
                 imbalance_limit=said["imbalance_limit"],
                 factorisations=0,
             ),
-            before=None if before is None else self._unknowns("before", before, arrays),
+            before=None
+            if header["before"] is None
+            else _unknowns(header, "before", nodal, mean_stresses),
         )
         return SavedRun(
             last, steps, header["pace"], header["forces"], header["energy"], header["exit_code"]
@@ -198,58 +198,56 @@ class StateFile:
     def _refused(self, why: str) -> InputError:
         return InputError(f"--resume: '{self.path}' does not belong here: {why}")
 
-    def _unknowns_as_arrays(self, name: str, unknowns: Unknowns) -> Arrays:
-        keys, values = self._nodes.gathered(unknowns.displacement)
-        arrays: Arrays = {"nodes": keys, name: values, f"{name}_scalars": unknowns.scalars}
+    def _tables(self, last: AcceptedStep) -> dict[str, Rows]:
+        """This rank's own rows of all that stands at nodes and facets; collective."""
+        keys, own = self._nodes.own()
+        states = {"last": last.unknowns} | ({} if last.before is None else {"before": last.before})
+        nodal = {name: unknowns.displacement[own] for name, unknowns in states.items()}
+        tables: dict[str, Rows] = {}
+        for number, memory in enumerate(last.contacts):
+            tables |= self._of_contact(number, memory)
+            if memory.paired_at is not None:
+                nodal[_paired_at(number)] = memory.paired_at[own]
+        tables["nodes"] = Rows(keys, nodal)
         if self._mixed is not None:
-            keys, values = self._mean_stresses.gathered(unknowns.mean_stress)
-            arrays |= {"mean_stresses": keys, f"{name}_mean_stress": values}
-        return arrays
+            keys, own = self._mean_stresses.own()
+            columns = {name: unknowns.mean_stress[own] for name, unknowns in states.items()}
+            tables["mean_stresses"] = Rows(keys, columns)
+        return tables
 
-    def _unknowns(self, name: str, time: float, arrays: Arrays) -> Unknowns:
-        mean_stress = np.zeros(0)
-        if self._mixed is not None:
-            keys, values = arrays["mean_stresses"], arrays[f"{name}_mean_stress"]
-            mean_stress = self._spread(self._mean_stresses, keys, values)
-        displacement = self._spread(self._nodes, arrays["nodes"], arrays[name])
-        return Unknowns(time, lambda: displacement, arrays[f"{name}_scalars"], mean_stress)
+    def _of_contact(self, number: int, memory: ContactMemory) -> dict[str, Rows]:
+        """What is at the points of a contact: at its nodes, and at its facets' centres."""
+        contact = self._problem.contacts[number]
+        trace = contact.trace
+        values = np.column_stack(list(memory.at_points.values()))
+        count = len(trace.nodes)
+        on_body = trace.surface.on_body(trace.at_all_nodes(values[:count]))
+        keys, own = self._nodes.own(contact.on_body)
+        return {
+            f"contact{number}_nodes": Rows(keys, {"values": on_body[own]}),
+            f"contact{number}_centres": Rows(
+                self._centre_keys(contact), {"values": values[count:]}
+            ),
+        }
 
-    def _spread(self, nodes: NodalKeys, keys: Integers, values: Array) -> Array:
-        found = nodes.spread(keys, values)
+    def _read(self, saved: SavedTables, nodes: NodalKeys, table: str) -> dict[str, Array]:
+        found = nodes.values(saved, table)
         if found is None:
             raise self._refused("its nodes are those of another mesh")
         return found
 
-    def _contact_as_arrays(self, number: int, memory: ContactMemory) -> Arrays:
-        """What is at the points of a contact, at its nodes and at its facets' centres."""
-        trace = self._problem.contacts[number].trace
-        values = np.column_stack(list(memory.at_points.values()))
-        count = len(trace.nodes)
-        on_body = trace.surface.on_body(trace.at_all_nodes(values[:count]))
-        wanted = self._problem.contacts[number].on_body
-        name = f"contact{number}"
-        nodes, at_nodes = self._nodes.gathered(on_body, wanted)
-        arrays: Arrays = {f"{name}_nodes": nodes, f"{name}_at_nodes": at_nodes}
-        facets, at_centres = gather_keyed(
-            self._comm, self._centre_keys(self._problem.contacts[number]), values[count:]
-        )
-        arrays |= {f"{name}_facets": facets, f"{name}_at_centres": at_centres}
-        if memory.paired_at is not None:
-            arrays[f"{name}_paired_at"] = self._nodes.gathered(memory.paired_at)[1]
-        return arrays
-
-    def _contact(self, number: int, plain: dict[str, Any], arrays: Arrays) -> ContactMemory:
+    def _contact(
+        self, number: int, plain: dict[str, Any], saved: SavedTables, nodal: dict[str, Array]
+    ) -> ContactMemory:
         contact, name = self._problem.contacts[number], f"contact{number}"
-        keys = arrays[f"{name}_nodes"]
         owned = contact.on_body[: self._problem.spaces.owned_nodes]
-        if total(self._comm, int(owned.sum())) != len(keys):
+        if total(self._comm, int(owned.sum())) != saved.count(f"{name}_nodes"):
             raise self._refused(f"the contact '{contact.label}' had other facets")
-        at_nodes = self._spread(self._nodes, keys, arrays[f"{name}_at_nodes"])[contact.nodes]
-        places, known = found_among(arrays[f"{name}_facets"], self._centre_keys(contact))
+        at_nodes = self._read(saved, self._nodes, f"{name}_nodes")["values"][contact.nodes]
+        at_centres, known = saved.taken(f"{name}_centres", self._centre_keys(contact))
         if total(self._comm, int((~known).sum())):
             raise self._refused("its facets are those of another mesh")
-        values = np.concatenate([at_nodes, arrays[f"{name}_at_centres"][places]])
-        paired_at = arrays.get(f"{name}_paired_at")
+        values = np.concatenate([at_nodes, at_centres["values"]])
         present = remember(contact).at_points
         wide = [array.shape[1] if array.ndim == 2 else 1 for array in present.values()]
         parts = np.split(values, np.cumsum(wide)[:-1], axis=1)
@@ -257,13 +255,7 @@ class StateFile:
             name: part.reshape(present[name].shape).copy()
             for name, part in zip(present, parts, strict=True)
         }
-        return ContactMemory(
-            **plain,
-            at_points=at_points,
-            paired_at=None
-            if paired_at is None
-            else self._spread(self._nodes, arrays["nodes"], paired_at),
-        )
+        return ContactMemory(**plain, at_points=at_points, paired_at=nodal.get(_paired_at(number)))
 
     def _centre_keys(self, contact: ContactSurface) -> Integers:
         """A number for every facet of this rank that has a point at its centre."""
@@ -282,3 +274,22 @@ def _plain_part(memory: ContactMemory) -> dict[str, Any]:
     fields = dataclasses.fields(memory)
     parts = {field.name: getattr(memory, field.name) for field in fields}
     return {name: part for name, part in parts.items() if isinstance(part, float | bool)}
+
+
+def _paired_at(number: int) -> str:
+    """The column of the displacement at which a contact was paired."""
+    return f"contact{number}_paired_at"
+
+
+def _plain_unknowns(unknowns: Unknowns) -> dict[str, Any]:
+    """What stands at no node."""
+    return {"time": unknowns.time, "scalars": unknowns.scalars.tolist()}
+
+
+def _unknowns(
+    header: dict[str, Any], name: str, nodal: dict[str, Array], mean_stresses: dict[str, Array]
+) -> Unknowns:
+    """The unknowns of a step by its name; a mean stress where there is one."""
+    scalars = np.array(header[name]["scalars"], dtype=np.float64)
+    mean_stress = mean_stresses.get(name, np.zeros(0))
+    return Unknowns(header[name]["time"], lambda: nodal[name], scalars, mean_stress)

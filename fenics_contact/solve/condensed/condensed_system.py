@@ -16,6 +16,7 @@ from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import from_root, gathered_on_root
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
@@ -229,7 +230,7 @@ class CondensedSystem(System):
 
     def _values(self, state: PETSc.Vec) -> Array:
         """All unknowns, on every rank; collective."""
-        return np.asarray(self.comm.bcast(np.array(state.array_r) if self._root else None))
+        return np.asarray(from_root(self.comm, np.array(state.array_r) if self._root else None))
 
     def _displacements(self, values: Array) -> Array:
         """Of all contact dofs."""
@@ -280,7 +281,7 @@ class CondensedSystem(System):
         if jump is None:
             return np.zeros(0)
         surface = jump.surface.contact.trace.surface
-        parts = self.comm.gather(force[: surface.owned_nodes].reshape(-1))
+        parts = gathered_on_root(self.comm, force[: surface.owned_nodes].reshape(-1))
         return np.zeros(0) if parts is None else np.concatenate(parts)
 
     def linearise(self, state: PETSc.Vec) -> None:
@@ -292,7 +293,7 @@ class CondensedSystem(System):
         found: list[Entries] = [(none, none, np.zeros(0))]
         for jump in (jump for jump in self._jumps if jump is not None):
             jump.surface.contact.follow()
-            parts = self.comm.gather(jump.surface.entries())
+            parts = gathered_on_root(self.comm, jump.surface.entries())
             if parts is not None:
                 rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
                 found.append(jump.tangent((rows, columns, values)))
@@ -301,12 +302,12 @@ class CondensedSystem(System):
 
     def imbalance(self) -> float:
         """1-norm of the last residual (force); collective."""
-        return float(self.comm.bcast(float(np.abs(self.residual.array_r).sum())))
+        return float(from_root(self.comm, float(np.abs(self.residual.array_r).sum())))
 
     def round_off(self) -> float:
         """20 × machine epsilon × ‖|M| |y|‖₁; collective."""
         left = 0.0 if self._dense is None else self._dense.magnitude(np.array(self.state.array_r))
-        return float(self.comm.bcast(20 * np.finfo(float).eps * left))
+        return float(from_root(self.comm, 20 * np.finfo(float).eps * left))
 
     def moved(self) -> float:
         """Largest displacement of the contacts since the start (length)."""

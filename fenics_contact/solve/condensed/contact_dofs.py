@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 
@@ -43,7 +44,7 @@ class ContactDofs:
 
     def gathered(self, values: Array) -> Array:
         """Values at this rank's displacement dofs, at all contact dofs; collective."""
-        return np.concatenate(self._comm.allgather(values[self._mine]))
+        return gather_rows(self._comm, values[self._mine])
 
     def places(self, dofs: Integers) -> Integers:
         """Where dofs of surfaces, by the body's global numbers, are among these."""

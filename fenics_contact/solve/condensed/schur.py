@@ -16,7 +16,12 @@ from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import FenicsContactError
-from fenics_contact.common.parallel import raise_together
+from fenics_contact.common.parallel import (
+    from_root,
+    gathered_on_root,
+    of_every_rank,
+    raise_together,
+)
 from fenics_contact.common.petsc_options import PREFIX
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.systems import mumps
@@ -52,7 +57,7 @@ class CondensedBulk:
         self._inside = LocalFactor(stiffness.matrix, held, self._kept, chosen)
         raise_together(self.comm, self._inside.error)
         self._numbers = stiffness.numbers[self._kept]
-        every = self.comm.allgather(self._numbers)
+        every = of_every_rank(self.comm, self._numbers)
         union = np.unique(np.concatenate(every))
         between = np.setdiff1d(union, contact)
         # Contact dofs first, then those between ranks.
@@ -64,7 +69,8 @@ class CondensedBulk:
 
     def _sum_and_condense(self, local: Array) -> Array | None:
         """S of all ranks together, on rank 0."""
-        parts = self.comm.gather(local) if self.comm.size > 1 else [local]  # it makes copies
+        # Gathering makes copies.
+        parts = gathered_on_root(self.comm, local) if self.comm.size > 1 else [local]
         if parts is None:
             return None
         if len(parts) == 1:
@@ -91,7 +97,7 @@ class CondensedBulk:
         """
         solved = self._inside.solve(load)
         left = (load - self._inside.matrix @ solved)[self._kept]
-        parts = self.comm.gather(left)
+        parts = gathered_on_root(self.comm, left)
         self._load = np.zeros(self._size)
         for places, part in zip(self._places, parts or (), strict=False):
             self._load[places] += part
@@ -115,7 +121,7 @@ class CondensedBulk:
             if self._between is not None:
                 loads = self._load[self.count :]
                 values[self.count :] = lu_solve(self._between, loads) - self._carried @ x
-        values = self.comm.bcast(values)
+        values = from_root(self.comm, values)
         kept = np.zeros(len(load))
         kept[self._kept] = values[self._places[self.comm.rank]]
         found = self._inside.solve(load - self._inside.matrix @ kept)

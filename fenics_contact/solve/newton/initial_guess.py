@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import from_root, of_every_rank
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions, null_space
 
@@ -42,7 +43,7 @@ def starting_point(problem: Problem) -> tuple[Array, list[float]]:
         patch = float(weights[rows @ motion > gap].sum())
         plane = problem.spaces.kinematics in ("plane strain", "plane stress")
         length = min(max(patch if plane else np.sqrt(patch), 1e-6 * size), size)
-    motion = problem.comm.bcast(motion)
+    motion = from_root(problem.comm, motion)
     found = rigid.indentations(loose @ motion)
     for contact, indentation in zip(rigid.floating, found, strict=True):
         indentations[problem.contacts.index(contact)] += float(indentation)
@@ -73,7 +74,7 @@ def _unresisted(problem: Problem, rigid: RigidMotions, closing: Array) -> Array:
 def _gram(problem: Problem, weights: Array, vectors: Array) -> Array:
     """Σ w v v over the points of all ranks, by motions; collective."""
     own = np.einsum("q,qci,qcj->ij", weights, vectors, vectors)
-    return np.asarray(np.sum(problem.comm.allgather(own), axis=0))
+    return np.asarray(np.sum(of_every_rank(problem.comm, own), axis=0))
 
 
 def _mostly_pressing(rubbing: Array, pressing: Array) -> Array:

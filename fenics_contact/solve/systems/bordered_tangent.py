@@ -10,6 +10,7 @@ from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 
 from fenics_contact.common.arrays import AnyIntegers, Array, Integers
+from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ScalarUnknown
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
@@ -130,10 +131,10 @@ class AddedTangents:
             numbers, values = self._first + far_field.dofs[mine], unknown.column[mine]
             shared = np.isin(numbers, surface.dofs)
             comm = self._problem.comm
-            numbers = np.concatenate(comm.allgather(numbers[shared]))
+            numbers = gather_rows(comm, numbers[shared])
             order = np.argsort(surface.dofs)
             places = order[np.searchsorted(surface.dofs, numbers, sorter=order)]
-            motion[places] = np.concatenate(comm.allgather(values[shared]))
+            motion[places] = gather_rows(comm, values[shared])
         elif unknown.contact is surface.contact:
             motion[:] = -np.resize(unknown.direction, len(motion))
         return motion

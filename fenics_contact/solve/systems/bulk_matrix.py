@@ -8,6 +8,7 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ScalarUnknown
 from fenics_contact.solve.systems.bordered_tangent import AddedTangents
@@ -81,7 +82,7 @@ class LinearSystem(AddedTangents):
         columns = displacement.getSizes()[1]
         first = displacement.getOwnershipRange()[0]
         local = [self._border_dofs(k) for k in range(self.scalars)]
-        gathered = [np.concatenate(comm.allgather(first + dofs)) for dofs in local]
+        gathered = [gather_rows(comm, first + dofs) for dofs in local]
         widest = max((len(dofs) for dofs in gathered), default=0)
         local_volumes = [np.flatnonzero(volume) for volume in self._far_volumes]
         columns_of_lines = [self._empty_columns(displacement, sizes, local)]

@@ -14,6 +14,7 @@ from mpi4py import MPI
 from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.parallel import of_every_rank
 from fenics_contact.contact.mortar.pairing import Pairing
 from fenics_contact.contact.mortar.projection import parts_of
 
@@ -68,7 +69,7 @@ class PairStiffness:
             entries: Rows, columns (dofs of the slave) and values, of this rank.
         """
         rows, columns, values = (
-            np.concatenate(parts) for parts in zip(*comm.allgather(entries), strict=True)
+            np.concatenate(parts) for parts in zip(*of_every_rank(comm, entries), strict=True)
         )
         shape = (self._slaves, self._slaves)
         return csr_matrix((values, (rows, columns)), shape=shape)

@@ -15,7 +15,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.parallel import total
+from fenics_contact.common.parallel import from_root, total
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ScalarUnknown
 from fenics_contact.solve.systems.body_answer import FindBody
@@ -136,7 +136,7 @@ class System(ABC):
         if not self.scalars:
             return np.zeros(0)
         last = np.array(state.array_r[-self.scalars :]) if self.comm.rank == 0 else None
-        return np.asarray(self.comm.bcast(last))
+        return np.asarray(from_root(self.comm, last))
 
     def set_scalars(self, values: Array) -> None:
         """Give the scalar unknowns values, (scalars,)."""

@@ -43,11 +43,15 @@ def worst_of(comm: MPI.Comm, values: Array, places: Array) -> tuple[float, Place
         0 and nowhere if no rank has a value.
     """
     peak = largest(comm, values)
-    tied = np.isnan(values) if np.isnan(peak) else values >= peak - 1e-9 * abs(peak)
-    rows = gather_rows(comm, places[tied])
-    size = float(np.abs(rows).max(initial=0.0)) or 1.0
-    order = np.lexsort(np.round(rows / size, 9).T[::-1])
-    return peak, tuple(rows[order[0]].tolist()) if len(rows) else ()
+    tied = places[np.isnan(values) if np.isnan(peak) else values >= peak - 1e-9 * abs(peak)]
+    size = largest(comm, np.abs(tied).ravel()) or 1.0
+    rows = gather_rows(comm, _first(tied, size))  # all may be tied: one of each rank is enough
+    return peak, tuple(_first(rows, size)[0].tolist()) if len(rows) else ()
+
+
+def _first(places: Array, size: float) -> Array:
+    """The first of places by their coordinates, rounded, (1, 3), or none (length)."""
+    return places[np.lexsort(np.round(places / size, 9).T[::-1])[:1]]
 
 
 def balance(

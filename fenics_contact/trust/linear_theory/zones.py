@@ -155,6 +155,9 @@ def _touching(contact: ContactSurface, state: ContactState) -> tuple[Array, floa
     return contact.trace.coordinates[closed & contact.trace.owned], area
 
 
+_LARGEST = int(np.float64(np.inf).view(np.int64))
+
+
 def exceeded(comm: MPI.Comm, zone: Zone, values: Array) -> float:
     """The largest value that more than the share of a zone exceeds or has; collective.
 
@@ -168,16 +171,19 @@ def exceeded(comm: MPI.Comm, zone: Zone, values: Array) -> float:
     """
     left_out = LEFT_OUT * zone.volume
     found = np.nan_to_num(values[zone.points], nan=np.inf, posinf=np.inf)
-    rows = _largest_first(np.column_stack([found, zone.volumes]), left_out)
-    rows = _largest_first(gather_rows(comm, rows), left_out)
-    return float(rows[-1, 0])
-
-
-def _largest_first(rows: Array, volume: float) -> Array:
-    """Rows of value and volume, the largest values first, until they have more than a volume."""
-    rows = rows[np.argsort(-rows[:, 0], kind="stable")]
-    enough = np.searchsorted(np.cumsum(rows[:, 1]), volume, side="right")
-    return rows[: enough + 1]
+    order = np.argsort(found)
+    ordered = found[order]
+    # Of what begins at each place: the volume up to the end.
+    volumes = np.append(np.cumsum(zone.volumes[order][::-1])[::-1], 0.0)
+    low, high = 0, _LARGEST  # as integers, floating-point numbers >= 0 have the same order
+    while low < high:
+        middle = (low + high + 1) // 2
+        at_least = volumes[np.searchsorted(ordered, np.int64(middle).view(np.float64))]
+        if total(comm, at_least) > left_out:
+            low = middle
+        else:
+            high = middle - 1
+    return float(np.int64(low).view(np.float64))
 
 
 def share(comm: MPI.Comm, zone: Zone, flags: Flags) -> float:

@@ -20,7 +20,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.common.parallel import gather_rows, largest
+from fenics_contact.common.parallel import from_root, gather_rows, largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 
@@ -61,7 +61,7 @@ def uniqueness_limit(system: CondensedSystem, number: int) -> float | None:
     ways = [_along(places, way, system.surface_size(number)) for way in _tangents(normals)]
     found = system.compliances(number, across, ways)
     share = None if found is None else _largest_share(*found, coefficient)
-    share = system.comm.bcast(share)
+    share = from_root(system.comm, share)
     return float(coefficient.max() / share) if share is not None and share > _NONE else None
 
 

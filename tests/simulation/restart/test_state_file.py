@@ -21,10 +21,11 @@ from mpi4py import MPI
 from fenics_contact import InputError, Load, Material, Path, Run, Scene, Steps, Support, main
 from fenics_contact.common.errors import MachineError
 from fenics_contact.common.interrupts import Interrupts
-from fenics_contact.simulation.restart import sealed_arrays, state_file
+from fenics_contact.simulation.restart import row_tables, sealed_arrays, state_file
 from fenics_contact.simulation.restart.state_file import StateFile
 from tests.scenes import PULLED_BLOCK, ROOT, box_body
 from tests.solve.load_steps.histories import block, dragged, require_same, shoved, two_blocks
+from tests.traffic import counted
 
 COMM = MPI.COMM_WORLD
 STEPS = Steps(number=6)
@@ -78,8 +79,9 @@ def resumed(scene, body, folder):
 @pytest.mark.parametrize(
     "name", ["automatic", "nearly incompressible, full", "two bodies", "centres of tetrahedra"]
 )
-def test_a_run_goes_on_on_other_ranks(name, folder):
-    """From one rank to all, and from all to one."""
+def test_a_run_goes_on_on_other_ranks(name, folder, monkeypatch):
+    """From one rank to all, and from all to one; of the file, ranks get a few rows at a time."""
+    monkeypatch.setattr(row_tables, "_MOST_ROWS", 7)
     scene, body = SCENES[name]
     whole = Run(scene, COMM, body()).solve(announce=silent)
     if COMM.rank == 0:
@@ -88,6 +90,36 @@ def test_a_run_goes_on_on_other_ranks(name, folder):
     COMM.barrier()
     require_same(resumed(scene, body(), folder / "one"), whole)
     require_same(resumed(scene, body(MPI.COMM_SELF), folder / "all"), whole)
+
+
+class CountedFile(StateFile):
+    """A state file that knows the most bytes that a rank got at once."""
+
+    peak = 0
+
+    def save(self, *state):
+        with counted() as traffic:
+            super().save(*state)
+        self.peak = max(self.peak, traffic.peak)
+
+    def end_and_load(self):
+        with counted() as traffic:
+            self.finish(0)
+            assert self.load() is not None
+        return COMM.allreduce(max(self.peak, traffic.peak), op=MPI.MAX)
+
+
+def test_no_rank_gets_all_rows_of_a_state(folder, monkeypatch):
+    """What passes at a time is a block, however large the body is."""
+    monkeypatch.setattr(row_tables, "_MOST_ROWS", 20)
+    scene, peaks = SCENES["incremental"][0], []
+    for depth in (6, 96):
+        run = Run(scene, COMM, box_body((8, depth), (1, 1)))
+        state, done = CountedFile(folder / str(depth), run.problem), []
+        run.solve(state, stopped=lambda n=done: bool(n), announce=lambda n, _, d=done: d.append(n))
+        peaks.append(state.end_and_load())
+    nodes = run.problem.spaces.displacement_space.dofmap.index_map.size_global
+    assert peaks[1] < min(1.1 * peaks[0], 16 * nodes)  # less than one displacement field
 
 
 @pytest.mark.parametrize("name", ["automatic", "force", "full", "nearly incompressible"])
@@ -216,19 +248,34 @@ def scaled(factor):
 @pytest.mark.serial
 def test_damaged_files_are_refused(tmp_path):
     path = tmp_path / "state.npz"
-    sealed_arrays.write(path, {"a": 1}, {"b": np.arange(1000.0)})
-    assert sealed_arrays.read(path)[0] == {"a": 1}
+    seal(path, {"a": 1})
+    assert sealed_arrays.read_header(path) == {"a": 1}
     whole = path.read_bytes()
     for damaged in (whole[:-30], whole[: len(whole) // 2], b"", b"no archive", _flipped(whole)):
         path.write_bytes(damaged)
         with pytest.raises(InputError, match=r"state.npz' is damaged"):
-            sealed_arrays.read(path)
+            sealed_arrays.read_header(path)
     # The archive is whole, what is in it is not what was written.
     with np.load(tmp_path / _saved(tmp_path, whole)) as file:
         arrays = {name: file[name] for name in file.files}
     np.savez(path, **(arrays | {"b": arrays["b"] + 1e-16 + 1}))
     with pytest.raises(InputError, match="is damaged"):
-        sealed_arrays.read(path)
+        sealed_arrays.read_header(path)
+
+
+def seal(path, header):
+    with sealed_arrays.replaced_arrays(path) as new:
+        new.add("b", np.arange(1000.0))
+        new.seal(header)
+
+
+@pytest.mark.serial
+def test_a_header_is_replaced_and_the_arrays_stay(tmp_path):
+    path = tmp_path / "state.npz"
+    seal(path, {"a": 1})
+    sealed_arrays.replace_header(path, {"a": 2})
+    assert sealed_arrays.read_header(path) == {"a": 2}
+    np.testing.assert_array_equal(sealed_arrays.read_arrays(path, ["b"])[0], np.arange(1000.0))
 
 
 def _flipped(whole):
@@ -245,15 +292,15 @@ def _saved(folder, contents):
 @pytest.mark.parametrize("failing", ["fsync", "replace"])
 def test_a_write_that_ends_half_way_leaves_the_old_file(tmp_path, monkeypatch, failing):
     path = tmp_path / "state.npz"
-    sealed_arrays.write(path, {"step": 1}, {"b": np.arange(1000.0)})
+    seal(path, {"step": 1})
 
     def die(*arguments):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, failing, die)
     with pytest.raises(MachineError, match=r"state.npz' cannot be written: No space"):
-        sealed_arrays.write(path, {"step": 2}, {"b": np.arange(1000.0)})
-    assert sealed_arrays.read(path)[0] == {"step": 1}
+        seal(path, {"step": 2})
+    assert sealed_arrays.read_header(path) == {"step": 1}
     assert [found.name for found in tmp_path.iterdir()] == ["state.npz"]
 
 
