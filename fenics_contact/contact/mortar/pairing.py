@@ -136,7 +136,7 @@ class Pairing:
         return gaps
 
     def jump(self, field: Array) -> Array:
-        """u − P u' at the slave's nodes of this rank, 0 at those that face nothing; collective.
+        """U − P u' at the slave's nodes of this rank, 0 at those that face nothing; collective.
 
         Args:
             field: At the body's nodes of this rank, (nodes, components, ...).
@@ -160,6 +160,13 @@ class Pairing:
     def master_nodes(self) -> Flags:
         """Which of the body's nodes are the master's; collective."""
         return self._master.surface.on_body(np.ones(len(self._master.all_nodes))) > 0
+
+    def faced_masters(self) -> Flags:
+        """Which of the body's nodes are the master's and move the slave at all; collective."""
+        surface = self._master.surface
+        columns = [part.nonzero_columns() for part in self.projection.components]
+        moves = np.any(columns, axis=0)[surface.numbers]
+        return surface.on_body(moves.astype(np.float64)) > 0
 
     def distances_from(self, points: Array, normals: Array) -> Array:
         """Along normals (points, components) from points (points, 3) to the master (length)."""

@@ -43,7 +43,7 @@ def boundary_stress(forces: BulkForces) -> Check | None:
     test = ufl.TestFunction(spaces.displacement_space)
     typical = _mean_stress(forces)
     worst: Check | None = None
-    for number, contact in enumerate(problem.contacts):
+    for contact in problem.contacts:
         axes = ~contact.supports.held_axes()
         acting = _on_surface(problem, contact)
         if acting is None or not axes.any():
@@ -53,7 +53,7 @@ def boundary_stress(forces: BulkForces) -> Check | None:
             form_cache.form(spaces.weight * ufl.dot(stress_vector, test) * measure)
         )
         found = total(problem.comm, nodal[: spaces.owned_nodes].sum(axis=0))
-        given = sum(sign * _resultant(forces, other) for other, sign in acting)
+        given = np.sum([sign * _resultant(forces, other) for other, sign in acting], axis=0)
         carried = sum(_carried(forces, other) for other, _ in acting)
         limit = _STRESS_OVER_SIZE[spaces.degree] * relative_cell_size(contact.trace.surface)
         if limit > _LARGEST_STRESS_LIMIT and contact.is_one_sided:
@@ -106,9 +106,7 @@ def _resultant(forces: BulkForces, number: int) -> Array:
 def _carried(forces: BulkForces, number: int) -> float:
     """∫ (p + g) of a contact (force)."""
     contact, state = forces.problem.contacts[number], forces.solution.states[number]
-    return float(
-        contact.trace.integral(np.abs(state.contact_pressure) + contact.friction_bound)
-    )
+    return float(contact.trace.integral(np.abs(state.contact_pressure) + contact.friction_bound))
 
 
 def _boundary_traction(problem: Problem) -> Expr:

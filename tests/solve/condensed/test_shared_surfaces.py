@@ -1,20 +1,16 @@
-"""A surface in several contacts, as a slave or a master: by the condensed solver as by the full one."""
+"""A surface in several contacts, slave or master: by the condensed solver as by the full one."""
 
 import dataclasses
 from itertools import product
 
-import numpy as np
 import pytest
-from dolfinx import mesh
 from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
     Discretisation,
     Group,
-    Load,
     Material,
-    Obstacle,
     Scene,
     Steps,
     Support,
@@ -51,7 +47,9 @@ def on_a_plate(slaves=("auto", "auto"), dimension=2, **changes):
             Support("right.y1", clamped | {"x": -0.004, "y": -0.01}),
         ),
         contact=tuple(
-            Contact("plate.y1", against=f"{name}.y0", name=name, slave=slave, friction_coefficient=0.3)
+            Contact(
+                "plate.y1", against=f"{name}.y0", name=name, slave=slave, friction_coefficient=0.3
+            )
             for name, slave in zip(("left", "right"), slaves, strict=True)
         ),
     )
