@@ -10,7 +10,7 @@ from fenics_contact.common.memory import free_memory_for, memory_limit
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.iterative.contact_zone import has_slaves_that_are_masters
+from fenics_contact.solve.iterative.carried_slaves import cannot_be_carried
 from fenics_contact.solve.iterative.iterative_system import IterativeSystem
 from fenics_contact.solve.memory import Name, contact_unknowns, memory_estimate, unknowns
 from fenics_contact.solve.systems.full_system import FullSystem
@@ -55,11 +55,10 @@ def choose_solver(problem: Problem) -> SolverChoice:
                 "solver.solver = 'iterative' is for 3D models, and not for nearly incompressible "
                 "materials; use 'condensed' or 'full'"
             )
-        if wanted == "iterative" and has_slaves_that_are_masters(problem):
+        if wanted == "iterative" and (why := cannot_be_carried(problem)):
             raise InputError(
-                "solver.solver = 'iterative' is not for a slave surface that shares nodes with the "
-                "master of another contact; choose contact.slave so that none does, or use "
-                "'condensed'"
+                f"solver.solver = 'iterative' is not for this model: {why}; choose contact.slave "
+                "otherwise, or use 'condensed'"
             )
         choice = SolverChoice(wanted, "as the scene says", memory_estimate(problem, wanted))
     if choice.memory > free:
@@ -82,10 +81,10 @@ def _automatic(problem: Problem, free: float) -> SolverChoice:
     condensed = choice("condensed", "one factorisation of the bulk")
     if not _suits_multigrid(problem):
         return condensed
-    if condensed.memory > free and not has_slaves_that_are_masters(problem):
+    if cannot_be_carried(problem):
+        return condensed
+    if condensed.memory > free:
         return choice("iterative", "a factorisation would not fit into memory")
-    if has_slaves_that_are_masters(problem):
-        return condensed  # whose stiff coupling multigrid's zone does not have
     # Each further step costs the iterative solver about half of the first, the other nothing.
     steps = 0.5 + 0.5 * len(problem.scene.steps.all_times)
     large = _LARGE_PAIR if problem.between_bodies else _LARGE_CONTACT

@@ -497,7 +497,7 @@ def test_slave_is_the_covered_surface_and_not_the_much_finer_one():
 
 
 def test_several_blocks_on_one_foundation():
-    """A surface in several contacts is the master of each."""
+    """A surface in several contacts is the master of each, where the others are in one alone."""
     left, right = (Box(n, (x, 0), (x + 0.4, 0.4), (3, 3)) for n, x in (("a", 0), ("b", 0.6)))
     scene = pressed(
         load=(Load("a.y1", pressure=2.0), Load("b.y1", pressure=3.0)),
@@ -528,16 +528,74 @@ def test_what_cannot_be_held_or_does_not_touch_is_refused(contact, words):
 @pytest.mark.parametrize(
     "contacts, words",
     [
-        ((touching(), touching("upper.y1", "lower.y1"), touching("upper.y1", "lower.x0")), "both"),
         ((touching(against="lower.y0"),), "shares boundary with the support"),
-        ((touching(slave="against"), touching("lower.x1", "lower.y1")), "cannot be the slave"),
-        ((touching(), Contact("lower.y1", obstacle=Obstacle("plane"))), "shares boundary"),
+        (
+            (Contact("upper.y0", obstacle=Obstacle("plane")), Contact("upper.y0")),
+            "shares boundary with the contact",
+        ),
     ],
 )
 def test_surfaces_in_several_contacts(contacts, words):
     named = tuple(dataclasses.replace(c, name=f"c{i}") for i, c in enumerate(contacts))
     with pytest.raises(InputError, match=words):
         run(pressed(contact=named), COMM, box_pair("quadrilateral"))
+
+
+@pytest.mark.parametrize("slaves", list(product(["auto", "on", "against"], repeat=2)))
+def test_uniform_pressure_through_a_part_whose_faces_are_one_group(slaves):
+    """Of each joint action is reaction, whichever the slaves are, and the pressure is the load."""
+    body = boxes((LOWER, UPPER, TOP))
+    tags = body.groups["upper.y0"].tags + body.groups["upper.y1"].tags
+    body = dataclasses.replace(body, groups=body.groups | {"faces": Group(1, tags)})
+    scene = pressed(
+        load=(Load("top.y1", traction=(0, -1.0)),),
+        material=Material(1000, 0.0),
+        contact=tuple(
+            touching(on, against, name=on, slave=slave, friction_coefficient=0.5)
+            for (on, against), slave in zip(
+                (("faces", "lower.y1"), ("top.y0", "faces")), slaves, strict=True
+            )
+        ),
+    )
+    result = run(scene, COMM, body)
+    assert result.passed
+    assert result.checks["action_and_reaction"].value < 1e-8
+    for contact in result.contacts:
+        assert contact["quantities"]["normal_force"] == pytest.approx(1.0, rel=1e-8)
+        assert contact["quantities"]["max_contact_pressure"] == pytest.approx(1.0, rel=1e-7)
+
+
+def chosen(body, *contacts):
+    """Slaves that the program chooses, and why."""
+    named = tuple(dataclasses.replace(c, name=f"c{i}") for i, c in enumerate(contacts))
+    held = tuple(Support(f"{name}.y1", {"x": 0, "y": -0.01}) for name in "abc")
+    scene = pressed(contact=named, load=(), support=(CLAMP, *held))
+    found = Run(scene, COMM, body).contacts()
+    return [contact["slave"] for contact in found], [contact["slave_reason"] for contact in found]
+
+
+def test_slaves_are_chosen_so_that_none_has_two_contacts():
+    """Of a chain of surfaces the ends are slaves, as each is in one contact alone."""
+    parts = (
+        Box("lower", (0, -1), (3, 0), (9, 3)),
+        *(Box(name, (x, 0), (x + 0.8, 1), (3, 3)) for name, x in (("a", 0), ("b", 1), ("c", 2))),
+    )
+    body = boxes(parts)
+    tags = body.groups["b.y0"].tags + body.groups["c.y0"].tags
+    body = dataclasses.replace(body, groups=body.groups | {"two": Group(1, tags)})
+    on = touching("lower.y1", "a.y0", friction_coefficient=0.5)
+    two = touching("lower.y1", "two", friction_coefficient=0.5)
+    slaves, reasons = chosen(body, on, two)
+    assert slaves == ["a.y0", "two"]
+    assert reasons == ["the other is in several contacts"] * 2
+    again = touching("two", "lower.y1", friction_coefficient=0.5)
+    # Both surfaces of one contact are in another: each is the slave of one.
+    slaves, reasons = chosen(body, on, two, again)
+    assert slaves[0] == "a.y0"
+    assert sorted(slaves[1:]) == ["lower.y1", "two"]
+    assert "so few surfaces are slaves of several contacts" in reasons
+    slaves, _ = chosen(body, dataclasses.replace(on, slave="on"), two)
+    assert slaves == ["lower.y1", "two"]
 
 
 @pytest.mark.parametrize(

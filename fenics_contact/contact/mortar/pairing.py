@@ -161,6 +161,13 @@ class Pairing:
         """Which of the body's nodes are the master's; collective."""
         return self._master.surface.on_body(np.ones(len(self._master.all_nodes))) > 0
 
+    def faced_masters(self) -> Flags:
+        """Which of the body's nodes are the master's and move the slave at all; collective."""
+        surface = self._master.surface
+        columns = [part.nonzero_columns() for part in self.projection.components]
+        moves = np.any(columns, axis=0)[surface.numbers]
+        return surface.on_body(moves.astype(np.float64)) > 0
+
     def distances_from(self, points: Array, normals: Array) -> Array:
         """Along normals (points, components) from points (points, 3) to the master (length)."""
         return hits(self._moved_master, points[:, : normals.shape[1]], normals).distance

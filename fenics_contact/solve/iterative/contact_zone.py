@@ -8,7 +8,6 @@ from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import MachineError
-from fenics_contact.common.parallel import total
 from fenics_contact.common.petsc_options import ZONE_PREFIX
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.iterative.contact_matrix import ContactMatrix
@@ -170,15 +169,6 @@ def masters(problem: Problem) -> Flags:
         if pairing is not None:
             found |= pairing.master_nodes()
     return found
-
-
-def has_slaves_that_are_masters(problem: Problem) -> bool:
-    """Whether nodes of a contact surface are on the master of a contact as well; collective.
-
-    Free ones: K_c there, and what follows from P of another contact, are as stiff as each other.
-    """
-    both = on_contacts(problem) & masters(problem)
-    return bool(total(problem.comm, len(free_dofs(problem, both))) > 0)
 
 
 def beside(problem: Problem, nodes: Flags) -> Flags:

@@ -18,6 +18,7 @@ from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import apart, null_space, rigid_fields
+from fenics_contact.solve.iterative.carried_slaves import CarriedSlaves
 from fenics_contact.solve.iterative.contact_matrix import ContactMatrix
 from fenics_contact.solve.iterative.contact_zone import (
     ContactZone,
@@ -91,6 +92,7 @@ class IterativeSystem(BodySystem):
         problem, spaces = self.problem, self.problem.spaces
         _, fields = rigid_fields(spaces)
         self._on_contacts, self._masters = on_contacts(problem), masters(problem)
+        self._carried = CarriedSlaves(problem, self.contacts.surfaces)
         self._add_springs(self._owned_columns(apart(spaces.parts, fields)))
         self._place_zone()
         self.multigrid = Multigrid(self._stiffness, self._owned_columns(fields))
@@ -238,10 +240,33 @@ class IterativeSystem(BodySystem):
             array[:] = 0.0
             array[: self._owned_size] = self._outer.array_r
         left = right.array_r[self.zone.places] - self._forces_in_zone(solution)
-        correction = self.zone.solve(left)
+        correction = self.solve_zone(left)
         with solution as array:
             array[self.zone.places] += correction
         self.tie(solution)
+
+    def solve_zone(self, left: Array) -> Array:
+        """What leaves no forces as stiff as 1/ε₁ in the zone, all else held; collective.
+
+        It balances them, but where masters in the zone carry their slaves with them.
+        """
+        if not self._carried.are_any:
+            return self.zone.solve(left)
+        places, size = self.zone.places, self._owned_size
+        mine = places < size
+        inside = np.zeros(size, dtype=bool)
+        inside[places[mine]] = True
+        whole, collected = np.zeros(size), left.copy()
+        whole[places[mine]] = left[mine]
+        collected[mine] = self._carried.collect(whole, inside)[places[mine]]
+        found = self.zone.solve(collected)
+        whole[places[mine]] = found[mine]
+        found[mine] = self._carried.carry(whole, inside)[places[mine]]
+        return found
+
+    def pair_anew(self) -> None:
+        """Take what carries what anew; tangents see it by themselves; collective."""
+        self._carried = CarriedSlaves(self.problem, self.contacts.surfaces)
 
     def tie(self, change: PETSc.Vec) -> None:
         """Let constrained dofs change as the resultants say, or not at all; collective.

@@ -91,7 +91,7 @@ class EliminatingNewton:
         zone, tangent = self._system.zone, self._system.tangent
         if not zone.factorise():
             return False
-        inside = zone.solve(-residual.array_r[zone.places])
+        inside = self._system.solve_zone(-residual.array_r[zone.places])
         step.set(0.0)
         with step as array:
             array[zone.places] = inside

@@ -28,6 +28,7 @@ class PairStiffness:
     Attributes:
         dofs: The body's global numbers of all displacements of the slave, then of the master.
         own: Numbers in ``dofs`` of those that this rank owns, by components.
+        slave_count: How many of ``dofs`` are the slave's.
 
     Args:
         pairing: The two.
@@ -37,7 +38,7 @@ class PairStiffness:
     """
 
     def __init__(self, pairing: Pairing, slave_dofs: Integers, first: int, owned: int) -> None:
-        self._pairing, self._slaves = pairing, len(slave_dofs)
+        self._pairing, self.slave_count = pairing, len(slave_dofs)
         self.dofs = np.concatenate([slave_dofs, pairing.dofs])
         own = np.flatnonzero((self.dofs >= first) & (self.dofs < first + owned))
         self._size = len(pairing.projection.components)
@@ -71,7 +72,7 @@ class PairStiffness:
         rows, columns, values = (
             np.concatenate(parts) for parts in zip(*of_every_rank(comm, entries), strict=True)
         )
-        shape = (self._slaves, self._slaves)
+        shape = (self.slave_count, self.slave_count)
         return csr_matrix((values, (rows, columns)), shape=shape)
 
     def gathered(self, comm: MPI.Comm, displacement: Array) -> Array:
@@ -87,13 +88,15 @@ class PairStiffness:
 
     def opposite(self, displacement: Array) -> Array:
         """P u', (slave dofs,), of displacements (dofs,)."""
-        moved = self._pairing.projection.apply(displacement[self._slaves :].reshape(-1, self._size))
+        moved = self._pairing.projection.apply(
+            displacement[self.slave_count :].reshape(-1, self._size)
+        )
         return moved.reshape(-1)
 
     def reaction(self, forces: Array) -> Array:
         """−Pᵀ f on the master, and nothing on the slave, (dofs,), of forces (slave dofs,)."""
         taken = self._pairing.projection.transposed(forces.reshape(-1, self._size))
-        return np.concatenate([np.zeros(self._slaves), -taken.reshape(-1)])
+        return np.concatenate([np.zeros(self.slave_count), -taken.reshape(-1)])
 
     def _made(self, transposed: csr_matrix) -> Iterator[tuple[Integers, Array]]:
         """The same, from K_cᵀ."""
@@ -108,10 +111,10 @@ class PairStiffness:
 
     def jump(self, displacement: Array) -> Array:
         """J u, (slave dofs, columns), of displacements (dofs, columns)."""
-        opposite = displacement[self._slaves :]
+        opposite = displacement[self.slave_count :]
         nodal = opposite.reshape(-1, self._size, opposite.shape[1])
         moved = self._pairing.projection.apply(nodal)
-        return displacement[: self._slaves] - moved.reshape(self._slaves, -1)
+        return displacement[: self.slave_count] - moved.reshape(self.slave_count, -1)
 
     def forces(self, given: Array) -> Array:
         """Jᵀ f, (dofs, columns), of forces (slave dofs, columns)."""

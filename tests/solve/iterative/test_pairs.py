@@ -1,6 +1,7 @@
 """Pairs of bodies by the iterative solver: the condensed one's answers."""
 
 import dataclasses
+from itertools import product
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
+    Group,
     Load,
     Material,
     Obstacle,
@@ -37,6 +39,7 @@ DEEP = (
     Box("floor", (0, -0.5, 0), (1.25, 0, 1), (3, 2, 3)),
     Box("wall", (-0.5, -0.5, 0), (0, 1.25, 1), (2, 5, 3)),
 )
+CHOICES = list(product(["on", "against"], repeat=2))
 
 
 def pair(coefficient, **changes):
@@ -106,14 +109,76 @@ def seat(slaves):
     return pair(0.3, contact=contacts, support=support)
 
 
-def test_two_slaves_that_share_an_edge():
-    require_same(seat(("on", "on")), boxes(DEEP, "hexahedron"))
+@pytest.mark.parametrize("slaves", CHOICES)
+def test_contacts_that_share_an_edge(slaves):
+    """Its nodes are slaves twice, masters twice, or a slave here and a master there."""
+    require_same(seat(slaves), boxes(DEEP, "hexahedron"))
 
 
-@pytest.mark.parametrize("slaves", [("on", "against"), ("against", "on")])
-def test_a_slave_that_is_a_master_is_refused_and_not_chosen(slaves):
-    scene, body = seat(slaves), boxes(DEEP, "hexahedron")
-    with pytest.raises(InputError, match="master of another contact"):
+def cycles(monkeypatch, scene, body):
+    """How often multigrid was applied in a solve."""
+    applied, precondition = [], IterativeSystem.precondition
+
+    def counted(system, right, solution):
+        applied.append(1)
+        precondition(system, right, solution)
+
+    monkeypatch.setattr(IterativeSystem, "precondition", counted)
+    settings = SolverSettings(solver="iterative", errors="none")
+    assert Run(dataclasses.replace(scene, solver=settings), COMM, body).solve().converged
+    return len(applied)
+
+
+def test_slaves_that_are_masters_cost_no_more(monkeypatch):
+    """Else what is as stiff as the penalty is left to multigrid, which cannot follow it."""
+    body = boxes(DEEP, "hexahedron")
+    counts = [cycles(monkeypatch, seat(slaves), body) for slaves in CHOICES]
+    apart, linked = [counts[0], counts[3]], counts[1:3]
+    assert max(linked) < 1.5 * max(apart)
+
+
+PLATE = (LOWER, Box("plate", (0, 0, 0), (1, 1, 0.25), (4, 4, 1)))
+ABOVE = Box("above", (0, 0, 0.25), (1, 1, 1), (5, 5, 3))
+
+
+@pytest.mark.parametrize("slaves", CHOICES[1:3])
+def test_a_plate_between_two_bodies_whose_faces_are_one_group(slaves):
+    """One cell thick, each cell of it in both contacts: both faces are slaves, or masters."""
+    body = boxes((*PLATE, ABOVE), "hexahedron")
+    tags = body.groups["plate.z0"].tags + body.groups["plate.z1"].tags
+    body = dataclasses.replace(body, groups=body.groups | {"plate.faces": Group(2, tags)})
+    sides = (("plate.faces", "lower.z1"), ("above.z0", "plate.faces"))
+    contacts = tuple(
+        Contact(on, against=against, name=on[0], slave=slave, friction_coefficient=0.3)
+        for (on, against), slave in zip(sides, slaves, strict=True)
+    )
+    support = (CLAMP, Support("above.z1", {"x": 0.004, "y": 0.001, "z": -0.02}))
+    require_same(pair(0.3, contact=contacts, support=support), body)
+
+
+@pytest.mark.parametrize("slave", ["auto", "on", "against"])
+def test_a_face_against_a_body_and_an_obstacle(slave):
+    """The upper block's face rests on a narrow block, and beside it on a ball."""
+    ball = Obstacle("sphere", radius=2.0, position=(0.75, 0.5, 0.0), indentation=0.005)
+    contacts = (
+        Contact("upper.z0", against="half.z1", slave=slave, name="pair", friction_coefficient=0.3),
+        Contact("upper.z0", obstacle=ball, name="ball", friction_coefficient=0.2),
+    )
+    half = Box("half", (0, 0, -1), (0.5, 1, 0), (3, 5, 4))
+    scene = pair(
+        0.3,
+        contact=contacts,
+        support=(Support("half.z0", {"x": 0, "y": 0, "z": 0}), pair(0.3).support[1]),
+    )
+    require_same(scene, boxes((half, UPPER), "hexahedron"))
+
+
+def test_a_ring_is_refused_and_not_chosen():
+    """At the edge the block follows the floor, this the wall, and this the block."""
+    scene, body = seat(("on", "against")), boxes(DEEP, "hexahedron")
+    third = Contact("floor.x0", against="wall.x1", name="third", slave="on")
+    scene = dataclasses.replace(scene, contact=(*scene.contact, third))
+    with pytest.raises(InputError, match="each other's masters in a ring"):
         choose_solver(Problem.on_mesh(with_solver(scene, solver="iterative"), body))
     assert choose_solver(Problem.on_mesh(scene, body)).name == "condensed"
 
