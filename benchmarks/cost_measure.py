@@ -11,8 +11,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
-from cost_cases import Case
-from cost_scenes import body_of, scene_of
 from cost_solves import (
     Frictional,
     frictional_solve,
@@ -27,6 +25,8 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.memory import contact_unknowns, unknowns
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import choose_solver
+from fenics_contact.verification.memory.block_scenes import body_of, scene_of
+from fenics_contact.verification.memory.blocks import Case
 
 # isort: split
 from mpi4py import MPI

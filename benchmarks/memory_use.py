@@ -4,10 +4,9 @@
 [--errors none]``.
 
 Every scene is solved by a solver in a process of its own, on one or two ranks, as
-``fenics-contact run`` does it, with error bars where they are made by default. Measured is the
-peak of resident memory above that before there is a mesh, of all ranks together. The estimate is
-that of ``fenics-contact check``. The exit code is 4 where one of a run above 200 MB is not between
-.7 and 1.5 of what was measured.
+``fenics-contact run`` does it, with error bars where they are made by default: the scenes, and what
+is compared, are those of ``fenics-contact verify memory``, and runs on two ranks besides. The exit
+code is 4 where an estimate is not near enough.
 
 The last table says by which factor the parts of the estimate would have to change to fit all runs
 best: by these the constants of ``fenics_contact/solve/memory.py`` are set.
@@ -17,77 +16,32 @@ from __future__ import annotations
 
 import argparse
 import json
-import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from cost_cases import FLAT, HALF_SPACE, PAIRS, SMALL_FLAT_PAIR, slab, square
-from memory_cases import Seat
 from rich.console import Console
 from rich.table import Table
 from scipy.optimize import nnls
 
-HERE = Path(__file__).resolve().parent
-LEAST, MOST = 0.7, 1.5  # of the estimate over what was measured
-COUNTS_FROM = 200e6  # bytes
+from fenics_contact.verification.memory.check import compared, measured
+from fenics_contact.verification.memory.table import ALL, FEW
 
-_QUICK = [
-    (square(90), "condensed", 1),
-    (slab("P2 tets", 24), "condensed", 1),
-    (FLAT[0], "condensed", 1),
-    (FLAT[2], "iterative", 1),
-    (Seat(10), "full", 1),
-]
-_ALL = [
-    *_QUICK,
-    (square(180), "condensed", 1),
-    (slab("P1 tets", 32), "condensed", 1),
-    (slab("P1 tets", 32), "condensed", 2),
-    (slab("P2 tets", 32), "condensed", 1),
-    (slab("Q2 hexes", 24), "condensed", 1),
-    (FLAT[1], "condensed", 1),
-    (PAIRS[1], "condensed", 1),
-    (PAIRS[3], "condensed", 1),
-    (PAIRS[3], "condensed", 2),
-    (PAIRS[4], "condensed", 1),
-    (SMALL_FLAT_PAIR, "condensed", 1),
-    (Seat(10), "condensed", 1),
-    (Seat(16), "condensed", 1),
-    (square(90), "full", 1),
-    (slab("P2 tets", 24), "full", 1),
-    (FLAT[0], "full", 1),
-    (PAIRS[4], "full", 1),
-    (SMALL_FLAT_PAIR, "full", 1),
-    (Seat(16), "full", 1),
-    (slab("P1 tets", 32), "iterative", 1),
-    (slab("P1 tets", 48), "iterative", 1),
-    (slab("P1 tets", 48), "iterative", 2),
-    (slab("P2 tets", 32), "iterative", 1),
-    (HALF_SPACE, "iterative", 1),
-    (FLAT[1], "iterative", 1),
-    (Seat(10), "iterative", 1),
-    (SMALL_FLAT_PAIR, "iterative", 1),
-]
+BOOTSTRAP = Path(__file__).resolve().parents[1] / "bootstrap"
 
 
-def measured(case: str, solver: str, ranks: int, errors: str = "auto") -> dict[str, Any]:
-    """A row, from a process of its own."""
-    start = [sys.executable] if ranks == 1 else [str(HERE.parent / "bootstrap"), "mpi", str(ranks)]
-    command = [*start, str(HERE / "memory_worker.py"), case, solver, errors]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise RuntimeError(f"{case} by {solver} failed:\n{done.stderr}")
-    row: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
-    return row
+def measured_on(ranks: int, case: str, solver: str, errors: str) -> dict[str, Any]:
+    """A row, from a process of its own or several."""
+    start = [sys.executable] if ranks == 1 else [str(BOOTSTRAP), "mpi", str(ranks)]
+    return measured(case, solver, errors, start)
 
 
 def is_right(row: dict[str, Any]) -> bool:
     """Whether an estimate is as near as the project asks for, where it counts."""
-    share = row["estimate"] / row["measured"]
-    return bool(row["measured"] < COUNTS_FROM or LEAST <= share <= MOST)
+    finding = compared(row)
+    return finding is None or finding.passed
 
 
 def print_rows(rows: list[dict[str, Any]]) -> None:
@@ -136,10 +90,13 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="so many runs at once")
     parser.add_argument("--errors", default="auto", metavar="none", help="without error bars")
     options = parser.parse_args()
-    chosen = [run for run in (_QUICK if options.quick else _ALL) if options.case in run[0].name]
+    chosen = [run for run in (FEW if options.quick else ALL) if options.case in run[0].name]
     rows: list[dict[str, Any]] = []
     with ThreadPoolExecutor(options.jobs) as pool:
-        for row in pool.map(lambda run: measured(run[0].name, *run[1:], options.errors), chosen):
+        found = pool.map(
+            lambda run: measured_on(run[2], run[0].name, run[1], options.errors), chosen
+        )
+        for row in found:
             rows.append(row)
             print(f"{row['case']:45} {row['solver']:10} {row['ranks']}", flush=True)
             if options.json:

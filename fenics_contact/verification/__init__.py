@@ -4,6 +4,7 @@ A module of cases ends with a tuple ``CASES``; the one below lists them all.
 """
 
 from fenics_contact.verification.case import Case, Finding, Outcome
+from fenics_contact.verification.memory import check as memory_check
 from fenics_contact.verification.published import cycle as cycle_cases
 from fenics_contact.verification.published import friction as friction_cases
 from fenics_contact.verification.published import hertz_pair as hertz_pair_cases
@@ -28,6 +29,7 @@ CASES: tuple[Case, ...] = (
     *pair_ways_cases.CASES,
     *hertz_pair_cases.CASES,
     *incline_cases.CASES,
+    *memory_check.CASES,
 )
 
 __all__ = ["CASES", "Case", "Finding", "Outcome"]

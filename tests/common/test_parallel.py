@@ -32,7 +32,7 @@ from fenics_contact.common.parallel import (
     total,
 )
 from fenics_contact.simulation.output import run_folder as files
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, slab
 
 COMM = MPI.COMM_WORLD

@@ -5,7 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Contact, Material, Path, Run, Scene, SolverSettings, Steps, Support
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 
 COMM = MPI.COMM_WORLD
 STIFFNESS, RATIO, OVERLAP = 1000.0, 0.3, 1e-3

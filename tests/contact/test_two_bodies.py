@@ -30,7 +30,7 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.errors import InputError, NoEquilibriumError
 from fenics_contact.common.parallel import largest, on_root
 from fenics_contact.contact.mortar.projection import Projection
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 
 COMM = MPI.COMM_WORLD
 LOWER = Box("lower", (0, -1), (1, 0), (6, 5))

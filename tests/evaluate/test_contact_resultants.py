@@ -31,7 +31,7 @@ from fenics_contact.results.load_history import History
 from fenics_contact.results.quantities import QUANTITIES
 from fenics_contact.scene.values import Profile
 from fenics_contact.simulation.output.step_table import row_of
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import ROOT, box_body
 
 COMM = MPI.COMM_WORLD

@@ -15,7 +15,7 @@ from fenics_contact.evaluate.quantities import (
     support_reactions,
 )
 from fenics_contact.solve.load_steps.load_steps import solve
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 from tests.wrong_answers import with_body
 

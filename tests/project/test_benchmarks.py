@@ -11,6 +11,18 @@ import pytest
 from fenics_contact.common.parallel import largest
 from fenics_contact.evaluate.quantities import contact_quantities
 from fenics_contact.problem.problem import Problem
+from fenics_contact.verification.memory.block_scenes import body_of, scene_of
+from fenics_contact.verification.memory.blocks import (
+    FLAT,
+    FLAT_PAIRS,
+    PAIRS,
+    SLIPPERY,
+    Case,
+    flat,
+    flat_pair,
+    slab,
+    square,
+)
 from tests.conftest import COMM
 
 # Its files find each other as where they are run: beside the program.
@@ -18,22 +30,9 @@ from tests.scenes import ROOT
 
 sys.path.append(str(ROOT / "benchmarks"))
 
-from cost_cases import (
-    FLAT,
-    FLAT_PAIRS,
-    PAIRS,
-    SLIPPERY,
-    Case,
-    all_runs,
-    flat,
-    flat_pair,
-    quick_runs,
-    slab,
-    square,
-)
+from cost_cases import all_runs, quick_runs
 from cost_measure import LIMIT_OF_FURTHER_STEP, limit_of, measure
 from cost_page import filled
-from cost_scenes import body_of, scene_of
 from cost_solves import frictional_solve, linear_seconds, linear_solvers
 
 KEYS = [

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from fenics_contact import Body, Discretisation, Scene, SolverSettings, Steps
 from fenics_contact.common import dolfinx_versions as compat
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.random.bodies import parts_of, shape_of
 from tests.random.contacts import KINDS, Frame, frictionless_pressed
 from tests.random.dice import Dice

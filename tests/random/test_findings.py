@@ -24,7 +24,7 @@ from fenics_contact import (
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import support_reactions
 from fenics_contact.trust.checks.run_checks import run_checks
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD

@@ -2,34 +2,49 @@
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 import pytest
 
 from fenics_contact import Contact, Material, Obstacle, Scene, Support
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.memory import contact_unknowns, memory_estimate, memory_terms
+from fenics_contact.verification.boxes import Box, boxes
+from fenics_contact.verification.memory import check
+from fenics_contact.verification.memory.blocks import FLAT, square
+from fenics_contact.verification.memory.check import COUNTS_FROM, LEAST, MOST, measured
+from fenics_contact.verification.memory.seat import Seat, body_of_seat, scene_of_seat
 from tests.conftest import COMM
-from tests.contact.pair_bodies import Box, boxes
-from tests.scenes import ROOT, box_body
-
-# Its files find each other as where they are run: beside the program.
-sys.path.append(str(ROOT / "benchmarks"))
-
-from cost_cases import FLAT, square
-from memory_cases import Seat, body_of_seat, scene_of_seat
-from memory_use import COUNTS_FROM, LEAST, MOST, measured
+from tests.scenes import box_body
 
 
 @pytest.mark.skipif(COMM.size > 1, reason="starts processes of its own")
 @pytest.mark.parametrize("case", [square(90), FLAT[0]])
 def test_estimate_is_near_the_peak_of_a_process(case):
-    """Which ``benchmarks/memory_use.py`` tests over a longer table."""
-    row = measured(case.name, "condensed", 1)
+    """Which ``fenics-contact verify memory`` tests over a longer table."""
+    row = measured(case.name, "condensed")
     assert row["converged"]
     assert row["measured"] > COUNTS_FROM
     assert LEAST < row["estimate"] / row["measured"] < MOST
+
+
+@pytest.mark.skipif(COMM.size > 1, reason="starts processes of its own")
+def test_verify_measures_a_case_and_refuses_an_estimate_that_is_far_off(monkeypatch):
+    run = (square(90), "condensed", 1)
+    row = check.measured(run[0].name, run[1])
+    ratio = row["estimate"] / row["measured"]
+    monkeypatch.setattr(check, "measured", lambda case, solver: row)
+    (found,) = check.findings_of([run])
+    assert found.passed
+    assert found.value == ratio
+    for wrong in (0.69, 1.51):
+        row["estimate"] = wrong * row["measured"]
+        (found,) = check.findings_of([run])
+        assert not found.passed
+    row["converged"], row["estimate"] = False, row["measured"]
+    (found,) = check.findings_of([run])
+    assert not found.passed
+    row["measured"] = 1e6  # so little does not count
+    assert not list(check.findings_of([run]))
 
 
 def pressed(cells):

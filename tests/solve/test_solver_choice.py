@@ -14,7 +14,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.solve import solver_choice
 from fenics_contact.solve.memory import contact_unknowns, memory_estimate
 from fenics_contact.solve.solver_choice import choose_solver
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body, with_solver
 
 COMM = MPI.COMM_WORLD

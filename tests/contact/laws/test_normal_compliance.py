@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Load, Material, Obstacle, Scene, Steps, Support, run
 from fenics_contact.problem.problem import Problem
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 from tests.simulation.restart.test_state_file import resumed, stopped_after
 from tests.solve.matrices import product

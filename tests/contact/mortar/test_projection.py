@@ -14,8 +14,8 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
+from fenics_contact.verification.boxes import Box, boxes
 from tests.contact.mortar.facet_meshes import flat, node_places
-from tests.contact.pair_bodies import Box, boxes
 
 COMM = MPI.COMM_WORLD
 

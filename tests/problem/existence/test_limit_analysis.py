@@ -24,7 +24,7 @@ from fenics_contact.problem.existence.condition import require_equilibrium
 from fenics_contact.problem.existence.friction_cones import ContactCones
 from fenics_contact.problem.existence.limit_analysis import LimitAnalysis
 from fenics_contact.problem.problem import Problem
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD

@@ -24,7 +24,7 @@ from fenics_contact.body.supports import AppliedSupport
 from fenics_contact.common.parallel import largest
 from fenics_contact.problem.existence import condition as equilibrium
 from fenics_contact.problem.existence.stabilisation import stabilise
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 
 from fenics_contact import Contact, Material, Obstacle
-from tests.contact.pair_bodies import Box
+from fenics_contact.verification.boxes import Box
 from tests.random.dice import Dice, short
 from tests.random.kinds.common import (
     AXES,

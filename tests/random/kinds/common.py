@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact import Discretisation, Material, Point, Scene, SolverSettings, Support
-from tests.contact.pair_bodies import Box
+from fenics_contact.verification.boxes import Box
 from tests.random.dice import Dice
 from tests.random.scenes import Known, RandomScene, Twin
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fenics_contact import Contact, Load, Obstacle
-from tests.contact.pair_bodies import Box
+from fenics_contact.verification.boxes import Box
 from tests.random.dice import Dice, short
 from tests.random.kinds.common import (
     AXES,

@@ -6,7 +6,7 @@ import dataclasses
 from math import pi
 
 from fenics_contact import Contact, Load, Obstacle, Path, Steps, Support
-from tests.contact.pair_bodies import Box
+from fenics_contact.verification.boxes import Box
 from tests.random.dice import Dice, short
 from tests.random.kinds.common import (
     AXES,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import pi, sqrt
 
 from fenics_contact import Contact, HalfSpace, Material, Obstacle
-from tests.contact.pair_bodies import Box
+from fenics_contact.verification.boxes import Box
 from tests.random.dice import Dice, short
 from tests.random.kinds.common import AXES, Array, Elements, friction_of, made, modulus_of, size_of
 from tests.random.scenes import Known, RandomScene

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 
 from fenics_contact import Contact, Material, Obstacle, Support
-from tests.contact.pair_bodies import Box
+from fenics_contact.verification.boxes import Box
 from tests.random.dice import Dice, short
 from tests.random.kinds.common import (
     AXES,

@@ -13,7 +13,7 @@ from fenics_contact.report.drawing.figures import surface_of
 from fenics_contact.report.drawing.style import COLOURS
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.result_file import read_result
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.report.test_gallery import BELOW, LINE, coarse, drawn, has_colour, pixels, write_run  # noqa: F401
 
 pytestmark = pytest.mark.serial

@@ -22,7 +22,7 @@ from fenics_contact import (
 )
 from fenics_contact.common.parallel import on_root
 from fenics_contact.simulation.restart.state_file import StateFile
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 from tests.solve.load_steps.histories import require_same
 

@@ -26,7 +26,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.iterative.iterative_system import IterativeSystem
 from fenics_contact.solve.solver_choice import choose_solver
 from fenics_contact.solve.systems.full_system import FullSystem
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import with_solver
 
 COMM = MPI.COMM_WORLD

@@ -16,7 +16,7 @@ from fenics_contact import (
     SolverSettings,
     Support,
 )
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD

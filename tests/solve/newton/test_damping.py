@@ -5,7 +5,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Material, Run, Scene, Support
 from fenics_contact.solve.newton.damping import Damping
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import with_solver
 
 COMM = MPI.COMM_WORLD

@@ -34,7 +34,7 @@ from fenics_contact.results.records.steps import BranchRecord
 from fenics_contact.simulation import verdict
 from fenics_contact.trust.checks.comparison import balance, worst_of
 from fenics_contact.trust.checks.run_checks import all_checks
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.report.page.pages import page_of
 from tests.scenes import box_body
 from tests.wrong_answers import with_body

@@ -1,10 +1,9 @@
-"""Scenes whose memory is measured: bodies alone, pairs, full contact, contacts with one edge."""
+"""A block in a seat: two contacts that share an edge."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-from cost_cases import FLAT, HALF_SPACE, PAIRS, SMALL_FLAT_PAIR, Case, slab, square
+from typing import Any
 
 from fenics_contact import (
     Body,
@@ -15,7 +14,8 @@ from fenics_contact import (
     SolverSettings,
     Support,
 )
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.scene.values import AXES
+from fenics_contact.verification.boxes import Box, boxes
 
 # isort: split
 from mpi4py import MPI
@@ -37,29 +37,9 @@ class Seat:
         return f"3D Q1 hexes, seat of {self.cells} cells, shared edge"
 
 
-_LIST: tuple[Case | Seat, ...] = (
-    square(90),
-    square(180),
-    slab("P1 tets", 32),
-    slab("P2 tets", 24),
-    slab("P2 tets", 32),
-    slab("Q2 hexes", 24),
-    slab("P1 tets", 48),
-    HALF_SPACE,
-    *FLAT[:3],
-    PAIRS[1],
-    PAIRS[3],
-    PAIRS[4],
-    SMALL_FLAT_PAIR,
-    Seat(10),
-    Seat(16),
-)
-CASES: dict[str, Case | Seat] = {case.name: case for case in _LIST}
-
-
-def scene_of_seat(case: Seat, solver: str) -> Scene:
+def scene_of_seat(case: Seat, solver: Any) -> Scene:
     """The cube moved into its seat, and along it."""
-    clamped = dict.fromkeys("xyz", 0.0)
+    clamped = dict.fromkeys(AXES, 0.0)
     return Scene(
         kinematics="3D",
         material=(Material(1000.0, 0.3),),

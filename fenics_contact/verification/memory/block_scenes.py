@@ -9,8 +9,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from cost_cases import ELEMENTS, Case
-
 from fenics_contact import (
     Body,
     Contact,
@@ -25,7 +23,9 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.scene.values import AXES
 from fenics_contact.scene.values import Path as LoadPath
+from fenics_contact.verification.memory.blocks import ELEMENTS, Case
 
 # isort: split
 import dolfinx
@@ -48,11 +48,11 @@ APART = 1.0  # the blocks, until their sides are told apart
 EXTENT, MIDDLE = 3.0, 0.35
 
 
-def scene_of(case: Case, solver: str) -> Scene:
+def scene_of(case: Case, solver: Any) -> Scene:
     """The block of a case, held at its bottom, and what is pressed against it."""
     several = case.steps > 1
     further = tuple(1 + (step + 1) / (case.steps - 1) for step in range(case.steps - 1))
-    held = Support("bottom", dict.fromkeys("xyz"[: case.dimension], 0.0))
+    held = Support("bottom", dict.fromkeys(AXES[: case.dimension], 0.0))
     supports = (held, _moved_top(case)) if case.upper else (held,)
     return Scene(
         kinematics="plane strain" if case.dimension == 2 else "3D",
@@ -68,9 +68,9 @@ def scene_of(case: Case, solver: str) -> Scene:
 
 def _moved_top(case: Case) -> Support:
     """The upper block, pressed down and pulled sideways by its top."""
-    motion = dict.fromkeys("xyz"[: case.dimension], 0.0)
+    motion = dict.fromkeys(AXES[: case.dimension], 0.0)
     motion["x"] = SIDEWAYS
-    motion["xyz"[case.dimension - 1]] = -APPROACH
+    motion[AXES[case.dimension - 1]] = -APPROACH
     return Support("top", motion)
 
 

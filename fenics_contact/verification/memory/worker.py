@@ -1,6 +1,7 @@
-"""One run of ``memory_use.py``, in a process of its own: prints a row as JSON.
+"""One run whose memory is measured, in a process of its own: prints a row as JSON.
 
-``python benchmarks/memory_worker.py CASE SOLVER ERRORS``, also under ``mpirun -n N``.
+``python -m fenics_contact.verification.memory.worker CASE SOLVER ERRORS``, also under
+``mpirun -n N``.
 """
 
 from __future__ import annotations
@@ -9,13 +10,14 @@ import dataclasses
 import json
 import sys
 from pathlib import Path
-
-from cost_scenes import body_of, scene_of
-from memory_cases import CASES, Seat, body_of_seat, scene_of_seat
+from typing import Any
 
 from fenics_contact.common.parallel import total
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.solve.memory import contact_unknowns, memory_terms, unknowns
+from fenics_contact.verification.memory.block_scenes import body_of, scene_of
+from fenics_contact.verification.memory.seat import Seat, body_of_seat, scene_of_seat
+from fenics_contact.verification.memory.table import SCENES
 
 # isort: split
 import numpy as np
@@ -28,10 +30,10 @@ def resident(key: str) -> float:
     return 1024 * float(next(line for line in lines if line.startswith(key)).split()[1])
 
 
-def row_of(name: str, solver: str, errors: str) -> dict[str, object]:
+def row_of(name: str, solver: Any, errors: Any) -> dict[str, object]:
     """Solve a case as ``fenics-contact run`` does, and compare; collective."""
     comm = MPI.COMM_WORLD
-    case = CASES[name]
+    case = SCENES[name]
     before = resident("VmRSS")
     if isinstance(case, Seat):
         scene, body = scene_of_seat(case, solver), body_of_seat(case, comm)

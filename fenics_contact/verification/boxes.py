@@ -1,4 +1,4 @@
-"""Bodies of several boxes with meshes of their own, for tests of contact between them."""
+"""Bodies of several boxes with meshes of their own, for contact between them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from mpi4py import MPI
 
 from fenics_contact import Body, Group
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import Array
 
 COMM = MPI.COMM_WORLD
 
@@ -30,7 +31,8 @@ def boxes(
 ) -> Body:
     """Boxes as one mesh of unconnected parts; groups such as ``upper`` and ``upper.y0``."""
     dimension = len(parts[0].cells)
-    points, cells, owner = [], [], []
+    points: list[Array] = []
+    cells, owner = [], []
     for number, box in enumerate(parts):
         make = mesh.create_rectangle if dimension == 2 else mesh.create_box
         ends = [np.array(box.low), np.array(box.high)]
@@ -42,18 +44,19 @@ def boxes(
         cells.append(nodes + sum(len(p) for p in points))
         points.append(places[:, :dimension])
         owner.append(np.full(len(cells[-1]), number + 1, dtype=np.int32))
-    joined = [np.concatenate(arrays) for arrays in (points, cells, owner)]
-    if comm.rank:
-        joined = [array[:0] for array in joined]
-    whole = compat.create_mesh(comm, cell, order, joined[0], joined[1].astype(np.int64))
-    cell_tags = compat.distributed_tags(whole, dimension, joined[1].astype(np.int64), joined[2])
+    given = slice(0) if comm.rank else slice(None)
+    corners = np.concatenate(cells)[given].astype(np.int64)
+    whole = compat.create_mesh(comm, cell, order, np.concatenate(points)[given], corners)
+    cell_tags = compat.distributed_tags(whole, dimension, corners, np.concatenate(owner)[given])
     facet_tags, groups = _sides(whole, cell_tags, parts)
     for number, box in enumerate(parts):
         groups[box.name] = Group(dimension, (number + 1,))
     return Body(whole, cell_tags, facet_tags, groups, "boxes")
 
 
-def _sides(whole, cell_tags, parts):
+def _sides(
+    whole: mesh.Mesh, cell_tags: mesh.MeshTags, parts: Sequence[Box]
+) -> tuple[mesh.MeshTags, dict[str, Group]]:
     """Tags of the boundary facets by box and side, and the groups of these."""
     dimension = whole.topology.dim
     whole.topology.create_entities(dimension - 1)
@@ -64,7 +67,8 @@ def _sides(whole, cell_tags, parts):
     owner = np.zeros(cell_tags.indices.max(initial=-1) + 1, dtype=np.int32)
     owner[cell_tags.indices] = cell_tags.values
     centres = mesh.compute_midpoints(whole, dimension - 1, facets)
-    tags, groups = np.zeros(len(facets), dtype=np.int32), {}
+    tags = np.zeros(len(facets), dtype=np.int32)
+    groups: dict[str, Group] = {}
     for number, box in enumerate(parts):
         mine = owner[behind] == number + 1 if len(behind) else np.zeros(0, dtype=bool)
         for axis in range(dimension):
