@@ -5,7 +5,7 @@
 Every row is a run of ``large_block.toml`` as a user makes it, mesh and files included, in
 processes of their own. Rows that the file of ``--json`` has already are kept, so that a long
 benchmark can be interrupted and goes on. Half an hour where nothing else runs: wall times count.
-``docs/large_models.md`` shows what came out; ``--page`` writes its tables anew.
+``--page`` writes the tables of a page anew that has marks for them.
 
 What is measured in a run is in ``scaling_worker.py``, what larger runs would take in
 ``scaling_forecast.py``.
