@@ -136,7 +136,7 @@ class Pairing:
         return gaps
 
     def jump(self, field: Array) -> Array:
-        """The jump u − P u' at the slave's nodes of this rank, 0 at those that face nothing; collective.
+        """The jump u − P u' at nodes of the slave (this rank's), 0 if nothing is faced; collective.
 
         Args:
             field: At the body's nodes of this rank, (nodes, components, ...).
