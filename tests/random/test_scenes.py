@@ -82,7 +82,7 @@ def test_the_same_number_is_the_same_scene():
 
 def test_a_scene_that_is_printed_can_be_read_again():
     names = {}
-    for module in ("fenics_contact", "tests.contact.pair_bodies", "tests.random.bodies"):
+    for module in ("fenics_contact", "fenics_contact.verification.boxes", "tests.random.bodies"):
         names |= vars(__import__(module, fromlist=["x"]))
     for number in range(12):
         random = draw_here(number)

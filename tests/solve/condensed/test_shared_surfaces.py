@@ -19,7 +19,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
-from tests.contact.pair_bodies import Box, boxes
+from fenics_contact.verification.boxes import Box, boxes
 from tests.solve.same_answer import require_same
 
 COMM = MPI.COMM_WORLD
