@@ -16,8 +16,8 @@ from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
-from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.iterative.contact_zone import slave_nodes
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.pair_stiffness import PairStiffness
 
@@ -94,7 +94,7 @@ def cannot_be_carried(problem: Problem) -> str:
 def _links(problem: Problem) -> _Links:
     """What carries what, by nodes that are free; collective."""
     contacts = {number: c for number, c in enumerate(problem.contacts) if c.terms}
-    slaves = {number: _slaves(contact) for number, contact in contacts.items()}
+    slaves = {number: slave_nodes(contact) for number, contact in contacts.items()}
     masters = {
         number: contact.kinematics.pairing.faced_masters()
         for number, contact in contacts.items()
@@ -136,12 +136,3 @@ def _links(problem: Problem) -> _Links:
 def _named(problem: Problem, numbers: Sequence[int], words: str) -> str:
     names = ", ".join(f"'{problem.contacts[number].label}'" for number in numbers)
     return f"surfaces of the contacts {names} {words}"
-
-
-def _slaves(contact: ContactSurface) -> Flags:
-    """The body's nodes at which a contact acts; collective."""
-    trace, pairing = contact.trace, contact.kinematics.pairing
-    acts = np.ones(len(trace.all_nodes))
-    if pairing is not None:
-        acts[~pairing.faced[trace.surface.numbers]] = 0.0
-    return np.asarray(trace.surface.on_body(acts) > 0)

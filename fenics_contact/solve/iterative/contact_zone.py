@@ -9,6 +9,7 @@ from petsc4py import PETSc
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import MachineError
 from fenics_contact.common.petsc_options import ZONE_PREFIX
+from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.iterative.contact_matrix import ContactMatrix
 from fenics_contact.solve.systems import mumps
@@ -153,12 +154,23 @@ def touching(problem: Problem) -> Flags:
 
 
 def on_contacts(problem: Problem) -> Flags:
-    """All nodes of the surfaces of contacts that exert forces, slaves of pairs; collective."""
+    """All nodes at which contacts that exert forces act, slaves of pairs; collective."""
     found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
     for contact in (contact for contact in problem.contacts if contact.terms):
-        trace = contact.trace
-        found |= trace.surface.on_body(np.ones(len(trace.all_nodes))) > 0
+        found |= slave_nodes(contact)
     return found
+
+
+def slave_nodes(contact: ContactSurface) -> Flags:
+    """The body's nodes at which a contact acts: of a slave those that face its master; collective.
+
+    The others of its group may be masters of another contact, and are not to be in the zone then.
+    """
+    trace, pairing = contact.trace, contact.kinematics.pairing
+    acts = np.ones(len(trace.all_nodes))
+    if pairing is not None:
+        acts[~pairing.faced[trace.surface.numbers]] = 0.0
+    return np.asarray(trace.surface.on_body(acts) > 0)
 
 
 def masters(problem: Problem) -> Flags:

@@ -132,9 +132,12 @@ class IterativeSystem(BodySystem):
         """Move the zone where something touches outside it; collective."""
         outside = touching(self.problem) & ~self._near
         if total(self.comm, int(outside.sum())) > 0:
-            self.zone.destroy()
-            self.surface.destroy()
-            self._place_zone()
+            self._move_zone()
+
+    def _move_zone(self) -> None:
+        self.zone.destroy()
+        self.surface.destroy()
+        self._place_zone()
 
     def _add_springs(self, rigid: Array) -> None:
         """Springs at the contacts in multigrid's K where supports do not hold every body.
@@ -265,8 +268,10 @@ class IterativeSystem(BodySystem):
         return found
 
     def pair_anew(self) -> None:
-        """Take what carries what anew; tangents see it by themselves; collective."""
+        """Take what carries what and the zone anew; tangents see it by themselves; collective."""
         self._carried = CarriedSlaves(self.problem, self.contacts.surfaces)
+        self._on_contacts = on_contacts(self.problem)
+        self._move_zone()
 
     def tie(self, change: PETSc.Vec) -> None:
         """Let constrained dofs change as the resultants say, or not at all; collective.
