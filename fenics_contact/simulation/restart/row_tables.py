@@ -18,6 +18,12 @@ from mpi4py import MPI
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import of_every_rank, on_root, sent_to_root
 from fenics_contact.simulation.restart import sealed_arrays
+from fenics_contact.simulation.restart.earlier_states import (
+    Columns,
+    header_in_todays_terms,
+    is_earlier,
+    tables_of,
+)
 from fenics_contact.simulation.restart.sealed_arrays import NewArrays
 
 _MOST_ROWS = 2**16  # of a block
@@ -47,6 +53,10 @@ class _Contents:
     rows: int
     blocks: int
     columns: tuple[str, ...]
+
+    def arrays(self, table: str, number: int) -> dict[str, str]:
+        """The names of a block's arrays: its keys, then its columns."""
+        return {name: f"{table}/{number}/{name}" for name in ("keys", *self.columns)}
 
 
 def write(comm: MPI.Comm, path: Path, header: dict[str, Any], tables: Mapping[str, Rows]) -> None:
@@ -106,8 +116,24 @@ class SavedTables:
 
     def __init__(self, comm: MPI.Comm, path: Path) -> None:
         self._comm, self._path = comm, path
-        self.header = on_root(comm, lambda: sealed_arrays.read_header(path))
+        self.header, self._earlier = on_root(comm, self._look)
         self._tables = {name: _Contents(**found) for name, found in self.header["tables"].items()}
+
+    def _look(self) -> tuple[dict[str, Any], Columns]:
+        """The header, and of a file of an earlier version where its columns are; on rank 0."""
+        header = sealed_arrays.read_header(self._path)
+        names = sealed_arrays.names_of(self._path)
+        if not is_earlier(names):
+            return header, {}
+        columns = tables_of(names, len(header["contacts"]))
+        tables = {
+            table: asdict(_Contents(len(self._array(found["keys"])), 1, tuple(found)[1:]))
+            for table, found in columns.items()
+        }
+        return header_in_todays_terms(header, self._array) | {"tables": tables}, columns
+
+    def _array(self, name: str) -> Array:
+        return sealed_arrays.read_arrays(self._path, [name])[0]
 
     def count(self, table: str) -> int:
         """Rows of a table, of all ranks together."""
@@ -115,12 +141,12 @@ class SavedTables:
 
     def rows(self, table: str) -> Iterator[Rows]:
         """All rows on every rank, some at a time; collective."""
-        names = ["keys", *self._tables[table].columns]
-        for number in range(self._tables[table].blocks):
-            wanted = [f"{table}/{number}/{name}" for name in names]
-            read = partial(sealed_arrays.read_arrays, self._path, wanted)
+        contents = self._tables[table]
+        for number in range(contents.blocks):
+            places = self._earlier.get(table) or contents.arrays(table, number)
+            read = partial(sealed_arrays.read_arrays, self._path, list(places.values()))
             keys, *columns = on_root(self._comm, read)
-            yield Rows(keys, dict(zip(names[1:], columns, strict=True)))
+            yield Rows(keys, dict(zip(contents.columns, columns, strict=True)))
 
     def taken(self, table: str, keys: Integers) -> tuple[dict[str, Array], Flags]:
         """Columns at keys of this rank, 0 where there is no such row; collective.
