@@ -113,6 +113,12 @@ class BodyKinematics(ContactKinematics):
         """
         return self.pairing.jump(displacement)
 
+    def relative_or_own(self, displacement: Array) -> Array:
+        """As ``relative``, but the slave's own displacement where it faces nothing; collective."""
+        faced = self.pairing.faced[self.trace.surface.numbers]
+        own = displacement[self.trace.all_nodes]
+        return np.where(faced[:, None], self.relative(displacement), own)
+
     def on_body(self, force: Array) -> Array:
         """Forces on the surface, and their reaction opposite, at the body's nodes; collective."""
         return self.trace.surface.on_body(force) + self.pairing.on_master(force)

@@ -70,6 +70,14 @@ class ContactKinematics(ABC):
             displacement: At the body's nodes of this rank, (nodes, components, ...) (length).
         """
 
+    def relative_or_own(self, displacement: Array) -> Array:
+        """As ``relative``, but the surface's own displacement where it faces nothing; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components) (length).
+        """
+        return self.relative(displacement)
+
     @abstractmethod
     def on_body(self, force: Array) -> Array:
         """Forces at all nodes of the surface, and what they do opposite, at the body's nodes.
