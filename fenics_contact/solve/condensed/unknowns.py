@@ -70,6 +70,11 @@ class ContactVariables:
         self.count = len(dofs.free)
         self._unknown_of = np.cumsum(dofs.is_free) - 1
         self._places = {surface: dofs.places(surface.dofs) for surface in surfaces}
+        self._projections = {
+            surface: pairing.whole_projection()
+            for surface in surfaces
+            if (pairing := surface.contact.kinematics.pairing) is not None
+        }
         self._blocks = {surface: self._blocks_of(surface) for surface in surfaces}
         jumps = self._choose_jumps(surfaces)
         self._transform = [
@@ -94,7 +99,7 @@ class ContactVariables:
         pairing = surface.contact.kinematics.pairing
         if pairing is None:
             return []
-        parts, free = pairing.projection.components, self._dofs.is_free
+        parts, free = self._projections[surface].components, self._dofs.is_free
         slave, master = self._places[surface], self._dofs.places(pairing.dofs)
         found, size = [], len(parts)
         for axis, projection in enumerate(parts):
@@ -262,8 +267,9 @@ class ContactVariables:
         pairing = surface.contact.kinematics.pairing
         if pairing is not None:
             opposite = held[self._dofs.places(pairing.dofs)]
-            opposite = opposite.reshape(-1, len(pairing.projection.components))
-            found -= pairing.projection.apply(opposite).reshape(-1)
+            projection = self._projections[surface]
+            opposite = opposite.reshape(-1, len(projection.components))
+            found -= projection.apply(opposite).reshape(-1)
         return found
 
 
