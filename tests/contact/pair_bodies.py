@@ -11,6 +11,7 @@ from mpi4py import MPI
 
 from fenics_contact import Body, Group
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.contact.mortar.projection import Projection
 
 COMM = MPI.COMM_WORLD
 
@@ -74,3 +75,37 @@ def _sides(whole, cell_tags, parts):
                 groups[f"{box.name}.{'xyz'[axis]}{end}"] = Group(dimension - 1, (tag,))
     order = np.argsort(facets)
     return mesh.meshtags(whole, dimension - 1, facets[order], tags[order]), groups
+
+
+class Shuffled:
+    """A projection whose columns are shuffled: resultants balance, moments do not.
+
+    Args:
+        pairing: Whose projection it is.
+    """
+
+    def __init__(self, pairing) -> None:
+        self._straight, self._comm = pairing.projection, pairing.master.comm
+        count = pairing.master.space.dofmap.index_map.size_global
+        self._order = np.random.default_rng(7).permutation(count)
+        self._mine = pairing.master.numbers[: pairing.master.owned_nodes]
+
+    def apply(self, values):
+        return self._straight.apply(self._whole(values)[self._order][self._mine])
+
+    def transposed(self, forces):
+        whole = self._whole(self._straight.transposed(forces))
+        found = np.empty_like(whole)
+        found[self._order] = whole
+        return found[self._mine]
+
+    def whole(self, projection):
+        """The same of the projection of the whole surfaces."""
+        parts = []
+        for part in projection.components:
+            rows, back = np.arange(part.shape[0]), np.argsort(self._order)
+            parts.append(part.restricted(rows, back))
+        return Projection(parts)
+
+    def _whole(self, own):
+        return np.concatenate(self._comm.allgather(own))
