@@ -52,7 +52,7 @@ def cubes(depth):
 
 
 def gathered_in_a_run(scene, body, folder):
-    """The most bytes that a gathering left on a rank, those of a field, and all by their callers."""
+    """The most bytes that a gathering left on a rank, those of a field, and all by caller."""
     run = Run(scene, COMM, body)
     with counted() as traffic:
         run_folder.solve_and_write(run, folder)
