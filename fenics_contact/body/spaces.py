@@ -200,6 +200,20 @@ class Spaces:
         return np.asarray(vector.array.reshape(-1, self.components).copy())
 
 
+def of_owners(index_map: IndexMap, nodal: Array) -> Array:
+    """Values at owned nodes of this rank, first axis nodes, at its ghosts, too; collective.
+
+    Args:
+        index_map: Of the nodes.
+        nodal: At owned nodes, or at all, of which those at ghosts do not count.
+    """
+    vector = la.vector(index_map, int(np.prod(nodal.shape[1:])))
+    owned = index_map.size_local
+    vector.array[: owned * int(np.prod(nodal.shape[1:]))] = nodal[:owned].reshape(-1)
+    vector.scatter_forward()
+    return np.array(vector.array).reshape(-1, *nodal.shape[1:])
+
+
 def summed_over_ranks(index_map: IndexMap, nodal: Array) -> Array:
     """Contributions of all ranks, first axis nodes, added up at shared ones; collective."""
     vector = la.vector(index_map, int(np.prod(nodal.shape[1:])))

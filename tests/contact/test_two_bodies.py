@@ -29,8 +29,8 @@ from fenics_contact.body.reference_moduli import Moduli
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.errors import InputError, NoEquilibriumError
 from fenics_contact.common.parallel import largest, on_root
-from fenics_contact.contact.mortar.projection import Projection
 from fenics_contact.verification.boxes import Box, boxes
+from tests.contact.shuffled import Shuffled
 
 COMM = MPI.COMM_WORLD
 LOWER = Box("lower", (0, -1), (1, 0), (6, 5))
@@ -437,10 +437,9 @@ def test_forces_handed_over_at_the_wrong_place_are_noticed():
     """A projection whose columns are shuffled: resultants balance, moments do not."""
     prepared = Run(pressed(solver=SolverSettings(solver="full")), COMM, box_pair("quadrilateral"))
     pairing = prepared.problem.contacts[0].kinematics.pairing
-    straight = pairing.projection.components[0]
-    rows, columns = (np.arange(count) for count in straight.shape)
-    shuffled = straight.restricted(rows, np.random.default_rng(7).permutation(columns))
-    pairing.projection = Projection([shuffled, shuffled])
+    shuffled = Shuffled(pairing)
+    pairing._whole = shuffled.whole(pairing.whole_projection())
+    pairing.projection = shuffled
     result = prepared.solve()
     assert not result.checks["action_and_reaction"].passed
     assert run(pressed(), COMM, box_pair("quadrilateral")).passed

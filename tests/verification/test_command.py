@@ -14,6 +14,7 @@ from fenics_contact.analytic import contact as formulas
 from fenics_contact.analytic.airy import AiryField
 from fenics_contact.analytic.half_space import cerruti
 from fenics_contact.common.errors import NotConvergedError
+from fenics_contact.common.parallel import gather_rows
 from fenics_contact.verification import Case, Finding
 from fenics_contact.verification.command import verify
 
@@ -243,11 +244,24 @@ def test_surface_taken_to_the_nearest_nodes_fails_the_patch_test(monkeypatch):
     """Forces are in balance, and yet no uniform pressure crosses meshes that do not match."""
     from fenics_contact.contact.mortar import pairing
     from fenics_contact.contact.mortar.integrals import MortarIntegrals
-    from fenics_contact.contact.mortar.projection import NodalProjection
+    from fenics_contact.contact.mortar.projection import NodalProjection, Projection
+    from fenics_contact.contact.mortar.spread_projection import SlaveRows
 
-    class Nearest(pairing.Projection):
-        def __init__(self, components):
-            super().__init__([nearest(part) for part in components])
+    class Nearest:
+        def __init__(self, rows):
+            self.whole = rows.gathered()
+            self.slave, self.master = rows.slave, rows.master
+
+        def apply(self, values):
+            found = self.whole.apply(gather_rows(COMM, values))
+            return found[self.slave.numbers[: self.slave.owned_nodes]]
+
+        def transposed(self, forces):
+            found = self.whole.transposed(gather_rows(COMM, forces))
+            return found[self.master.numbers[: self.master.owned_nodes]]
+
+        def destroy(self):
+            """Nothing of PETSc's."""
 
     def nearest(part):
         found = part.apply(np.eye(part.shape[1]))
@@ -257,7 +271,11 @@ def test_surface_taken_to_the_nearest_nodes_fails_the_patch_test(monkeypatch):
         every = np.ones(len(found), dtype=bool)
         return NodalProjection.between(integrals, ~every, every)
 
-    monkeypatch.setattr(pairing, "Projection", Nearest)
+    straight = SlaveRows.gathered
+    monkeypatch.setattr(
+        SlaveRows, "gathered", lambda rows: Projection(map(nearest, straight(rows).components))
+    )
+    monkeypatch.setattr(pairing, "SpreadProjection", Nearest)
     (case,) = (case for case in verification.CASES if case.name == "patch")
     assert verify((), quick=True, cases=[case]) == 4
 

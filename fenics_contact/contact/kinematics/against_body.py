@@ -115,9 +115,8 @@ class BodyKinematics(ContactKinematics):
 
     def relative_or_own(self, displacement: Array) -> Array:
         """As ``relative``, but the slave's own displacement where it faces nothing; collective."""
-        faced = self.pairing.faced[self.trace.surface.numbers]
         own = displacement[self.trace.all_nodes]
-        return np.where(faced[:, None], self.relative(displacement), own)
+        return np.where(self.pairing.faced[:, None], self.relative(displacement), own)
 
     def on_body(self, force: Array) -> Array:
         """Forces on the surface, and their reaction opposite, at the body's nodes; collective."""

@@ -4,39 +4,38 @@ One is the slave: contact acts at its points. The displacement of the other, the
 projected onto its space (mortar method; C. Bernardi, Y. Maday, A. T. Patera 1994; M. A. Puso and
 T. A. Laursen, Comput. Methods Appl. Mech. Engrg. 193 (2004) 601-629), so that a uniform pressure
 crosses the interface exactly. Forces go back by the transpose: what the slave gets, the master
-gives. Both surfaces and the sparse matrices between them are gathered on every rank: their memory
-grows with the surfaces, which are small beside the bodies.
+gives. Every rank looks for what its own facets of the slave face, so it holds all of the master;
+the matrices between the two are spread over the ranks.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from mpi4py import MPI
-from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common.arrays import Array, Flags, Integers, Kind
-from fenics_contact.common.parallel import gather_rows, of_every_rank, on_root
+from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.common.parallel import gather_rows, largest
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
 from fenics_contact.contact.mortar.integrals import MortarIntegrals, integrate
 from fenics_contact.contact.mortar.projection import Projection
 from fenics_contact.contact.mortar.ray_projection import Hits, face, hits
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
+from fenics_contact.contact.mortar.spread_projection import SlaveRows, SpreadProjection
 from fenics_contact.contact.surface.trace import Trace
 
 
 @dataclass(frozen=True, eq=False)
 class _Faced:
-    """What faces what, of the whole slave surface.
+    """What faces what, of the slave's nodes and facets of this rank.
 
     Attributes:
-        normals: Mean unit normals at its nodes, (nodes, components).
+        normals: Mean unit normals at the nodes, (nodes, components).
         gaps: Along them to the master, (nodes,); infinite where there is none (length).
-        centre_normals: At the centres of its facets, (facets, components), or none.
+        centre_normals: At the centres of the facets, (facets, components), or none.
         centre_gaps: Likewise, (facets,) or none.
-        integrals: Between the two surfaces, and how much of each facet faces the master.
+        integrals: Over these facets, and how much of each faces the master.
         faced: Nodes at which the master's motion is asked for, (nodes,).
     """
 
@@ -57,9 +56,9 @@ class Pairing:
         gaps: Along them from the slave's contact points to what faces them, as meshed: what
             moves is the jump's; infinite where there is nothing (length).
         shares: Of the slave's facets of this rank, how much faces the master.
-        projection: P, of the whole surfaces: the displacement opposite is P u.
-        faced: Nodes of the whole slave at which anything is opposite; the others have no jump.
-        dofs: The body's global number of every dof of the master.
+        projection: P: the displacement opposite is P u.
+        master: The surface of the master.
+        faced: Nodes of this rank at which anything is opposite; the others have no jump, (nodes,).
         sagitta: How far facets of either surface are from smooth ones, about (length).
 
     Args:
@@ -71,14 +70,21 @@ class Pairing:
     def __init__(self, slave: Trace, master: Trace, constrained: Integers) -> None:
         self._slave, self._master = slave, master
         self._comm = slave.spaces.comm
-        self._surfaces = gathered(slave), gathered(master)
-        self.dofs = master.surface.dofs
-        self.sagitta = max(surface.sagitta for surface in self._surfaces)
+        self.master = master.surface
+        self._surfaces = _own_facets(slave), gathered(master)
+        sagitta = max(surface.sagitta for surface in self._surfaces)
+        self.sagitta = largest(self._comm, np.array([sagitta]))
         held = np.zeros(slave.spaces.coordinates.shape[0] * slave.spaces.components, dtype=bool)
         held[constrained] = True
         at_nodes = held.reshape(-1, slave.spaces.components)[slave.all_nodes]
-        self._mirrored = slave.surface.gathered(slave.symmetry.in_planes() & at_nodes)
-        self.update()
+        self._mirrored = slave.symmetry.in_planes() & at_nodes
+        self._is_moved = False
+        self._pair(*self._surfaces)
+
+    @property
+    def dofs(self) -> Integers:
+        """The body's global number of every dof of the master; collective when first asked for."""
+        return self.master.dofs
 
     def update(self, displacement: Array | None = None) -> None:
         """Find what faces what, the bodies displaced or as meshed; collective.
@@ -88,23 +94,33 @@ class Pairing:
         """
         slave, master = self._surfaces
         if displacement is not None:
-            slave, master = (
-                facets.moved(trace.surface.gathered(displacement[trace.all_nodes]))
-                for facets, trace in zip(self._surfaces, (self._slave, self._master), strict=True)
-            )
-        faced = on_root(self._comm, lambda: self._find(slave, master))
-        self._moved_master, self._is_moved = master, displacement is not None
-        surface = self._slave.surface
-        self.projection = Projection.between(faced.integrals, self._mirrored, faced.faced)
+            slave = slave.moved(displacement[self._slave.all_nodes])
+            master = master.moved(self.master.gathered(displacement[self._master.all_nodes]))
+        self.projection.destroy()
+        self._is_moved = displacement is not None
+        self._pair(slave, master)
+
+    def _pair(self, slave: FacetMesh, master: FacetMesh) -> None:
+        faced = self._find(slave, master)
+        self._moved_master, surface = master, self._slave.surface
+        self._rows = SlaveRows(surface, self.master, faced.integrals, self._mirrored, faced.faced)
+        self.projection = SpreadProjection(self._rows)
+        self._whole: Projection | None = None
         self.faced = faced.faced
-        self.normals = self._slave.symmetry.mirrored(faced.normals[surface.numbers])
-        counts = of_every_rank(self._comm, len(surface.facet_nodes))
-        first = sum(counts[: self._comm.rank])
-        mine = slice(first, first + counts[self._comm.rank])
-        self.shares = faced.integrals.coverage[mine]
-        self.centre_normals = faced.centre_normals[mine]
-        at_nodes = faced.gaps[surface.numbers][self._slave.numbers]
-        self.gaps = np.concatenate([at_nodes, faced.centre_gaps[mine]])
+        self.normals = self._slave.symmetry.mirrored(faced.normals)
+        self.shares = faced.integrals.coverage
+        self.centre_normals = faced.centre_normals
+        self.gaps = np.concatenate([faced.gaps[self._slave.numbers], faced.centre_gaps])
+
+    def whole_projection(self) -> Projection:
+        """P of the whole surfaces, on every rank: for solvers that write it out; collective."""
+        if self._whole is None:
+            self._whole = self._rows.gathered()
+        return self._whole
+
+    def whole_faced(self) -> Flags:
+        """``faced`` of all nodes of the slave, on every rank; collective."""
+        return self._slave.surface.gathered(self.faced)
 
     def as_meshed(self) -> None:
         """Find what faces what on the bodies as meshed, if it is of displaced ones; collective."""
@@ -112,20 +128,23 @@ class Pairing:
             self.update()
 
     def _find(self, slave: FacetMesh, master: FacetMesh) -> _Faced:
-        axisymmetric = self._slave.spaces.kinematics == "axisymmetric"
+        trace, surface = self._slave, self._slave.surface
+        # Where a node lies on facets of two ranks, both go by its owner.
         normals, found = face(slave.node_positions(), slave.normals, master)
-        integrals = integrate(slave, master, normals, axisymmetric)
-        gaps = self._gaps(self._surfaces[0].node_positions(), normals, found)
+        normals = surface.of_owners(normals)
+        gaps = surface.of_owners(self._gaps(self._surfaces[0].node_positions(), normals, found))
+        integrals = integrate(slave, master, normals, trace.spaces.kinematics == "axisymmetric")
         centre_normals, centre_gaps = np.zeros((0, slave.dimension)), np.zeros(0)
-        at = np.isfinite(gaps)
-        if not self._slave.nodal:
+        at = np.isfinite(gaps).astype(np.float64)
+        if not trace.nodal:
             own = normalised(self._surfaces[0].normals_at_centres())
             centre_normals, at_centres = face(slave.centres, own, master)
             centre_gaps = self._gaps(self._surfaces[0].centres, centre_normals, at_centres)
-            at[slave.nodes[np.isfinite(centre_gaps)]] = True
+            at[slave.nodes[np.isfinite(centre_gaps)]] = 1.0
         # Beyond the master's edge the projection extrapolates, and nothing asks for it.
-        at &= integrals.mass.diagonal() > 0
-        return _Faced(normals, gaps, centre_normals, centre_gaps, integrals, at)
+        has_mass = surface.summed(integrals.mass.diagonal()[:, None])[:, 0] > 0
+        is_faced = (surface.summed(at[:, None])[:, 0] > 0) & has_mass
+        return _Faced(normals, gaps, centre_normals, centre_gaps, integrals, is_faced)
 
     def _gaps(self, points: Array, normals: Array, found: Hits) -> Array:
         """Between points of the slave as meshed and the master's that face them, as meshed."""
@@ -141,10 +160,10 @@ class Pairing:
         Args:
             field: At the body's nodes of this rank, (nodes, components, ...).
         """
-        there = self._master.surface.gathered(field[self._master.all_nodes])
-        numbers = self._slave.surface.numbers
-        found = field[self._slave.all_nodes] - self.projection.apply(there)[numbers]
-        found[~self.faced[numbers]] = 0.0
+        there = field[self._master.all_nodes][: self.master.owned_nodes]
+        opposite = self._slave.surface.of_owners(self.projection.apply(there))
+        found = field[self._slave.all_nodes] - opposite
+        found[~self.faced] = 0.0
         return np.asarray(found)
 
     def on_master(self, force: Array) -> Array:
@@ -153,9 +172,8 @@ class Pairing:
         Args:
             force: At the slave's nodes of this rank, (nodes, components) (force).
         """
-        given = self._slave.surface.gathered(force)
-        surface = self._master.surface
-        return surface.on_body(-self.projection.transposed(given)[surface.numbers])
+        given = force[: self._slave.surface.owned_nodes]
+        return self.master.on_body(-self.projection.transposed(given))
 
     def master_nodes(self) -> Flags:
         """Which of the body's nodes are the master's; collective."""
@@ -163,10 +181,8 @@ class Pairing:
 
     def faced_masters(self) -> Flags:
         """Which of the body's nodes are the master's and move the slave at all; collective."""
-        surface = self._master.surface
-        columns = [part.nonzero_columns() for part in self.projection.components]
-        moves = np.any(columns, axis=0)[surface.numbers]
-        return surface.on_body(moves.astype(np.float64)) > 0
+        moves = self._rows.coupled_masters()[self.master.numbers]
+        return self.master.on_body(moves.astype(np.float64)) > 0
 
     def distances_from(self, points: Array, normals: Array) -> Array:
         """Along normals (points, components) from points (points, 3) to the master (length)."""
@@ -191,20 +207,24 @@ class Pairing:
 
 def gathered(trace: Trace) -> FacetMesh:
     """A whole surface on every rank; collective."""
-    surface, comm = trace.surface, trace.spaces.comm
-    mesh, size = surface.mesh, surface.components
+    own, surface = _own_facets(trace), trace.surface
+    return replace(
+        own,
+        geometry=gather_rows(surface.comm, own.geometry),
+        nodes=gather_rows(surface.comm, surface.numbers[own.nodes]),
+        normals=surface.gathered(own.normals),
+    )
+
+
+def _own_facets(trace: Trace) -> FacetMesh:
+    """The facets of this rank, with its numbers of the nodes."""
+    surface, mesh = trace.surface, trace.surface.mesh
     count = len(surface.facet_nodes)
-    points = mesh.geometry.x[compat.geometry_nodes(mesh)[:count]][..., :size]
     return FacetMesh(
         shape=mesh.topology.cell_name(),
         order=trace.spaces.geometry_order,
         degree=trace.spaces.degree,
-        geometry=_joined(comm, points),
-        nodes=_joined(comm, surface.numbers[surface.facet_nodes]),
-        normals=surface.gathered(trace.normals_at_nodes),
+        geometry=mesh.geometry.x[compat.geometry_nodes(mesh)[:count]][..., : surface.components],
+        nodes=surface.facet_nodes,
+        normals=trace.normals_at_nodes,
     )
-
-
-def _joined(comm: MPI.Comm, rows: NDArray[Kind]) -> NDArray[Kind]:
-    """Rows of all ranks; collective."""
-    return gather_rows(comm, rows)

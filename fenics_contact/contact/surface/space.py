@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.body.elasticity import measure_weight
 from fenics_contact.body.forms import CompiledForm, Expr, Function, Measure, Rule
-from fenics_contact.body.spaces import Spaces, summed_over_ranks
+from fenics_contact.body.spaces import Spaces, of_owners, summed_over_ranks
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Integers, Kind
@@ -75,9 +75,14 @@ class SurfaceSpace:
     @cached_property
     def dofs(self) -> Integers:
         """The body's global number of every dof of the whole surface, by its number here."""
+        return gather_rows(self.comm, self.own_dofs)
+
+    @property
+    def own_dofs(self) -> Integers:
+        """The same of the nodes that this rank owns here."""
         mine = self.body_nodes[: self.owned_nodes]
-        numbers = self.spaces.displacement_space.dofmap.index_map.local_to_global(mine)
-        nodes = gather_rows(self.comm, numbers).astype(np.int64)
+        index_map = self.spaces.displacement_space.dofmap.index_map
+        nodes = np.asarray(index_map.local_to_global(mine), dtype=np.int64)
         return (nodes[:, None] * self.components + np.arange(self.components)).ravel()
 
     @cached_property
@@ -185,6 +190,10 @@ class SurfaceSpace:
     def summed(self, nodal: Array) -> Array:
         """Contributions of all ranks added up at shared nodes; collective."""
         return summed_over_ranks(self.space.dofmap.index_map, nodal)
+
+    def of_owners(self, nodal: Array) -> Array:
+        """Values at owned nodes, first axis nodes, at this rank's ghosts, too; collective."""
+        return of_owners(self.space.dofmap.index_map, nodal)
 
     def on_body(self, nodal: Array) -> Array:
         """Values at the nodes as an array of the body's nodes, 0 elsewhere; collective."""

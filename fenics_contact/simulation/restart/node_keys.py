@@ -53,12 +53,9 @@ class NodalKeys:
             First axis nodes; None if there are rows of another mesh's nodes.
         """
         # A key names a cell that one rank owns, so each row is taken once.
-        columns, known = saved.taken(table, self._own_keys.ravel())
-        if int(total(self._comm, int(known.sum()))) != saved.count(table):
+        columns, rows = saved.taken(
+            table, self._own_keys.ravel(), self._own_nodes.ravel(), len(self._of_node)
+        )
+        if int(total(self._comm, rows)) != saved.count(table):
             return None
-        return {name: self._at_nodes(values, known) for name, values in columns.items()}
-
-    def _at_nodes(self, values: Array, known: Flags) -> Array:
-        nodal = np.zeros((len(self._of_node), *values.shape[1:]))
-        nodal[self._own_nodes.ravel()[known]] = values[known]
-        return summed_over_ranks(self._index_map, nodal)
+        return {name: summed_over_ranks(self._index_map, nodal) for name, nodal in columns.items()}

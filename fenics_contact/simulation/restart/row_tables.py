@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.parallel import of_every_rank, on_root, sent_to_root
 from fenics_contact.simulation.restart import sealed_arrays
 from fenics_contact.simulation.restart.earlier_states import (
@@ -148,26 +148,30 @@ class SavedTables:
             keys, *columns = on_root(self._comm, read)
             yield Rows(keys, dict(zip(contents.columns, columns, strict=True)))
 
-    def taken(self, table: str, keys: Integers) -> tuple[dict[str, Array], Flags]:
-        """Columns at keys of this rank, 0 where there is no such row; collective.
+    def taken(
+        self, table: str, keys: Integers, places: AnyIntegers, count: int
+    ) -> tuple[dict[str, Array], int]:
+        """The rows that have a key of this rank, each at its place; collective.
 
         Args:
             table: Its name.
             keys: No two the same, (keys,).
+            places: Where the row of each goes, (keys,).
+            count: Of places.
 
         Returns:
-            Columns, first axis keys; and for which keys there is a row.
+            Columns, first axis places, 0 where no row goes; and how many rows there were.
         """
         order = np.argsort(keys)
-        ordered, known = keys[order], np.zeros(len(keys), dtype=bool)
+        ordered, rows = keys[order], 0
         found: dict[str, Array] = {}
         for block in self.rows(table):
-            places = np.searchsorted(ordered, block.keys)
-            mine = np.flatnonzero(places < len(keys))
-            mine = mine[ordered[places[mine]] == block.keys[mine]]
-            at = order[places[mine]]
-            known[at] = True
+            near = np.searchsorted(ordered, block.keys)
+            mine = np.flatnonzero(near < len(keys))
+            mine = mine[ordered[near[mine]] == block.keys[mine]]
+            at = places[order[near[mine]]]
+            rows += len(mine)
             for name, values in block.columns.items():
-                column = found.setdefault(name, np.zeros((len(keys), *values.shape[1:])))
+                column = found.setdefault(name, np.zeros((count, *values.shape[1:])))
                 column[at] = values[mine]
-        return found, known
+        return found, rows

@@ -244,8 +244,10 @@ class StateFile:
         if total(self._comm, int(owned.sum())) != saved.count(f"{name}_nodes"):
             raise self._refused(f"the contact '{contact.label}' had other facets")
         at_nodes = self._read(saved, self._nodes, f"{name}_nodes")["values"][contact.nodes]
-        at_centres, known = saved.taken(f"{name}_centres", self._centre_keys(contact))
-        if total(self._comm, int((~known).sum())):
+        keys = self._centre_keys(contact)
+        every = np.arange(len(keys))
+        at_centres, found = saved.taken(f"{name}_centres", keys, every, len(keys))
+        if total(self._comm, len(keys) - found):
             raise self._refused("its facets are those of another mesh")
         values = np.concatenate([at_nodes, at_centres["values"]])
         present = remember(contact).at_points

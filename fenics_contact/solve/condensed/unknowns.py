@@ -70,6 +70,13 @@ class ContactVariables:
         self.count = len(dofs.free)
         self._unknown_of = np.cumsum(dofs.is_free) - 1
         self._places = {surface: dofs.places(surface.dofs) for surface in surfaces}
+        pairings = {
+            surface: pairing
+            for surface in surfaces
+            if (pairing := surface.contact.kinematics.pairing) is not None
+        }
+        self._projections = {one: found.whole_projection() for one, found in pairings.items()}
+        self._faced = {one: found.whole_faced() for one, found in pairings.items()}
         self._blocks = {surface: self._blocks_of(surface) for surface in surfaces}
         jumps = self._choose_jumps(surfaces)
         self._transform = [
@@ -94,7 +101,7 @@ class ContactVariables:
         pairing = surface.contact.kinematics.pairing
         if pairing is None:
             return []
-        parts, free = pairing.projection.components, self._dofs.is_free
+        parts, free = self._projections[surface].components, self._dofs.is_free
         slave, master = self._places[surface], self._dofs.places(pairing.dofs)
         found, size = [], len(parts)
         for axis, projection in enumerate(parts):
@@ -111,10 +118,9 @@ class ContactVariables:
 
     def _has_jump(self, surface: SurfaceMatrix) -> Flags:
         """Which dofs of a surface have one: against another body those that face it."""
-        pairing = surface.contact.kinematics.pairing
-        if pairing is None:
+        if surface not in self._projections:
             return np.ones(len(surface.dofs), dtype=bool)
-        return np.repeat(pairing.faced, len(pairing.projection.components))
+        return np.repeat(self._faced[surface], len(self._projections[surface].components))
 
     def _choose_jumps(self, surfaces: Sequence[SurfaceMatrix]) -> dict[SurfaceMatrix, Flags]:
         """Of every surface which dofs have the jump as their unknown.
@@ -273,8 +279,9 @@ class ContactVariables:
         pairing = surface.contact.kinematics.pairing
         if pairing is not None:
             opposite = held[self._dofs.places(pairing.dofs)]
-            opposite = opposite.reshape(-1, len(pairing.projection.components))
-            found -= pairing.projection.apply(opposite).reshape(-1)
+            projection = self._projections[surface]
+            opposite = opposite.reshape(-1, len(projection.components))
+            found -= projection.apply(opposite).reshape(-1)
             found[~self._has_jump(surface)] = 0.0
         return found
 

@@ -12,14 +12,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.iterative.contact_matrix import ContactMatrix
 from fenics_contact.solve.iterative.contact_zone import slave_nodes
-from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
-from fenics_contact.solve.systems.pair_stiffness import PairStiffness
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,16 +38,11 @@ class CarriedSlaves:
 
     Args:
         problem: The problem.
-        surfaces: Of its contacts.
+        contacts: Their tangents.
     """
 
-    def __init__(self, problem: Problem, surfaces: Sequence[SurfaceMatrix]) -> None:
-        self._comm: MPI.Comm = problem.comm
-        self._pairs: list[PairStiffness] = []
-        for number in _links(problem).order:
-            pair = surfaces[number].pair
-            assert pair is not None
-            self._pairs.append(pair)
+    def __init__(self, problem: Problem, contacts: ContactMatrix) -> None:
+        self._pairs = [contacts.pair_dofs(number) for number in _links(problem).order]
 
     @property
     def are_any(self) -> bool:
@@ -65,10 +58,8 @@ class CarriedSlaves:
         """
         found = displacement.copy()
         for pair in self._pairs:
-            moved = pair.opposite(pair.gathered(self._comm, found))
-            at_dofs = np.zeros(len(pair.dofs))
-            at_dofs[: len(moved)] = moved
-            found += np.where(inside, pair.on_body(at_dofs, len(found)), 0.0)
+            _, opposite = pair.motions(found)
+            found += np.where(inside, pair.on_body(opposite, None), 0.0)
         return found
 
     def collect(self, forces: Array, inside: Flags) -> Array:
@@ -80,9 +71,8 @@ class CarriedSlaves:
         """
         found = forces.copy()
         for pair in reversed(self._pairs):
-            given = pair.gathered(self._comm, found)
-            taken = -pair.reaction(given[: pair.slave_count])
-            found += np.where(inside, pair.on_body(taken, len(found)), 0.0)
+            given, _ = pair.motions(found)
+            found += np.where(inside, pair.on_body(None, pair.handed_over(given)), 0.0)
         return found
 
 

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 from petsc4py import PETSc
-from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.iterative.pair_matrix import PairDofs, PairMatrix
 from fenics_contact.solve.systems.bordered_tangent import AddedTangents
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
-from fenics_contact.solve.systems.pair_stiffness import PairStiffness
 from fenics_contact.solve.systems.petsc_library import preallocate_places, set_at_places
 
 Pairs = tuple[Integers, Integers]
@@ -43,7 +42,13 @@ class ContactMatrix(AddedTangents):
         constrained = problem.constrained[problem.constrained < self._owned]
         self._held = constrained
         self._constrained = self._rows(self.matrix, constrained)
-        self._pairs_on_slave: list[tuple[PairStiffness, csr_matrix]] = []
+        body = displacement.createVecRight()
+        self._between: dict[SurfaceMatrix, PairMatrix] = {
+            surface: PairMatrix(surface, pairing, body)
+            for surface in self.surfaces
+            if surface.contact.terms and (pairing := surface.contact.kinematics.pairing) is not None
+        }
+        body.destroy()
         parts = [self._at_places(surface) for surface in self.surfaces]
         filled = sum(len(part[0]) for part in parts)
         parts += [self._with_scalar(number) for number in range(self.scalars)]
@@ -76,18 +81,18 @@ class ContactMatrix(AddedTangents):
         own = np.full(len(corner), self._scalar_row(self.matrix, number))
         return np.concatenate([coupled, scalar, own]), np.concatenate([scalar, coupled, corner])
 
+    def pair_dofs(self, number: int) -> PairDofs:
+        """The dofs of a contact between bodies, by its number."""
+        return self._between[self.surfaces[number]].dofs
+
     def linearise(self) -> None:
         """Take the tangents that the contacts' terms have at present; collective."""
         entries = [surface.entries() for surface in self.surfaces]
         values = [found for _, _, found in entries]
         set_at_places(self.matrix, np.concatenate([*values, self._room]))
-        comm = self._problem.comm
-        self._pairs_on_slave = [
-            (surface.pair, surface.pair.on_slave(comm, found))
-            for surface, found in zip(self.surfaces, entries, strict=True)
-            if surface.pair is not None and surface.contact.terms
-        ]
         for surface, motions, found in zip(self.surfaces, self._motions, entries, strict=True):
+            if surface in self._between:
+                self._between[surface].linearise(found[2])
             self._add_borders(self.matrix, surface, motions, found)
         self.add_far_field(self.matrix)
         self.matrix.assemble()
@@ -108,17 +113,9 @@ class ContactMatrix(AddedTangents):
     def mult(self, vector: PETSc.Vec, result: PETSc.Vec) -> None:
         """K_c times a vector of all unknowns; collective."""
         self.matrix.mult(vector, result)
-        if not self._pairs_on_slave:
-            return
         displacement = self._free_displacement(vector)
-        comm, forces = self._problem.comm, np.zeros(self._owned)
-        for pair, stiffness in self._pairs_on_slave:
-            moved = pair.gathered(comm, displacement)
-            opposite = pair.opposite(moved)
-            at_dofs = pair.reaction(stiffness @ (moved[: len(opposite)] - opposite))
-            at_dofs[: len(opposite)] = -(stiffness @ opposite)
-            forces += pair.on_body(at_dofs, self._owned)
-        self._add_to_free(forces, result)
+        for pair in self._between.values():
+            self._add_to_free(pair.forces(displacement), result)
 
     def magnitude(self, lengths: PETSc.Vec, result: PETSc.Vec) -> None:
         """|K_c| times a vector of no negative numbers; collective.
@@ -132,15 +129,8 @@ class ContactMatrix(AddedTangents):
         absolute.mult(lengths, result)
         absolute.destroy()
         displacement = self._free_displacement(lengths)
-        comm, forces = self._problem.comm, np.zeros(self._owned)
-        for pair, stiffness in self._pairs_on_slave:
-            moved = pair.gathered(comm, displacement)
-            opposite = np.abs(pair.opposite(moved))
-            pulled = abs(stiffness) @ (moved[: len(opposite)] + opposite)
-            at_dofs = np.abs(pair.reaction(pulled))
-            at_dofs[: len(opposite)] = abs(stiffness) @ opposite
-            forces += pair.on_body(at_dofs, self._owned)
-        self._add_to_free(forces, result)
+        for pair in self._between.values():
+            self._add_to_free(pair.magnitudes(displacement), result)
 
     def _free_displacement(self, vector: PETSc.Vec) -> Array:
         """This rank's displacements of a vector, 0 where supports hold."""
@@ -155,5 +145,6 @@ class ContactMatrix(AddedTangents):
             array[: self._owned] += forces
 
     def destroy(self) -> None:
-        """Free the matrix."""
-        self.matrix.destroy()
+        """Free PETSc's objects."""
+        for thing in (self.matrix, *self._between.values()):
+            thing.destroy()

@@ -169,7 +169,7 @@ def slave_nodes(contact: ContactSurface) -> Flags:
     trace, pairing = contact.trace, contact.kinematics.pairing
     acts = np.ones(len(trace.all_nodes))
     if pairing is not None:
-        acts[~pairing.faced[trace.surface.numbers]] = 0.0
+        acts[~pairing.faced] = 0.0
     return np.asarray(trace.surface.on_body(acts) > 0)
 
 

@@ -92,7 +92,7 @@ class IterativeSystem(BodySystem):
         problem, spaces = self.problem, self.problem.spaces
         _, fields = rigid_fields(spaces)
         self._on_contacts, self._masters = on_contacts(problem), masters(problem)
-        self._carried = CarriedSlaves(problem, self.contacts.surfaces)
+        self._carried = CarriedSlaves(problem, self.contacts)
         self._add_springs(self._owned_columns(apart(spaces.parts, fields)))
         self._place_zone()
         self.multigrid = Multigrid(self._stiffness, self._owned_columns(fields))
@@ -269,7 +269,7 @@ class IterativeSystem(BodySystem):
 
     def pair_anew(self) -> None:
         """Take what carries what and the zone anew; tangents see it by themselves; collective."""
-        self._carried = CarriedSlaves(self.problem, self.contacts.surfaces)
+        self._carried = CarriedSlaves(self.problem, self.contacts)
         self._on_contacts = on_contacts(self.problem)
         self._move_zone()
 

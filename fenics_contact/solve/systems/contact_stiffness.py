@@ -22,15 +22,18 @@ class SurfaceMatrix:
 
     Attributes:
         dofs: The body's global number of every dof of the surface, by its number there.
-        pair: The tangent between two bodies, None against an obstacle.
     """
 
     def __init__(self, contact: ContactSurface) -> None:
         self.contact = contact
         self._surface = contact.trace.surface
         self.dofs = self._surface.dofs
-        pairing = contact.kinematics.pairing
-        self.pair = None if pairing is None else self._between_bodies(pairing)
+
+    @cached_property
+    def pair(self) -> PairStiffness | None:
+        """The tangent between two bodies written out, None against an obstacle; collective."""
+        pairing = self.contact.kinematics.pairing
+        return None if pairing is None else self._between_bodies(pairing)
 
     @cached_property
     def assembled(self) -> AssembledForms | None:

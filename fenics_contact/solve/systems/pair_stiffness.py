@@ -1,8 +1,8 @@
 """The tangent of a contact between two bodies, as entries between displacements of both.
 
 With the jump w = u − P u' it is Jᵀ K_c J, J = (1, −P): full between all displacements of both
-surfaces. It is applied by its factors, or made some rows at a time, by J and its transpose applied;
-each rank makes its own rows, so that what it holds beside them grows with the surfaces only.
+surfaces. It is made some rows at a time, by J and its transpose applied; each rank makes its own
+rows, so that what it holds beside them grows with the surfaces only.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from scipy.sparse import csr_matrix
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import of_every_rank
 from fenics_contact.contact.mortar.pairing import Pairing
-from fenics_contact.contact.mortar.projection import parts_of
+from fenics_contact.contact.mortar.projection import Projection, parts_of
 
 Entries = tuple[Integers, Integers, Array]
 _ROWS = 64  # made at a time
@@ -28,7 +28,6 @@ class PairStiffness:
     Attributes:
         dofs: The body's global numbers of all displacements of the slave, then of the master.
         own: Numbers in ``dofs`` of those that this rank owns, by components.
-        slave_count: How many of ``dofs`` are the slave's.
 
     Args:
         pairing: The two.
@@ -38,13 +37,12 @@ class PairStiffness:
     """
 
     def __init__(self, pairing: Pairing, slave_dofs: Integers, first: int, owned: int) -> None:
-        self._pairing, self.slave_count = pairing, len(slave_dofs)
+        self._pairing, self._slaves = pairing, len(slave_dofs)
         self.dofs = np.concatenate([slave_dofs, pairing.dofs])
         own = np.flatnonzero((self.dofs >= first) & (self.dofs < first + owned))
-        self._size = len(pairing.projection.components)
+        self._size = pairing.master.components
         # Those of one component together: P u' of the others is 0.
         self.own = own[np.argsort(own % self._size, kind="stable")]
-        self._own_in_body = self.dofs[self.own] - first
 
     def own_rows(self) -> Iterator[Integers]:
         """The body's numbers of this rank's rows, some at a time."""
@@ -60,9 +58,10 @@ class PairStiffness:
         Returns:
             The body's numbers of rows, and these, (rows, dofs).
         """
-        return self._made(csr_matrix(self.on_slave(comm, entries).T))
+        transposed = csr_matrix(self._on_slave(comm, entries).T)
+        return self._made(transposed, self._pairing.whole_projection())
 
-    def on_slave(self, comm: MPI.Comm, entries: Entries) -> csr_matrix:
+    def _on_slave(self, comm: MPI.Comm, entries: Entries) -> csr_matrix:
         """K_c of the whole slave, (slave dofs, slave dofs), on every rank; collective.
 
         Args:
@@ -72,52 +71,31 @@ class PairStiffness:
         rows, columns, values = (
             np.concatenate(parts) for parts in zip(*of_every_rank(comm, entries), strict=True)
         )
-        shape = (self.slave_count, self.slave_count)
+        shape = (self._slaves, self._slaves)
         return csr_matrix((values, (rows, columns)), shape=shape)
 
-    def gathered(self, comm: MPI.Comm, displacement: Array) -> Array:
-        """Displacements at ``dofs``, of those that this rank owns in the body; collective."""
-        found = np.zeros(len(self.dofs))
-        found[self.own] = displacement[self._own_in_body]
-        comm.Allreduce(MPI.IN_PLACE, found)
-        return found
-
-    def on_body(self, forces: Array, owned: int) -> Array:
-        """Forces at ``dofs`` as those on the dofs that this rank owns in the body, (owned,)."""
-        return np.bincount(self._own_in_body, forces[self.own], minlength=owned)
-
-    def opposite(self, displacement: Array) -> Array:
-        """P u', (slave dofs,), of displacements (dofs,)."""
-        moved = self._pairing.projection.apply(
-            displacement[self.slave_count :].reshape(-1, self._size)
-        )
-        return moved.reshape(-1)
-
-    def reaction(self, forces: Array) -> Array:
-        """−Pᵀ f on the master, and nothing on the slave, (dofs,), of forces (slave dofs,)."""
-        taken = self._pairing.projection.transposed(forces.reshape(-1, self._size))
-        return np.concatenate([np.zeros(self.slave_count), -taken.reshape(-1)])
-
-    def _made(self, transposed: csr_matrix) -> Iterator[tuple[Integers, Array]]:
-        """The same, from K_cᵀ."""
+    def _made(
+        self, transposed: csr_matrix, projection: Projection
+    ) -> Iterator[tuple[Integers, Array]]:
+        """The same, from K_cᵀ and P."""
         for part in parts_of(len(self.own), _ROWS):
             chosen = self.own[part]
             unit = np.zeros((len(self.dofs), len(chosen)))
             unit[chosen, np.arange(len(chosen))] = 1.0
-            pulled = transposed @ self.jump(unit)
+            pulled = transposed @ self._jump(projection, unit)
             acts = pulled.any(axis=0)  # no open point does
             if acts.any():
-                yield self.dofs[chosen[acts]], self.forces(pulled[:, acts]).T
+                yield self.dofs[chosen[acts]], self._forces(projection, pulled[:, acts]).T
 
-    def jump(self, displacement: Array) -> Array:
+    def _jump(self, projection: Projection, displacement: Array) -> Array:
         """J u, (slave dofs, columns), of displacements (dofs, columns)."""
-        opposite = displacement[self.slave_count :]
+        opposite = displacement[self._slaves :]
         nodal = opposite.reshape(-1, self._size, opposite.shape[1])
-        moved = self._pairing.projection.apply(nodal)
-        return displacement[: self.slave_count] - moved.reshape(self.slave_count, -1)
+        moved = projection.apply(nodal)
+        return displacement[: self._slaves] - moved.reshape(self._slaves, -1)
 
-    def forces(self, given: Array) -> Array:
+    def _forces(self, projection: Projection, given: Array) -> Array:
         """Jᵀ f, (dofs, columns), of forces (slave dofs, columns)."""
         nodal = given.reshape(-1, self._size, given.shape[1])
-        taken = self._pairing.projection.transposed(nodal)
+        taken = projection.transposed(nodal)
         return np.concatenate([given, -taken.reshape(-1, given.shape[1])])

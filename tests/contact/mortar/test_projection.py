@@ -222,7 +222,8 @@ def test_the_tangent_between_bodies_is_made_by_rows(degree):
     mine = rows % COMM.size == COMM.rank
     entries = rows[mine], columns[mine], tangent[rows[mine], columns[mine]]
     unit = np.eye(masters).reshape(-1, 3, masters)
-    jump = np.hstack([np.eye(slaves), -pairing.projection.apply(unit).reshape(slaves, masters)])
+    whole_p = pairing.whole_projection()
+    jump = np.hstack([np.eye(slaves), -whole_p.apply(unit).reshape(slaves, masters)])
     expected = jump.T @ tangent @ jump
     whole = np.zeros((COMM.size, *expected.shape))
     for numbers, block in pair.rows(COMM, entries):
@@ -238,7 +239,7 @@ def test_the_pair_is_kept_and_its_tangent_made_without_its_square():
     surface = SurfaceMatrix(problem.contacts[0])
     pairing = problem.contacts[0].kinematics.pairing
     size = len(surface.dofs) + len(pairing.dofs)
-    assert stored(pairing.projection) < 100 * size
+    assert stored(pairing.whole_projection()) < 100 * size
     numbers = np.arange(COMM.rank, len(surface.dofs), COMM.size)
     tracemalloc.start()
     rows = surface.pair.rows(COMM, (numbers, numbers, np.ones(len(numbers))))
@@ -264,3 +265,35 @@ def test_the_condensed_unknowns_are_kept_and_used_without_their_square():
     tracemalloc.stop()
     assert variables.derived_count == 20  # held nodes at y = 0 that face the upper block
     assert peak < variables.count**2 * 8 / 40
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_the_spread_projection_is_the_whole_one(degree):
+    """Against P of the gathered surfaces; where supports hold slaves, and beyond the master.
+
+    And each is the other's transpose.
+    """
+    problem = problem_of(((4, 3), (3, 5)), degree)
+    pairing = problem.contacts[0].kinematics.pairing
+    slave, master = problem.contacts[0].trace.surface, pairing.master
+    whole, spread = pairing.whole_projection(), pairing.projection
+    random = np.random.default_rng(3)  # the same on every rank
+    values = random.normal(size=(whole.components[0].shape[1], 3, 2))
+    forces = random.normal(size=(whole.components[0].shape[0], 3, 2))
+    ours = slave.numbers[: slave.owned_nodes]
+    theirs = master.numbers[: master.owned_nodes]
+    moved, taken = spread.apply(values[theirs]), spread.transposed(forces[ours])
+    np.testing.assert_allclose(moved, whole.apply(values)[ours], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(taken, whole.transposed(forces)[theirs], rtol=0, atol=1e-10)
+    works = COMM.allreduce(np.array([np.sum(moved * forces[ours]), np.sum(taken * values[theirs])]))
+    assert works[0] == pytest.approx(works[1], rel=1e-12)
+
+
+def test_ranks_hold_a_part_of_the_integrals():
+    """In proportion to their facets of the slave, however few these are."""
+    problem = problem_of(((12, 12), (11, 11)))
+    pairing = problem.contacts[0].kinematics.pairing
+    own = pairing._rows.integrals
+    sizes = np.array(COMM.allgather((len(pairing.shares), own.coupling.nnz)))
+    assert sizes[:, 0].sum() == 144
+    assert (sizes[:, 1] <= 36 * sizes[:, 0]).all()  # four nodes, each opposite to nine

@@ -154,8 +154,8 @@ def test_unknowns_are_displacements_in_other_terms(pairs, slaves):
         pairing = surface.contact.kinematics.pairing
         expected = at_all[dofs.places(surface.dofs)]
         opposite = at_all[dofs.places(pairing.dofs)].reshape(-1, 2)
-        expected -= pairing.projection.apply(opposite).reshape(-1)
-        expected[np.repeat(~pairing.faced, 2)] = 0.0
+        expected -= pairing.whole_projection().apply(opposite).reshape(-1)
+        expected[np.repeat(~pairing.whole_faced(), 2)] = 0.0
         np.testing.assert_allclose(variables.derived_jumps(unknowns), every[variables.count :])
         found = variables.jump(surface) @ every + variables.held_part(surface, held)
         np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)

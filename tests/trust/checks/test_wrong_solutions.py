@@ -25,7 +25,6 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.cli.summary import print_result
-from fenics_contact.contact.mortar.projection import Projection
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import support_reactions
 from fenics_contact.results.check_messages import WORDS, compares
@@ -35,6 +34,7 @@ from fenics_contact.simulation import verdict
 from fenics_contact.trust.checks.comparison import balance, worst_of
 from fenics_contact.trust.checks.run_checks import all_checks
 from fenics_contact.verification.boxes import Box, boxes
+from tests.contact.shuffled import Shuffled
 from tests.report.page.pages import page_of
 from tests.scenes import box_body
 from tests.wrong_answers import with_body
@@ -265,10 +265,7 @@ def pushed_where_held(prepared, monkeypatch):
 def handed_over_elsewhere(prepared, monkeypatch):
     """A projection with shuffled columns: resultants balance, moments do not."""
     pairing = prepared.problem.contacts[0].kinematics.pairing
-    straight = pairing.projection.components[0]
-    rows, columns = (np.arange(count) for count in straight.shape)
-    shuffled = straight.restricted(rows, np.random.default_rng(7).permutation(columns))
-    monkeypatch.setattr(pairing, "projection", Projection([shuffled, shuffled]))
+    monkeypatch.setattr(pairing, "projection", Shuffled(pairing))
     return prepared.solution
 
 
