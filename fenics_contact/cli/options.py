@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import os
 import sys
 import textwrap
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import IO, NoReturn
 
 from fenics_contact.common.plain_text import printable
+from fenics_contact.common.wording.suggestions import did_you_mean
 
 PROGRAM = "fenics-contact"
 
@@ -141,12 +141,6 @@ def is_first_rank() -> bool:
     """Whether a launcher says so, or there is none; MPI itself would take time to ask."""
     ranks = [os.environ.get(name, "0") for name in ("PMI_RANK", "PMIX_RANK")]
     return all(rank == "0" for rank in ranks)
-
-
-def did_you_mean(word: str, known: Sequence[str]) -> str:
-    """The end of a sentence that says that a word is not known."""
-    near = difflib.get_close_matches(word, known, n=2)
-    return f"; did you mean {' or '.join(near)}?" if near else ""
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:

@@ -6,10 +6,10 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Hashable
 from dataclasses import dataclass
 
+from fenics_contact.common.wording.suggestions import nearest
 from fenics_contact.scene.values import AXES
 
 # Resultants of a contact, which several do not have together.
@@ -142,7 +142,7 @@ class QuantityNames:
 
 def _nearest(text: str, known: list[str]) -> str:
     """A question after the nearest of the known names; empty where none is near."""
-    near = difflib.get_close_matches(text, known, n=1)
+    near = nearest(text, known)
     return f"did you mean '{near[0]}'? " if near else ""
 
 

@@ -65,7 +65,7 @@ def test_help_is_as_wide_as_the_terminal(capsys, monkeypatch, columns):
         (["run", "a.toml", "b.toml"], "run: 'b.toml' is one too many; see"),
         (["run", "a.toml", "--otu", "b"], "run: there is no option '--otu'; did you mean --out"),
         (["run", "a.toml", "--qiet=1"], "there is no option '--qiet'; did you mean --quiet"),
-        (["--verison"], "there is no option '--verison'; did you mean --version or --verbose?"),
+        (["--verison"], "there is no option '--verison'; did you mean --version?"),
         (["--verbose"], "--verbose belongs to --version, or comes after a command; see"),
         (["--verbose", "run", "a.toml"], "--verbose belongs to --version"),
         (["check", "a.toml", "--", "-ksp_view"], "only the command run takes PETSc options"),
