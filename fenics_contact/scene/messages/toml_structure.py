@@ -8,6 +8,7 @@ import tomllib
 from fenics_contact.scene.messages.toml_slips import closed_quotes, explained, is_sound, line_of
 
 _LONGEST = 2**18  # characters of a file whose lines are examined; a scene has a hundredth of it
+_WIDEST = 1000  # characters of a line that is examined; the time grows with their square
 _HEADER = re.compile(r"\s*(\[{1,2})\s*([\w.\"'-]+)\s*\]{1,2}\s*(?:#.*)?")
 _KEY = re.compile(r"\s*([\w.\"'-]+)\s*=")
 _SUM, _OPERATOR = re.compile(r"[-+(\d][-+*/^() \d.eE]*"), re.compile(r"[\d)] *[-+*/^] *[\d(]")
@@ -24,7 +25,8 @@ def what_is_wrong(text: str, error: tomllib.TOMLDecodeError) -> str:
     lines = text.split("\n")
     number = line_of(error)
     said = ""
-    if len(text) <= _LONGEST:
+    place = min(number or len(lines), len(lines)) - 1
+    if len(text) <= _LONGEST and len(lines[place]) <= _WIDEST:
         if number is not None and number <= len(lines):
             said = _given_twice(lines, number) or (
                 _unfinished(lines, number) if _begins(lines[number - 1]) else ""

@@ -115,6 +115,7 @@ def test_texts_and_comments_are_left_as_they_are():
 def test_long_lines_and_long_files_are_not_repeated():
     found = said_of(f"x = [{', '.join(['.5'] * 100)}]")
     assert found == "line 1: a number begins with a digit"
+    assert said_of(" " * 50_000 + "x").endswith("(at end of document)")
     text = "# much\n" * 50_000 + "x = .3"
     assert said_of(text) == "Invalid value (at line 50001, column 5)"
 
