@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import os
 import sys
 import textwrap
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import IO, NoReturn
 
 from fenics_contact.common.plain_text import printable
+from fenics_contact.common.wording.suggestions import did_you_mean
 
 PROGRAM = "fenics-contact"
 
@@ -89,6 +89,25 @@ Examples:
   fenics-contact new hertz
   fenics-contact new own --out mine/first.toml"""
 
+_SCHEMA = """\
+Prints the JSON schema of a scene, from which editors complete keys, show what they mean and mark
+what is wrong: VS Code with Even Better TOML, and others.
+
+Example:
+  fenics-contact schema > scene.schema.json   # a scene names it in its first line:
+                                              # #:schema ./scene.schema.json"""
+
+_COMPLETION = """\
+Prints a script by which a shell completes commands, options, scene files, keys after --set and
+names of scenes to start from. It does not start the program, so it answers at once.
+
+Examples:
+  fenics-contact completion bash > ~/.local/share/bash-completion/completions/fenics-contact
+  fenics-contact completion fish > ~/.config/fish/completions/fenics-contact.fish
+  fenics-contact completion zsh > ~/.zfunc/_fenics-contact   # a folder of $fpath"""
+
+SHELLS = ("bash", "zsh", "fish")
+
 _EXIT_BRIEFLY = "Exit codes: see fenics-contact --help."
 
 
@@ -143,12 +162,6 @@ def is_first_rank() -> bool:
     return all(rank == "0" for rank in ranks)
 
 
-def did_you_mean(word: str, known: Sequence[str]) -> str:
-    """The end of a sentence that says that a word is not known."""
-    near = difflib.get_close_matches(word, known, n=2)
-    return f"; did you mean {' or '.join(near)}?" if near else ""
-
-
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """What the words after ``fenics-contact`` ask for.
 
@@ -161,7 +174,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     Raises:
         SystemExit: Help was asked for (0), or something is wrong (2); it was said.
     """
-    parser, commands = _parsers()
+    parser, commands = parsers()
     words, petsc = _split(arguments)
     first = next((word for word in words if not word.startswith("-")), None)
     if first is not None and first not in commands:
@@ -213,7 +226,7 @@ def _split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     return words[:place], words[place + 1 :]
 
 
-def _parsers() -> tuple[_Parser, dict[str, _Parser]]:
+def parsers() -> tuple[_Parser, dict[str, _Parser]]:
     """The program's parser and, by their names, those of its commands."""
     parser = _Parser(
         prog=PROGRAM,
@@ -238,6 +251,8 @@ def _parsers() -> tuple[_Parser, dict[str, _Parser]]:
         ("run", "solve a scene", "SCENE.toml [options] [-- PETSc options]", ""),
         ("report", "pictures and a page from the files of a run", "DIR [options]", _REPORT),
         ("verify", "run analytic and published benchmarks", "[NAME ...] [options]", _VERIFY),
+        ("schema", "print the JSON schema of a scene, for editors", "", _SCHEMA),
+        ("completion", "print a completion script, for shells", "bash|zsh|fish", _COMPLETION),
     ):
         made[name] = group.add_parser(
             name,
@@ -251,8 +266,10 @@ def _parsers() -> tuple[_Parser, dict[str, _Parser]]:
     _describe_new(made["new"])
     made["report"].add_argument("folder", metavar="DIR", type=Path, help="results of a run")
     _describe_verify(made["verify"])
+    made["completion"].add_argument("shell", choices=SHELLS, help="for which it is")
     for name, command in made.items():
-        _add_verbosity(command, is_only_quiet=name == "new")
+        if name not in ("schema", "completion"):  # which say nothing else
+            _add_verbosity(command, is_only_quiet=name == "new")
     made["run"].add_argument_group("PETSc", _PETSC)
     return parser, made
 

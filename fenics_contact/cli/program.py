@@ -35,6 +35,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parse(sys.argv[1:] if arguments is None else arguments)
     if options.version and not options.all_versions:
         return print_versions()
+    if options.command in ("schema", "completion"):  # texts, for which nothing need be loaded
+        from fenics_contact.cli.completion.printed import print_text
+
+        return print_text(options)
     from fenics_contact.cli.commands import execute
 
     return execute(options)

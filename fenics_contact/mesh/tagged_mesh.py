@@ -13,6 +13,7 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording.suggestions import question
 
 
 @dataclass(frozen=True)
@@ -104,8 +105,8 @@ class Body:
         group = self.find(name)
         if group is None:
             raise InputError(
-                f"{key} = '{name}': there is no such physical group in {self.source}; there are: "
-                f"{self.known_groups()}"
+                f"{key} = '{name}': there is no such physical group in {self.source}"
+                f"{question(name, map(one_line, self.groups))}; there are: {self.known_groups()}"
             )
         kind = "cells" if group.dimension == self.dimension else "facets"
         if group.outside:

@@ -11,8 +11,8 @@ from pydantic import Field
 from fenics_contact.scene.quantity_names import looks_like_quantity
 from fenics_contact.scene.values import Integer, Number, scene_class
 
-_Share = Annotated[Number, Field(gt=0, lt=1)]
-_Asked = _Share | None
+Share = Annotated[Number, Field(gt=0, lt=1)]
+_Asked = Share | None
 # Of a scene that says but one number; in each, those that it has.
 MAIN = ("normal_force", "max_contact_pressure", "contact_area", "stick_area")
 
@@ -53,7 +53,7 @@ class Accuracy:
     external_work: Annotated[_Asked, Field(description="over itself")] = None
     friction_work: Annotated[_Asked, Field(description="over the strain energy")] = None
     of: Annotated[
-        Mapping[str, _Share],
+        Mapping[str, Share],
         Field(
             description="of further quantities by their names: `NAME.quantity` of the contact or "
             "the supports called NAME (`left.reaction`), `displacement_NAME` of a `[[point]]`, "

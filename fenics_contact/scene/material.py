@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from fenics_contact.scene.values import VOIGT, Value, scene_class
+from fenics_contact.scene.values import VOIGT, Number, Value, scene_class
 
 
 def _stiffness_matrix(value: Any) -> Any:
@@ -31,8 +31,14 @@ def _depth(value: object) -> int:
 
 
 _Row = Annotated[tuple[Value, ...], Field(min_length=6, max_length=6)]
+_Matrix = Annotated[tuple[_Row, ...], Field(min_length=6, max_length=6)]
+_Three = Field(min_length=3, max_length=3)
+_Square = Annotated[tuple[Annotated[tuple[Number, ...], _Three], ...], _Three]
+_Tensor = Annotated[tuple[Annotated[tuple[_Square, ...], _Three], ...], _Three]
 Stiffness = Annotated[
-    tuple[_Row, ...], Field(min_length=6, max_length=6), BeforeValidator(_stiffness_matrix)
+    tuple[_Row, ...],
+    Field(min_length=6, max_length=6),
+    BeforeValidator(_stiffness_matrix, json_schema_input_type=_Matrix | _Tensor),
 ]
 
 

@@ -6,10 +6,11 @@
 
 from __future__ import annotations
 
-import difflib
+import re
 from collections.abc import Hashable
 from dataclasses import dataclass
 
+from fenics_contact.common.wording.suggestions import nearest
 from fenics_contact.scene.values import AXES
 
 # Resultants of a contact, which several do not have together.
@@ -26,6 +27,8 @@ OF_CONTACTS = (
 _OF_SUPPORTS = ("reaction",)
 _OF_ALL = (*OF_CONTACTS, "reaction", "strain_energy", "external_work")
 _POINT = "displacement_"
+#: What can only be meant as a quantity by its name, known or not; also in the schema of scenes.
+LOOKS_LIKE_QUANTITY = rf"\.|^{_POINT}|^({'|'.join(_OF_ALL)})(_[xyz])?$"
 
 
 @dataclass(frozen=True)
@@ -142,14 +145,13 @@ class QuantityNames:
 
 def _nearest(text: str, known: list[str]) -> str:
     """A question after the nearest of the known names; empty where none is near."""
-    near = difflib.get_close_matches(text, known, n=1)
+    near = nearest(text, known)
     return f"did you mean '{near[0]}'? " if near else ""
 
 
 def looks_like_quantity(key: str) -> bool:
     """Whether a key can only be meant as a quantity by its name, known or not."""
-    base = key[:-2] if key.endswith(("_x", "_y", "_z")) else key
-    return "." in key or key.startswith(_POINT) or base in _OF_ALL
+    return re.search(LOOKS_LIKE_QUANTITY, key) is not None
 
 
 def in_words(text: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,12 +12,13 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from fenics_contact.common.errors import InputError
+from fenics_contact.common.wording.suggestions import nearest_file
 from fenics_contact.scene.messages import sentence, written
 from fenics_contact.scene.scene import Scene
 
 _SMALLEST, _LARGEST = 1e-100, 1e100  # sizes of numbers that a scene may hold
 _DEEPEST = 20  # tables and lists within each other; a scene has half as many
-_LONGEST = 2**26  # characters of a scene file, which may be one without an end
+_LONGEST = 2**26  # bytes of a scene file, which may be one without an end
 
 
 def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
@@ -43,10 +45,20 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     fenics_contact.common.errors.InputError: nowhere.toml: cannot be read: No such file or directory
     """
     path = Path(path)
-    data = _parsed(_read(path), path)
+    text = _read(path)
+    data = _parsed(text, path)
     for setting in overrides:
         _override(data, setting)
-    return _beside(_scene(data, path), path.parent)
+    try:
+        scene = _scene(data, path)
+    except InputError as error:
+        if not overrides:
+            raise
+        _scene(_parsed(text, path), path)  # what is wrong with the file itself comes first
+        settings = " ".join(f"--set {setting}" for setting in overrides)
+        said = str(error).removeprefix(f"{path}: ")
+        raise InputError(f"{path} with {settings}: {said}") from None
+    return _beside(scene, path.parent)
 
 
 def scene_of_text(text: str, path: Path) -> Scene:
@@ -74,23 +86,40 @@ def _scene(data: dict[str, Any], path: Path) -> Scene:
 
 def _read(path: Path) -> str:
     try:
-        with path.open(encoding="utf-8") as file:
-            text = file.read(_LONGEST + 1)
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file in UTF-8") from None
+        with path.open("rb") as file:
+            content = file.read(_LONGEST + 1)
     except (OSError, ValueError) as error:  # a name with a null byte
         said = error.strerror if isinstance(error, OSError) else error
-        raise InputError(f"{path}: cannot be read: {said}") from None
-    if len(text) > _LONGEST:
+        near = nearest_file(path) if isinstance(error, FileNotFoundError) else ""
+        raise InputError(f"{path}: cannot be read: {said}{near}") from None
+    if len(content) > _LONGEST:
         raise InputError(f"{path}: cannot be read: it has more than {_LONGEST >> 20} MB")
-    return text
+    try:
+        text = content.decode("utf-8-sig")  # Windows may put a mark in front
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: {_of_encoding(content, error.start)}") from None
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _of_encoding(content: bytes, place: int) -> str:
+    """What a file is that is no UTF-8, as far as can be told."""
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return "not a text file in UTF-8, but in UTF-16; save it as UTF-8 in the editor"
+    line = content.count(b"\n", 0, place) + 1
+    letter = content[place : place + 1].decode("cp1252", "replace")
+    return (
+        f"not a text file in UTF-8: line {line} has a character of another encoding "
+        f"('{letter}' in that of Windows); save it as UTF-8 in the editor"
+    )
 
 
 def _parsed(text: str, path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not valid TOML: {error}") from None
+        from fenics_contact.scene.messages.toml_structure import what_is_wrong
+
+        raise InputError(f"{path}: not valid TOML: {what_is_wrong(text, error)}") from None
     except (ValueError, RecursionError) as error:  # thousands of digits, or of brackets
         raise InputError(f"{path}: cannot be read: {error}") from None
 
@@ -130,6 +159,9 @@ def _override(data: dict[str, Any], setting: str) -> None:
         value = tomllib.loads(f"value = {text}")["value"]
     except (ValueError, RecursionError):
         value = text.strip()  # a bare word is a string
+    if numbered := re.search(r"\[\d+\]", path):
+        dotted = re.sub(r"\[(\d+)\]", r".\1", path.strip())
+        raise InputError(f"--set {setting}: write {numbered[0]} with a dot, as in {dotted}")
     *tables, key = _keys(path.strip(), setting)
     target: Any = data
     for name in tables:

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from fenics_contact.scene.accuracy import Accuracy, as_accuracy
+from fenics_contact.scene.accuracy import Accuracy, Share, as_accuracy
 from fenics_contact.scene.conditions import Load, Point, Support
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene.material import Material
@@ -136,7 +136,7 @@ class Scene:
     ]
     material: Annotated[
         tuple[Material, ...],
-        BeforeValidator(_as_list),
+        BeforeValidator(_as_list, json_schema_input_type=Material | tuple[Material, ...]),
         Field(
             min_length=1,
             max_length=_MOST,
@@ -146,7 +146,7 @@ class Scene:
     ]
     mesh: Annotated[
         tuple[MeshSource, ...],
-        BeforeValidator(_as_list),
+        BeforeValidator(_as_list, json_schema_input_type=MeshSource | tuple[MeshSource, ...]),
         Field(
             max_length=_MOST,
             description="one `[mesh]`, or several `[[mesh]]`, each with a `name`; in Python it may "
@@ -186,7 +186,7 @@ class Scene:
     ] = None
     accuracy: Annotated[
         Accuracy | None,
-        BeforeValidator(as_accuracy),
+        BeforeValidator(as_accuracy, json_schema_input_type=Share | Accuracy),
         Field(
             description="makes meshes until estimated errors are below it: a number (`accuracy = "
             "1e-3`, before the first table) for all main quantities, or a table"

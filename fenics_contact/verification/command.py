@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import os
 import textwrap
@@ -19,6 +18,7 @@ from fenics_contact.common.atomic_files import replace_file
 from fenics_contact.common.errors import FenicsContactError, InputError
 from fenics_contact.common.parallel import on_root
 from fenics_contact.common.terminal import Terminal
+from fenics_contact.common.wording.suggestions import did_you_mean
 from fenics_contact.verification import CASES
 from fenics_contact.verification.case import Case, Finding, Outcome, no_value
 
@@ -104,9 +104,8 @@ def chosen(names: Sequence[str], cases: Sequence[AnyCase]) -> list[AnyCase]:
     known = [case.name for case in cases]
     for name in names:
         if name not in known:
-            near = difflib.get_close_matches(name, known)
-            if near:
-                raise InputError(f"verify: no case '{name}'; did you mean {' or '.join(near)}?")
+            if hint := did_you_mean(name, known):
+                raise InputError(f"verify: no case '{name}'{hint}")
             listed = textwrap.wrap(", ".join(known), _WIDTH - 2, break_on_hyphens=False)
             raise InputError("\n  ".join([f"verify: no case '{name}'; there are", *listed]))
     return [case for case in cases if not names or case.name in names]

@@ -19,6 +19,8 @@ NOT_OF_A_RUN = PICTURES | {
     *("rich.progress", "sympy", "hypothesis", "pytest"),
     *("fenics_contact.simulation.adaptive", "fenics_contact.report"),
     *("fenics_contact.verification", "fenics_contact.cli.new_scene"),
+    *("fenics_contact.cli.completion", "fenics_contact.scene.schema"),
+    "fenics_contact.scene.messages.toml_slips",
 }
 
 
@@ -61,6 +63,12 @@ def test_help_loads_nothing():
     code = "from fenics_contact.cli.program import main\ntry: main(['--help'])\n"
     found, _ = loaded(f"{code}except SystemExit: pass")
     assert not found & (FENICSX | LIBRARIES | PICTURES)
+
+
+@pytest.mark.parametrize("words", [["schema"], ["completion", "bash"]], ids=" ".join)
+def test_texts_are_printed_without_fenicsx(words):
+    found, _ = loaded(f"from fenics_contact.cli.program import main; assert main({words}) == 0")
+    assert not found & (FENICSX | PICTURES | {"scipy", "gmsh"})
 
 
 def test_a_run_loads_only_what_it_needs(tmp_path):

@@ -18,6 +18,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fenics_contact.common.errors import InputError
+from fenics_contact.common.wording.suggestions import nearest_file
+from fenics_contact.mesh.geometry.other_formats import way_out
 from fenics_contact.mesh.geometry.script_safety import FileRead, GeometryScript
 from fenics_contact.mesh.geometry.script_statements import ScriptError
 
@@ -95,10 +97,10 @@ def mesh_file(key: str, name: str) -> MeshFile:
     """
     path = Path(name)
     if not os.path.isfile(path):  # of any name; pathlib raises for one that is too long
-        raise InputError(f"{key} = '{name}': there is no such file")
+        raise InputError(f"{key} = '{name}': there is no such file{nearest_file(path)}")
     suffix = path.suffix.lower()
     if suffix not in _KINDS:
-        raise InputError(f"{key} = '{name}': must end in {_either(_KINDS)}")
+        raise InputError(f"{key} = '{name}': must end in {_either(_KINDS)}{way_out(path.name)}")
     return MeshFile(key, path, _KINDS[suffix], _CAD_FORMATS.get(suffix, ""))
 
 

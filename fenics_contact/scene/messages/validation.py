@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import reprlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pydantic import ValidationError
+
+from fenics_contact.scene.messages.hints import of_key, of_value
 
 _IN_A_FILE = {
     "float_type": "a number",
@@ -55,7 +56,7 @@ def sentence(
     path = _known_path(first["loc"], data)
     key = written(path)
     if unknown:
-        return f"unknown key '{key}'{_suggestion(str(first['loc'][-1]), first['loc'][:-1], table)}"
+        return f"unknown key '{key}'{of_key(first['loc'], _value_at(path, data), table)}"
     if first["type"] == "unexpected_positional_argument":
         return f"too many values: it has {len(names)} keys, {', '.join(names)}"
     if first["type"] == "multiple_argument_values":
@@ -70,8 +71,9 @@ def sentence(
     if same[0]["type"] == "value_error":
         return f"{key}: {messages}" if key else messages
     if first["loc"][-1] == "[key]":
-        return f"unknown key '{key}': must be {messages}"
-    return f"{key} = {_shown(value)}: must be {messages}"
+        return f"unknown key '{key}': must be {messages}{of_value(str(path[-1]), same)}"
+    hint = "" if names else of_value(value, same, key)
+    return f"{key} = {_shown(value)}: must be {messages}{hint}"
 
 
 def _by_name(location: tuple[Any, ...], names: Sequence[str]) -> tuple[Any, ...]:
@@ -128,18 +130,3 @@ def written(path: Sequence[object]) -> str:
     for step in path:
         text += f"[{step}]" if isinstance(step, int) else f".{step}" if text else str(step)
     return text
-
-
-def _suggestion(key: str, location: tuple[Any, ...], table: type) -> str:
-    """The keys accepted at a location in a table, the nearest first."""
-    from fenics_contact.scene.reference import keys_of  # it reads off the classes that use this
-    from fenics_contact.scene.values import Profile
-
-    for step in location:
-        tables = next((k.tables for k in keys_of(table) if k.name == step), ()) or (table,)
-        table = next((t for t in tables if t.__name__ in location), tables[0])
-        table = Profile if step == Profile.__name__ else table
-    accepted = [known.name for known in keys_of(table)]
-    near = difflib.get_close_matches(key, accepted, n=1)
-    hint = f" (did you mean '{near[0]}'?)" if near else ""
-    return f"{hint}; accepted here: {', '.join(accepted)}"

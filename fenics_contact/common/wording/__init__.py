@@ -1,0 +1,1 @@
+"""Parts of messages that several commands share: suggestions of what a word was meant to be."""

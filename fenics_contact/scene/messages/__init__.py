@@ -1,0 +1,8 @@
+"""What is wrong with a scene, in one sentence: its TOML, its keys, its values.
+
+``validation`` words what pydantic found, ``toml_slips`` and ``toml_structure`` what tomllib did;
+``usual_names`` knows what engineers call things.
+"""
+
+from fenics_contact.scene.messages.validation import sentence as sentence
+from fenics_contact.scene.messages.validation import written as written

@@ -1,0 +1,170 @@
+"""Names that engineers and other programs give to what a scene calls otherwise."""
+
+from __future__ import annotations
+
+# By the table's class: the usual name → the key. Capitals do not matter.
+_KEYS = {
+    "Scene": {
+        **dict.fromkeys(("dimension", "dim", "type", "analysis", "model"), "kinematics"),
+        **dict.fromkeys(("bc", "bcs", "boundary", "boundary_conditions", "dirichlet"), "support"),
+        **dict.fromkeys(("force", "forces", "traction", "neumann"), "load"),
+        **dict.fromkeys(("interaction", "contact_pair"), "contact"),
+        **dict.fromkeys(("geometry", "part"), "mesh"),
+        **dict.fromkeys(("fe", "element", "elements"), "discretisation"),
+        **dict.fromkeys(("discretization", "finite_element"), "discretisation"),
+        **dict.fromkeys(("time", "stepping", "loadsteps", "load_steps"), "steps"),
+        "name": "title",
+        "t": "thickness",
+        "tolerance": "accuracy",
+    },
+    "MeshSource": {
+        **dict.fromkeys(("filename", "file_name", "path", "geometry", "mesh", "cad"), "file"),
+        **dict.fromkeys(("h", "lc", "mesh_size", "element_size", "cell_size"), "size"),
+        **dict.fromkeys(("element", "element_type", "cell_type"), "cell"),
+        **dict.fromkeys(("constants", "variables"), "parameters"),
+    },
+    "Discretisation": dict.fromkeys(("order", "p", "polynomial_degree", "element"), "degree"),
+    "Material": {
+        **dict.fromkeys(("e", "young", "youngs", "e_modulus"), "youngs_modulus"),
+        **dict.fromkeys(("elastic_modulus", "modulus", "elasticity"), "youngs_modulus"),
+        **dict.fromkeys(("nu", "ν", "v", "pr", "poisson", "poisson_number"), "poissons_ratio"),
+        **dict.fromkeys(("c", "d", "c_ijkl", "e_ijkl", "tensor"), "stiffness"),
+        **dict.fromkeys(("group", "cells", "region", "domain", "body"), "on"),
+    },
+    "Support": {
+        **dict.fromkeys(("group", "surface", "boundary", "where", "face", "edge"), "on"),
+        **dict.fromkeys(("value", "values", "u", "fixed", "fix", "dofs"), "displacement"),
+        "amplitude": "path",
+    },
+    "Load": {
+        **dict.fromkeys(("group", "surface", "boundary", "where", "face", "edge"), "on"),
+        **dict.fromkeys(("t", "f", "force", "value", "values"), "traction"),
+        **dict.fromkeys(("g", "gravity", "b", "density"), "body_force"),
+        "p": "pressure",
+        "amplitude": "path",
+    },
+    "Contact": {
+        **dict.fromkeys(("mu", "μ", "µ", "friction", "cof", "fric"), "friction_coefficient"),
+        **dict.fromkeys(("coefficient_of_friction", "coefficient"), "friction_coefficient"),
+        **dict.fromkeys(("group", "surface", "boundary", "where", "face", "edge"), "on"),
+        **dict.fromkeys(("master", "target", "with", "other", "counterpart"), "against"),
+        **dict.fromkeys(("type", "kind", "condition"), "contact"),
+        **dict.fromkeys(("friction_law", "friction_model"), "law"),
+        **dict.fromkeys(("k", "stiffness", "spring", "springs", "bedding"), "foundation_stiffness"),
+        **dict.fromkeys(("penalty", "eps1", "epsilon1", "ε1", "ε₁"), "penalty_parameter"),
+        **dict.fromkeys(("eps", "epsilon", "ε", "regularization"), "regularisation_parameter"),
+        **dict.fromkeys(("indenter", "punch", "rigid", "tool", "rigid_body"), "obstacle"),
+        "p": "pressure",
+    },
+    "Obstacle": {
+        **dict.fromkeys(("r", "curvature_radius"), "radius"),
+        **dict.fromkeys(("depth", "approach", "penetration"), "indentation"),
+        **dict.fromkeys(("type", "kind", "geometry"), "shape"),
+        **dict.fromkeys(("f", "load"), "force"),
+        **dict.fromkeys(("at", "apex", "origin", "centre", "center", "point"), "position"),
+        **dict.fromkeys(("n", "axis"), "normal"),
+        "u": "displacement",
+    },
+    "HalfSpace": dict.fromkeys(("group", "groups", "surface", "boundary"), "on"),
+    "Point": dict.fromkeys(("x", "position", "coordinates", "coords", "point"), "at"),
+    "Steps": {
+        **dict.fromkeys(("n", "steps", "count", "n_steps", "num_steps"), "number"),
+        **dict.fromkeys(("t_end", "total", "final", "duration"), "end"),
+        **dict.fromkeys(("adaptive", "auto"), "automatic"),
+        **dict.fromkeys(("dt_min", "min"), "smallest"),
+        **dict.fromkeys(("dt_max", "max"), "largest"),
+    },
+    "SolverSettings": {
+        **dict.fromkeys(("tol", "rtol", "atol"), "tolerance"),
+        **dict.fromkeys(("max_iter", "maxiter", "max_it", "iterations"), "max_iterations"),
+        **dict.fromkeys(("method", "algorithm"), "strategy"),
+        **dict.fromkeys(("linear_solver", "type"), "solver"),
+        **dict.fromkeys(("stabilization", "stabilise", "stabilize"), "stabilisation"),
+    },
+    "Path": {
+        **dict.fromkeys(("t", "times"), "time"),
+        **dict.fromkeys(("factors", "value", "values", "amplitude"), "factor"),
+    },
+    "Profile": {
+        **dict.fromkeys(("axis", "direction"), "along"),
+        **dict.fromkeys(("x", "coordinates", "points"), "at"),
+        "value": "values",
+    },
+}
+# What a key means where the usual name says something else.
+_REMARKS = {
+    ("Load", "force", "traction"): "force per area",
+    ("Load", "f", "traction"): "force per area",
+    ("Load", "gravity", "body_force"): "density times gravity, along the axes",
+    ("Load", "g", "body_force"): "density times gravity, along the axes",
+    ("Load", "density", "body_force"): "density times gravity, along the axes",
+}
+# Displacement components by the usual names.
+_AXES = {
+    name: axis
+    for number, axis in enumerate("xyz", start=1)
+    for name in (axis, f"u{axis}", f"u_{axis}", f"u{number}", f"d{axis}", f"disp_{axis}")
+}
+# Words of a text that is one of several; each counts where it is accepted.
+_VALUES = {
+    **_AXES,
+    **dict.fromkeys(("axisymmetry", "axisym", "rotational", "2d axisymmetric"), "axisymmetric"),
+    **dict.fromkeys(("solid", "three-dimensional", "spatial"), "3D"),
+    **dict.fromkeys(("tied", "tie", "glued", "glue", "rough"), "bonded"),
+    **dict.fromkeys(("signorini", "hard", "frictional", "frictionless"), "unilateral"),
+    **dict.fromkeys(
+        ("spring", "springs", "foundation", "bedding", "elastic foundation"), "winkler"
+    ),
+    **dict.fromkeys(("given", "pressure", "imposed"), "prescribed"),
+    **dict.fromkeys(("coulomb", "evolution", "rate"), "incremental"),
+    **dict.fromkeys(("frictionless", "no friction"), "none"),
+    "ball": "sphere",
+    **dict.fromkeys(("circle", "disc", "disk", "roller"), "cylinder"),
+    **dict.fromkeys(("wall", "floor", "half-plane", "flat"), "plane"),
+    **dict.fromkeys(("punch", "flat-ended punch"), "flat punch"),
+    **dict.fromkeys(("ring", "annulus"), "annular punch"),
+    **dict.fromkeys(("tri", "triangles", "tria"), "triangle"),
+    **dict.fromkeys(("quad", "quads", "quadrangle", "rectangle"), "quadrilateral"),
+    **dict.fromkeys(("multigrid", "amg", "gamg", "cg"), "iterative"),
+    "newton": "monolithic",
+}
+
+
+def meant_key(table: str, key: str, value: object) -> str:
+    """What a usual name is called in a table of a scene, to follow 'did you mean'; or nothing.
+
+    Args:
+        table: Name of the table's class.
+        key: As it was given.
+        value: What it was given.
+
+    >>> meant_key("Material", "E", 1000), meant_key("Support", "x", 0)
+    ("'youngs_modulus'", "'displacement = { x = 0 }'")
+    """
+    name = key.casefold().replace("-", "_")
+    if table == "Support" and name in _AXES:
+        shown = value if isinstance(value, int | float) else "0"
+        return f"'displacement = {{ {_AXES[name]} = {shown} }}'"
+    found = _KEYS.get(table, {}).get(name, "")
+    remark = _REMARKS.get((table, name, found), "")
+    return f"'{found}'{f', {remark}' if remark else ''}" if found else ""
+
+
+def key_of_symbol(symbol: str) -> str:
+    """The key for a letter that TOML refuses in keys, such as ν; or nothing."""
+    found = (keys.get(symbol.casefold()) for keys in _KEYS.values())
+    return next((key for key in found if key), "")
+
+
+def meant_value(text: str, accepted: list[str]) -> str:
+    """What a usual word is called among the texts that are accepted; or nothing.
+
+    Args:
+        text: As it was given.
+        accepted: Texts.
+
+    >>> meant_value("ball", ["plane", "sphere"])
+    'sphere'
+    """
+    found = _VALUES.get(text.casefold(), "")
+    return found if found in accepted else ""
