@@ -105,7 +105,9 @@ CASES = [
 
 
 @pytest.mark.parametrize("ask_shell", [in_bash, in_fish], ids=["bash", "fish"])
-@pytest.mark.parametrize(("words", "some", "none"), CASES, ids=lambda case: " ".join(case))
+@pytest.mark.parametrize(
+    ("words", "some", "none"), CASES, ids=[" ".join(words) for words, _, _ in CASES]
+)
 def test_words_are_completed(place, ask_shell, words, some, none):
     found = {name.rstrip("/") for name in ask_shell(place, "fenics-contact", *words)}
     assert some <= found and not none & found
