@@ -27,7 +27,7 @@ from fenics_contact.results.result_tables import (
     motion_words,
     share_words,
 )
-from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
+from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, OF_PRELOADS
 
 _OF_A_CONTACT = ("slave", "master", "slave_reason", "uniqueness_limit")
 _MOST_STEPS = 60  # in a table; of more, the first, the last and the hardest
@@ -139,6 +139,20 @@ def reactions_table(result: Outcome) -> Markup:
         bars = _with_share(error_bar(errors.get(name)), force) if has_bars else []
         rows.append([name, written(force), *bars])
     return table(rows, "Reactions of supports") if found else Markup()
+
+
+def preloads_table(result: Outcome) -> Markup:
+    """Force and elongation of every preload, with error bars; nothing without any."""
+    has_bars = any(preload.errors for preload in result.preloads.values())
+    bars = [cell for name in OF_PRELOADS for cell in (name, *(_BARS[:1] if has_bars else ()))]
+    rows: list[list[str]] = [["preload", *bars, "locked"]]
+    for name, preload in result.preloads.items():
+        row = [name]
+        for quantity in OF_PRELOADS:
+            row.append(written(preload[quantity]))
+            row += [error_bar(preload.errors.get(quantity))] if has_bars else []
+        rows.append([*row, written(preload.locked)])
+    return table(rows, "Preloads") if result.preloads else Markup()
 
 
 def model_table(model: Model) -> Markup:

@@ -15,10 +15,12 @@ from scipy.sparse import csr_matrix, hstack
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.scalar_unknowns import ContactScalar
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.contact_jump import ContactJump
+from fenics_contact.solve.condensed.preload_border import CondensedPreloads, PreloadBorder
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import ContactTangent
@@ -59,9 +61,12 @@ class CondensedSystem(System):
         self.held[: len(displacements)] = self.dofs.constrained[displacements]
         with timings.phase("factorise"):
             self._bulk = CondensedBulk(self.stiffness, self.held, self.dofs.free)
+            self._preloads = CondensedPreloads(problem, self.stiffness, self._bulk, self.held)
         self.factorisations = 1
         self._loads = CondensedLoads(self._bulk)
-        self._far_loads = [self._far_load(unknown.column) for unknown in problem.unknowns]
+        self._driving = problem.unknowns[: self.scalars - len(problem.preloads)]
+        self._far_loads = [self._far_load(unknown.column) for unknown in self._driving]
+        self._inner = len(self.dofs.free) + len(self._driving)  # all but the shortenings
         self._size = len(self.dofs.free) + self.scalars
         if self._size > _MANY:
             self.first_way = "monolithic"
@@ -114,19 +119,19 @@ class CondensedSystem(System):
     def _jump(self, surface: SurfaceMatrix) -> ContactJump:
         places = self.dofs.places(surface.dofs)
         points, count = self.variables.jump(surface), self.variables.count
-        none = csr_matrix((len(places), self.scalars))
+        none = csr_matrix((len(places), len(self._driving)))
         points = csr_matrix(hstack([points[:, :count], none, points[:, count:]]))
-        if not self.scalars:
+        if not self._driving:
             return ContactJump(surface, points, points, points)
         motion, work = points.tolil(), points.tolil()
         far = motion.copy()
-        for number, unknown in enumerate(self.problem.unknowns):
+        for number, unknown in enumerate(self._driving):
             column = count + number
             if unknown.column is not None:
                 columns = self._far_loads[number][1][places][:, None]
                 motion[:, column] = far[:, column] = columns
-            direction = np.resize(unknown.direction, len(places))[:, None]
-            if unknown.contact is surface.contact:
+            if isinstance(unknown, ContactScalar) and unknown.contact is surface.contact:
+                direction = np.resize(unknown.direction, len(places))[:, None]
                 work[:, column] = -unknown.pushes * direction
                 if unknown.drives:
                     motion[:, column] = -direction
@@ -141,11 +146,21 @@ class CondensedSystem(System):
         if schur is None:
             return None
         condensed = [self.variables.forces(load) for load in condensed]
-        columns = -np.array(condensed).reshape(self.scalars, len(self.dofs.free)).T
-        own = np.array([unknown.own for unknown in self.problem.unknowns])
+        columns = -np.array(condensed).reshape(len(self._driving), len(self.dofs.free)).T
+        own = [unknown.own for unknown in self._driving if isinstance(unknown, ContactScalar)]
         variables = self.variables
-        constant = ConstantTangent(variables.stiffness(schur), columns, own, variables.derived)
-        return ContactTangent(constant, self.dofs.free // self.problem.spaces.components)
+        stiffness = variables.stiffness(schur)
+        constant = ConstantTangent(stiffness, columns, np.array(own), variables.derived)
+        nodes = self.dofs.free // self.problem.spaces.components
+        return ContactTangent(constant, nodes, self._border())
+
+    def _border(self) -> PreloadBorder:
+        """Rows and columns of the preloads, beside those of the contacts."""
+        preloads = self._preloads
+        columns = np.zeros((self._inner, len(preloads.condensed)))
+        for number, forces in enumerate(preloads.condensed):
+            columns[: len(self.dofs.free), number] = -self.variables.forces(forces)
+        return PreloadBorder(columns, preloads.corner)
 
     def _create_vectors(self) -> None:
         own = self._size if self._root else 0
@@ -217,10 +232,14 @@ class CondensedSystem(System):
             for jump in self._jumps
         ]
         self._condensed = self.variables.forces(self._loads.condense(self._load))
+        self._along_loads = self._preloads.from_loads(
+            self._load, self.stiffness.at_unknowns(supported)
+        )
 
     def follow_supports(self) -> None:
         """Bring supports and loads to their present values; collective."""
         self.follow_loads()
+        self.hold_scalars()
         self.take(self.state)
 
     def _values(self, state: PETSc.Vec) -> Array:
@@ -231,7 +250,7 @@ class CondensedSystem(System):
         """Of all contact dofs."""
         found = self._held_values.copy()
         found[self.dofs.is_free] = self.variables.displacements(values[: len(self.dofs.free)])
-        for value, (_, far) in zip(self._scalars_of(values), self._far_loads, strict=True):
+        for value, (_, far) in zip(self._scalars_of(values), self._far_loads, strict=False):
             found += value * far
         return found
 
@@ -251,7 +270,7 @@ class CondensedSystem(System):
         """Displacements relative to a body opposite, at this rank's nodes of a surface."""
         surface = jump.surface.contact.trace.surface
         derived = self.variables.derived_jumps(values[: self.variables.count])
-        found = jump.relative @ np.concatenate([values, derived]) + held
+        found = jump.relative @ np.concatenate([values[: self._inner], derived]) + held
         return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
 
     def _take_others(self, displacement: Array) -> None:
@@ -267,14 +286,19 @@ class CondensedSystem(System):
         self.take(state)
         forces = self.all_contact_forces()
         parts = [self._of_all(jump, force) for jump, force in zip(self._jumps, forces, strict=True)]
+        left = np.zeros(0)
+        if self._dense is not None:
+            left = self._dense.times(np.array(state.array_r))
+            left[self._inner :] += self._along_loads
+        self._note_along_parts(left)
         if self._dense is None:
             return
-        driving = [unknown.force for unknown in self.problem.unknowns]
-        left = self._dense.constant.times(np.array(state.array_r))
+        driving = np.array([unknown.force for unknown in self.problem.unknowns])
         left -= np.concatenate([self._condensed, driving])
+        left[[len(self.dofs.free) + number for number in self.held_scalars]] = 0.0
         for jump, force in zip(self._jumps, parts, strict=True):
             if jump is not None:
-                left -= self._dense.constant.onto_unknowns(jump.work.T @ force)
+                left[: self._inner] -= self._dense.constant.onto_unknowns(jump.work.T @ force)
         with residual as array:
             array[:] = left
 
@@ -298,7 +322,9 @@ class CondensedSystem(System):
                 rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
                 found.append(congruent((rows, columns, values), jump.work, jump.motion))
         if self._dense is not None:
-            self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
+            held = np.array([p.held is not None for p in self.problem.preloads], dtype=bool)
+            rows, columns, values = (np.concatenate(part) for part in zip(*found, strict=True))
+            self._dense.set(rows, columns, values, held)
 
     def imbalance(self) -> float:
         """1-norm of the last residual (force); collective."""
@@ -318,8 +344,9 @@ class CondensedSystem(System):
         """Displacement and K u at the nodes; the functions follow; collective."""
         values = self._values(self.state)
         load = self._load.copy()
-        for value, (far, _) in zip(self._scalars_of(values), self._far_loads, strict=True):
-            load += value * far
+        loads = [*(far for far, _ in self._far_loads), *self._preloads.loads]
+        for value, one in zip(self._scalars_of(values), loads, strict=True):
+            load += value * one
         at_contacts = self.variables.displacements(values[: len(self.dofs.free)])
         found = self._bulk.expand(load, at_contacts)
         self.stiffness.set_functions(found)
@@ -327,7 +354,10 @@ class CondensedSystem(System):
         components = self.problem.spaces.components
         displacement = self.problem.displacement.x.array.reshape(-1, components).copy()
         self._take_others(displacement)
-        return displacement, self.stiffness.forces(found)
+        internal = self.stiffness.forces(found)
+        for preload in self.problem.preloads:
+            internal += preload.value * preload.bulk.nodal
+        return displacement, internal
 
 
 class _Operator:

@@ -55,11 +55,18 @@ class LocalStiffness:
         self.displacements = touched[touched < sizes[0]]
         self._stresses = touched[touched >= sizes[0]] - sizes[0]
 
-    def share(self, nodal: Array) -> Array:
-        """This rank's share of nodal forces (nodes, components), at its unknowns."""
+    def share(self, nodal: Array, on_mean_stress: Array | None = None) -> Array:
+        """This rank's share of forces, at its unknowns.
+
+        Args:
+            nodal: On displacements, (nodes, components).
+            on_mean_stress: On mean stresses, at all dofs of this rank; None for none.
+        """
         found = np.zeros(len(self.numbers))
         count = len(self.displacements)
         found[:count] = nodal.reshape(-1)[self.displacements] / self._sharers[:count]
+        if on_mean_stress is not None and len(on_mean_stress):
+            found[count:] = on_mean_stress[self._stresses] / self._sharers[count:]
         return found
 
     def at_unknowns(self, nodal: Array) -> Array:

@@ -345,4 +345,5 @@ class Newton:
             imbalance_limit=self.limit,
             factorisations=self.system.factorisations,
             bulk_round_off=self.system.bulk_round_off,
+            preloads=self.problem.preload_states(displacement),
         )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.state import ContactState
+from fenics_contact.problem.scalar_unknowns import PreloadState
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,7 +15,7 @@ class Solution:
 
     Attributes:
         displacement: u (length).
-        internal_force: K u, from the bulk alone (force).
+        internal_force: K u and what preloads add, from the bulk alone (force).
         normal_force: Force on the body across each contact, from penalty or foundation, at
             its nodes; one array a contact, without prescribed pressures, which are loads
             (force). Where bonded it is the whole force.
@@ -31,6 +32,7 @@ class Solution:
         attempts: Strategies that did not converge before, each with what happened.
         imbalance_limit: The imbalance that was accepted as converged (force).
         bulk_round_off: As of the system that found it (force).
+        preloads: Of each preload, the same on every rank.
     """
 
     displacement: Array
@@ -48,6 +50,7 @@ class Solution:
     contraction: float | None = None
     attempts: tuple[str, ...] = ()
     bulk_round_off: float = 0.0
+    preloads: tuple[PreloadState, ...] = ()
 
     @property
     def contact_force(self) -> list[Array]:

@@ -53,9 +53,10 @@ class LocalErrors:
         self._squared_by_block = np.zeros(self._cells)
         self._held = _held_facets(problem)
         self._traction = fem.Function(spaces.displacement_space)
-        self._residual = self._compile(problem.displacement, self._test)
+        present = problem.elastic.elastic_strain(problem.displacement)
+        self._residual = self._compile(present, self._test)
         test = ufl.TestFunction(spaces.displacement_space)
-        self._response = self._compile(test, self._error)
+        self._response = self._compile(problem.elastic.strain(test), self._error)
         self._on_contacts = [self._contact_forms(trace, test) for _, trace in self._traces()]
         self._loads = [
             (form_cache.form(load.acting.work(self._test)), load.path) for load in problem.loads
@@ -132,11 +133,16 @@ class LocalErrors:
         self._error.x.array[: scaled.size] = scaled.reshape(-1)
         self._error.x.scatter_forward()
 
-    def _compile(self, moved: Expr, tested: Expr) -> CompiledForm:
-        """−a(moved, tested) with the means of tractions between cells, and own ones where held."""
+    def _compile(self, strain: Expr, tested: Expr) -> CompiledForm:
+        """−∫ σ : e(tested) with means of tractions between cells, and own ones where held.
+
+        Args:
+            strain: That σ goes with.
+            tested: A displacement.
+        """
         spaces, elastic = self._problem.spaces, self._problem.elastic
         mesh = spaces.body.mesh
-        stress = spaces.weight * elastic.law.stress(elastic.strain(moved))
+        stress = spaces.weight * elastic.law.stress(strain)
         between = ufl.dot(self._cut(ufl.avg(stress), "+"), ufl.jump(tested))
         held = ufl.Measure("ds", mesh, subdomain_data=[(1, self._held)], metadata=self._rule)
         return form_cache.form(
