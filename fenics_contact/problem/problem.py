@@ -79,6 +79,7 @@ class Problem:
         load: Present nodal loads with the prescribed contact pressures, (nodes, components).
         pressure_load: The part of it that is prescribed contact pressures.
         disturbance: Nodal loads over pseudo-time besides the scene's, to see what they do, or None.
+        tightening: Forces of preloads over pseudo-time besides the scene's, likewise, (preloads,).
     """
 
     def __init__(
@@ -93,6 +94,7 @@ class Problem:
         self.body = self.spaces.body
         self.comm = self.spaces.comm
         self.disturbance: Array | None = None
+        self.tightening = np.zeros(len(scene.preload))
         self.stabilisation: list[AppliedSupport] = []
         with timings.phase("compile"):
             self.supports = Supports(scene, self.spaces, discrete.held)
@@ -239,8 +241,8 @@ class Problem:
             self.load += self.disturbance * time
         for contact in self.contacts:
             contact.set_time(time)
-        for preload in self.preloads:
-            preload.set_time(time)
+        for preload, more in zip(self.preloads, self.tightening, strict=True):
+            preload.set_time(time, float(more))
         self.prescribed = self.supports.at(time)
         if self.far_field is not None:
             values = self.far_field.beyond.copy()

@@ -152,14 +152,12 @@ class PreloadState:
         shortening: Of its unstressed length (length).
         initial_strain: Its strain that is free of stress.
         is_locked: Whether its unstressed length was kept.
-        asked: The force that it was tightened to; of one that is locked there is none (force).
     """
 
     force: float
     shortening: float
     initial_strain: float
     is_locked: bool
-    asked: float | None
 
 
 class Shortening(ScalarUnknown):
@@ -210,11 +208,16 @@ class Shortening(ScalarUnknown):
         """Hold it at a value though it is not locked, or let its equation find it (length)."""
         self._kept_at = value
 
-    def set_time(self, time: float) -> None:
-        """Bring force and lock to a pseudo-time."""
+    def set_time(self, time: float, more: float = 0.0) -> None:
+        """Bring force and lock to a pseudo-time.
+
+        Args:
+            time: The pseudo-time.
+            more: Force over pseudo-time besides the scene's.
+        """
         locked = self.scene.locked_from
         self.is_locked = locked is not None and time > locked * (1 + _LATER)
-        self._force = 0.0 if self.is_locked else self.scene.force * self._path(time)
+        self._force = 0.0 if self.is_locked else self.scene.force * self._path(time) + more * time
 
     def reach(self, value: float) -> None:
         """Take the value that a load step ended with; one that is locked is held there."""
@@ -241,5 +244,4 @@ class Shortening(ScalarUnknown):
             shortening=self.value,
             initial_strain=-self.value / self.bulk.part.length,
             is_locked=self.is_locked,
-            asked=None if self.is_locked else self.force,
         )

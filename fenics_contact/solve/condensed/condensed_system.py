@@ -323,8 +323,8 @@ class CondensedSystem(System):
                 found.append(congruent((rows, columns, values), jump.work, jump.motion))
         if self._dense is not None:
             held = np.array([p.held is not None for p in self.problem.preloads], dtype=bool)
-            rows, columns, values = (np.concatenate(part) for part in zip(*found, strict=True))
-            self._dense.set(rows, columns, values, held)
+            self._dense.border.hold(held)
+            self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
 
     def imbalance(self) -> float:
         """1-norm of the last residual (force); collective."""

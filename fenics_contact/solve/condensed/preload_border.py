@@ -80,18 +80,23 @@ class PreloadBorder:
         self._solved: Array | None = None
         self._held = np.zeros(len(corner), dtype=bool)
 
+    @classmethod
+    def empty(cls, size: int) -> PreloadBorder:
+        """Of no preloads, around a matrix of a size."""
+        return cls(np.zeros((size, 0)), np.zeros((0, 0)))
+
     @property
     def count(self) -> int:
         """Number of preloads."""
         return len(self._corner)
 
-    def forget(self, held: Flags) -> None:
-        """M has changed.
+    def forget(self) -> None:
+        """M has changed."""
+        self._solved = None
 
-        Args:
-            held: Which preloads are held.
-        """
-        self._solved, self._held = None, held
+    def hold(self, held: Flags) -> None:
+        """Say which preloads are held, (preloads,)."""
+        self._held = held
 
     def times(self, inner: Array, shortenings: Array) -> tuple[Array, Array]:
         """C q, and Cᵀ y + D q.

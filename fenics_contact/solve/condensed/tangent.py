@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.solve.condensed.compliance_solver import ComplianceSolver
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.preload_border import PreloadBorder
@@ -30,15 +30,18 @@ class ContactTangent:
     Args:
         constant: A and Q.
         nodes: Number of the node that each displacement belongs to.
-        border: Of the preloads.
+        border: Of the preloads, if there are any.
 
     Attributes:
         constant: See the arguments.
         border: Likewise.
     """
 
-    def __init__(self, constant: ConstantTangent, nodes: Integers, border: PreloadBorder) -> None:
-        self.constant, self.border = constant, border
+    def __init__(
+        self, constant: ConstantTangent, nodes: Integers, border: PreloadBorder | None = None
+    ) -> None:
+        self.constant = constant
+        self.border = border or PreloadBorder.empty(constant.size)
         self._added = csr_matrix((constant.width, constant.width))
         self._split = SplitSolver(constant, nodes) if constant.count > _FEW else None
         self._by_compliance: ComplianceSolver | None = None
@@ -52,9 +55,9 @@ class ContactTangent:
             self._by_compliance = ComplianceSolver(self.constant)
         return self._by_compliance
 
-    def set(self, rows: Integers, columns: Integers, values: Array, held: Flags) -> None:
-        """Set W by its entries, those at the same place add up; and which preloads are held."""
-        self.border.forget(held)
+    def set(self, rows: Integers, columns: Integers, values: Array) -> None:
+        """Set W by its entries; those at the same place add up."""
+        self.border.forget()
         kept = np.flatnonzero(values)
         shape = (self.constant.width, self.constant.width)
         places = (rows[kept], columns[kept])

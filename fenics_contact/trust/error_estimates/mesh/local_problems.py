@@ -15,6 +15,7 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 
 from fenics_contact.body.forms import CompiledForm, Expr
+from fenics_contact.body.preloaded_part import PreloadedPart
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
@@ -57,6 +58,9 @@ class LocalErrors:
         self._residual = self._compile(present, self._test)
         test = ufl.TestFunction(spaces.displacement_space)
         self._response = self._compile(problem.elastic.strain(test), self._error)
+        self._along_parts = [
+            form_cache.form(self._force_along(preload.bulk.part)) for preload in problem.preloads
+        ]
         self._on_contacts = [self._contact_forms(trace, test) for _, trace in self._traces()]
         self._loads = [
             (form_cache.form(load.acting.work(self._test)), load.path) for load in problem.loads
@@ -99,7 +103,7 @@ class LocalErrors:
         found = self._problem.points.of_function(self._error)
         return {name: float(np.linalg.norm(error)) for name, error in found.items()}
 
-    def forces(self, draw: int | None = None) -> Array:
+    def forces(self, draw: int | None = None) -> tuple[Array, Array]:
         """Nodal forces that move the solution as its errors do, (nodes, components); collective.
 
         The Galerkin solution of the space with the bubbles, in which these are condensed: they
@@ -108,6 +112,10 @@ class LocalErrors:
         Args:
             draw: Number of a draw of signs by which the cells' errors are multiplied: what they do
                 is then that of errors of their size, though as they are they may cancel.
+
+        Returns:
+            Nodal forces, (nodes, components); and what the errors add to the forces along preloaded
+            parts, (preloads,) (force).
         """
         spaces = self._problem.spaces
         if draw is not None:
@@ -115,8 +123,17 @@ class LocalErrors:
         found = spaces.assemble(self._response)
         for _, form in self._on_contacts:
             found += spaces.assemble(form)
+        own = [fem.assemble_scalar(form) for form in self._along_parts]
+        along = np.asarray(total(self._problem.comm, np.array(own, dtype=np.float64)))
         self._set_error(np.ones(self._cells))
-        return found
+        return found, along
+
+    def _force_along(self, part: PreloadedPart) -> Expr:
+        """What the errors add to the force along a preloaded part, (1/l) ∫ a · σ a."""
+        elastic = self._problem.elastic
+        stress = elastic.law.stress(-part.stressless_strain(ufl.as_ufl(1.0)))
+        weight = self._problem.spaces.weight
+        return weight * ufl.inner(stress, elastic.strain(self._error)) * part.measure
 
     def _signs(self, draw: int) -> Array:
         """1 or −1 for every block of dofs, at random: by the places of cells, on whichever rank."""
