@@ -20,10 +20,11 @@ from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.contact_jump import ContactJump
-from fenics_contact.solve.condensed.preload_border import CondensedPreloads, PreloadBorder
+from fenics_contact.solve.condensed.preload_border import CondensedPreloads
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import ContactTangent
+from fenics_contact.solve.condensed.tangent_operator import TangentOperator
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix, congruent
 from fenics_contact.solve.systems.pair_stiffness import Entries
@@ -64,7 +65,7 @@ class CondensedSystem(System):
             self._preloads = CondensedPreloads(problem, self.stiffness, self._bulk, self.held)
         self.factorisations = 1
         self._loads = CondensedLoads(self._bulk)
-        self._driving = problem.unknowns[: self.scalars - len(problem.preloads)]
+        self._driving = [u for u in problem.unknowns if isinstance(u, ContactScalar)]
         self._far_loads = [self._far_load(unknown.column) for unknown in self._driving]
         self._inner = len(self.dofs.free) + len(self._driving)  # all but the shortenings
         self._size = len(self.dofs.free) + self.scalars
@@ -87,7 +88,7 @@ class CondensedSystem(System):
         count = self.variables.count
         displacements = self.variables.displacements(values[:count])
         self._place_contacts()
-        self.tangent.setPythonContext(_Operator(self._dense))
+        self.tangent.setPythonContext(TangentOperator(self._dense))
         with self.state as array:
             if self._root:
                 array[:count] = self.variables.unknowns(displacements)
@@ -98,15 +99,6 @@ class CondensedSystem(System):
         found[self.problem.constrained] = at_constrained
         return found.reshape(-1, self.problem.spaces.components)
 
-    def _bulk_load(self, nodal: Array, supported: Array) -> Array:
-        """This rank's share of the load, with what supports at given displacements add."""
-        moved = self.stiffness.at_unknowns(supported)
-        load = self.stiffness.share(nodal)
-        if moved.any():
-            load -= self.stiffness.matrix @ moved
-        load[self.held] = moved[self.held]
-        return load
-
     def _far_load(self, column: Array | None) -> tuple[Array, Array]:
         """What a unit resultant does to the bulk, and to the contact dofs that it holds."""
         displacements = np.zeros(self.dofs.constrained.shape)
@@ -114,7 +106,8 @@ class CondensedSystem(System):
         if column is not None and far_field is not None:
             displacements[far_field.dofs] = column
         nodal = displacements.reshape(-1, self.problem.spaces.components)
-        return self._bulk_load(np.zeros_like(nodal), nodal), self.dofs.gathered(displacements)
+        moved = self.stiffness.load(np.zeros_like(nodal), nodal, self.held)
+        return moved, self.dofs.gathered(displacements)
 
     def _jump(self, surface: SurfaceMatrix) -> ContactJump:
         places = self.dofs.places(surface.dofs)
@@ -130,7 +123,7 @@ class CondensedSystem(System):
             if unknown.column is not None:
                 columns = self._far_loads[number][1][places][:, None]
                 motion[:, column] = far[:, column] = columns
-            if isinstance(unknown, ContactScalar) and unknown.contact is surface.contact:
+            if unknown.contact is surface.contact:
                 direction = np.resize(unknown.direction, len(places))[:, None]
                 work[:, column] = -unknown.pushes * direction
                 if unknown.drives:
@@ -147,27 +140,19 @@ class CondensedSystem(System):
             return None
         condensed = [self.variables.forces(load) for load in condensed]
         columns = -np.array(condensed).reshape(len(self._driving), len(self.dofs.free)).T
-        own = [unknown.own for unknown in self._driving if isinstance(unknown, ContactScalar)]
+        own = np.array([unknown.own for unknown in self._driving])
         variables = self.variables
-        stiffness = variables.stiffness(schur)
-        constant = ConstantTangent(stiffness, columns, np.array(own), variables.derived)
+        constant = ConstantTangent(variables.stiffness(schur), columns, own, variables.derived)
         nodes = self.dofs.free // self.problem.spaces.components
-        return ContactTangent(constant, nodes, self._border())
-
-    def _border(self) -> PreloadBorder:
-        """Rows and columns of the preloads, beside those of the contacts."""
-        preloads = self._preloads
-        columns = np.zeros((self._inner, len(preloads.condensed)))
-        for number, forces in enumerate(preloads.condensed):
-            columns[: len(self.dofs.free), number] = -self.variables.forces(forces)
-        return PreloadBorder(columns, preloads.corner)
+        border = self._preloads.border(variables, self._inner)
+        return ContactTangent(constant, nodes, border)
 
     def _create_vectors(self) -> None:
         own = self._size if self._root else 0
         sizes = (own, self._size)
         self.state = PETSc.Vec().createMPI(sizes, comm=self.comm)
         self.residual = self.state.duplicate()
-        operator = _Operator(self._dense)
+        operator = TangentOperator(self._dense)
         self.tangent = PETSc.Mat().createPython((sizes, sizes), operator, comm=self.comm)
         self.tangent.setUp()
 
@@ -208,7 +193,7 @@ class CondensedSystem(System):
         """Solve with the dense tangent."""
         preconditioner = snes.getKSP().getPC()
         preconditioner.setType("python")
-        preconditioner.setPythonContext(_Operator(self._dense))
+        preconditioner.setPythonContext(TangentOperator(self._dense))
 
     def begin(self, displacement: Array) -> None:
         """Start from nodal displacements, supports at their values; collective."""
@@ -225,7 +210,7 @@ class CondensedSystem(System):
         """Loads and supports at their present values; collective."""
         problem = self.problem
         supported = self._supported(problem.prescribed)
-        self._load = self._bulk_load(problem.load, supported)
+        self._load = self.stiffness.load(problem.load, supported, self.held)
         self._held_values = self.dofs.gathered(supported.reshape(-1))
         self._held_parts = [
             None if jump is None else self.variables.held_part(jump.surface, self._held_values)
@@ -286,11 +271,7 @@ class CondensedSystem(System):
         self.take(state)
         forces = self.all_contact_forces()
         parts = [self._of_all(jump, force) for jump, force in zip(self._jumps, forces, strict=True)]
-        left = np.zeros(0)
-        if self._dense is not None:
-            left = self._dense.times(np.array(state.array_r))
-            left[self._inner :] += self._along_loads
-        self._note_along_parts(left)
+        left = self._bulk_forces(np.array(state.array_r))
         if self._dense is None:
             return
         driving = np.array([unknown.force for unknown in self.problem.unknowns])
@@ -301,6 +282,15 @@ class CondensedSystem(System):
                 left[: self._inner] -= self._dense.constant.onto_unknowns(jump.work.T @ force)
         with residual as array:
             array[:] = left
+
+    def _bulk_forces(self, values: Array) -> Array:
+        """A y, and the forces along preloaded parts, on rank 0; collective."""
+        found = np.zeros(0)
+        if self._dense is not None:
+            found = self._dense.times(values)
+            found[self._inner :] += self._along_loads
+        self._note_along_parts(found)
+        return found
 
     def _of_all(self, jump: ContactJump | None, force: Array) -> Array:
         """Forces at all dofs of a surface, on rank 0; collective."""
@@ -358,22 +348,3 @@ class CondensedSystem(System):
         for preload in self.problem.preloads:
             internal += preload.value * preload.bulk.nodal
         return displacement, internal
-
-
-class _Operator:
-    """The dense tangent as PETSc sees it; only rank 0 has one, and all rows."""
-
-    def __init__(self, dense: ContactTangent | None) -> None:
-        self._dense = dense
-
-    def mult(self, matrix: PETSc.Mat, values: PETSc.Vec, result: PETSc.Vec) -> None:
-        """M y."""
-        if self._dense is not None:
-            with result as array:
-                array[:] = self._dense.multiply(np.array(values.array_r))
-
-    def apply(self, preconditioner: PETSc.PC, right: PETSc.Vec, solution: PETSc.Vec) -> None:
-        """M⁻¹ r."""
-        if self._dense is not None:
-            with solution as array:
-                array[:] = self._dense.solve(np.array(right.array_r))

@@ -18,6 +18,7 @@ from fenics_contact.common.parallel import total
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.schur import CondensedBulk
+from fenics_contact.solve.condensed.unknowns import ContactVariables
 
 
 class CondensedPreloads:
@@ -49,6 +50,18 @@ class CondensedPreloads:
         self._moved = np.array(moved).reshape(shape)
         own = np.diag([one.stiffness for one in forces]).reshape(len(forces), len(forces))
         self.corner = np.asarray(total(self._comm, self._forces @ self._moved.T)) + own
+
+    def border(self, variables: ContactVariables, size: int) -> PreloadBorder:
+        """Rows and columns of the preloads, on rank 0.
+
+        Args:
+            variables: What stands for the contact dofs, first among the unknowns.
+            size: Number of unknowns beside the shortenings.
+        """
+        columns = np.zeros((size, len(self.condensed)))
+        for number, forces in enumerate(self.condensed):
+            columns[: variables.count, number] = -variables.forces(forces)
+        return PreloadBorder(columns, self.corner)
 
     def from_loads(self, load: Array, supported: Array) -> Array:
         """N₀, (preloads,) (force); collective.

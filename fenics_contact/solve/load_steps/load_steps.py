@@ -25,7 +25,7 @@ from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
 from fenics_contact.solve.load_steps.step_control import AutomaticPace, FixedPace
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.solve.newton.tightening import tighten
+from fenics_contact.solve.newton.tightening import let_go, tighten
 from fenics_contact.solve.solver_choice import SolverChoice, choose_solver, create_system
 
 logger = logging.getLogger(__name__)
@@ -181,14 +181,19 @@ class LoadSteps:
         newton.forget()
         self._begin(time, predicted)
         try:
-            return solve_step(newton)
+            return self._solve()
         except NotConvergedError as error:
             if predicted is None:
                 raise
             logger.debug("  %s; next: from the last load step, or from the start", error)
         self.go_back()
         self._begin(time, None)
-        return solve_step(newton)
+        return self._solve()
+
+    def _solve(self) -> Solution:
+        """A step from its beginning; once more where a preload that was held has a force."""
+        found = solve_step(self.newton)
+        return solve_step(self.newton) if let_go(self.newton, found) else found
 
     def _begin(self, time: float, predicted: Unknowns | None) -> None:
         """Bring all to a pseudo-time; collective."""

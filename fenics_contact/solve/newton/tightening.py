@@ -62,6 +62,26 @@ def tighten(newton: Newton, last: Solution | None) -> None:
         problem.preloads[number].keep(None)
 
 
+def let_go(newton: Newton, found: Solution) -> bool:
+    """Have the equation of a preload solved that was held for no force, and has one.
+
+    Args:
+        newton: After a solve.
+        found: What it found.
+
+    Returns:
+        Whether there is one.
+    """
+    limit = max(found.imbalance_limit, newton.system.bulk_round_off)
+    again = False
+    for preload, state in zip(newton.problem.preloads, found.preloads, strict=True):
+        kept = preload.held is not None and not preload.is_locked
+        if kept and abs(state.force - preload.force) > limit:
+            preload.keep(None)
+            again = True
+    return again
+
+
 def _take_up(newton: Newton, numbers: list[int]) -> None:
     """Increase shortenings until something pushes back; collective."""
     bolts = [newton.problem.preloads[number] for number in numbers]
