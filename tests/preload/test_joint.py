@@ -150,6 +150,26 @@ def test_released(solver):
     )
 
 
+@pytest.mark.parametrize("solver", ["condensed", "full", "iterative"])
+def test_not_yet_tightened_then_released_with_friction(solver):
+    """No force in the first step; and friction under the head that remembers its slip."""
+    path = Path(time=(0, 0.5, 1, 2), factor=(0, 0, 1, 0))
+    of = scene(False, "3D", solver, path=path, locked_from=None)
+    seat = dataclasses.replace(of.contact[1], friction_coefficient=0.2, law="incremental")
+    materials = tuple(dataclasses.replace(m, poissons_ratio=0.3) for m in of.material)
+    of = dataclasses.replace(
+        of,
+        material=materials,
+        contact=(of.contact[0], seat),
+        steps=Steps(times=(0.5, 1.0, 1.5, 2.0)),
+    )
+    result = solved(of, joint(deep=1, finer=2))
+    forces = [step.preloads["bolt"].force for step in result.steps]
+    asked = [0, TIGHTENED, TIGHTENED / 2, 0]
+    np.testing.assert_allclose(forces, asked, rtol=1e-9, atol=1e-8 * TIGHTENED)
+    assert abs(result.preloads["bolt"].elongation) < 1e-8
+
+
 def test_energy_balance_of_tightening_and_pulling():
     """The work of the preload ∫ F dq and of the load, against closed formulas."""
     share = BOLT_STIFFNESS / (BOLT_STIFFNESS + sleeve_stiffness())
