@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from fenics_contact.results.contact_points import ContactPoints
     from fenics_contact.results.result import Check, Result
     from fenics_contact.scene.accuracy import Accuracy
-    from fenics_contact.scene.conditions import Load, Point, Support
+    from fenics_contact.scene.conditions import Load, Point, Preload, Support
     from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
     from fenics_contact.scene.material import Material
     from fenics_contact.scene.normal_laws import NormalCompliance
@@ -57,6 +57,7 @@ __all__ = [
     "Obstacle",
     "Path",
     "Point",
+    "Preload",
     "Profile",
     "Result",
     "Run",
@@ -84,7 +85,7 @@ _MODULES = {
     "results.contact_points": ("ContactPoints",),
     "results.result": ("Check", "Result"),
     "scene.scene": ("Discretisation", "MeshSource", "Scene"),
-    "scene.conditions": ("Load", "Point", "Support"),
+    "scene.conditions": ("Load", "Point", "Preload", "Support"),
     "scene.accuracy": ("Accuracy",),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
     "scene.normal_laws": ("NormalCompliance",),

@@ -29,6 +29,21 @@ class HeldGroup:
 
 
 @dataclass(frozen=True)
+class PreloadedGroup:
+    """A part of the body whose unstressed length is changed.
+
+    Attributes:
+        on: Its name.
+        axis: Along which, of any length.
+        label: Name in messages; no part of what the body is.
+    """
+
+    on: str
+    axis: tuple[float, ...]
+    label: str = field(compare=False)
+
+
+@dataclass(frozen=True)
 class CandidateContact:
     """A surface that may touch something.
 
@@ -59,6 +74,7 @@ class BodyDescription:
         symmetry: Groups in planes of symmetry.
         outer: Groups of the outer boundary of a piece of a half-space.
         contacts: In scene order.
+        preloads: Likewise.
     """
 
     kinematics: Kinematics
@@ -70,6 +86,7 @@ class BodyDescription:
     symmetry: tuple[str, ...]
     outer: tuple[str, ...]
     contacts: tuple[CandidateContact, ...]
+    preloads: tuple[PreloadedGroup, ...] = ()
 
     @classmethod
     def of(cls, scene: Scene) -> BodyDescription:
@@ -86,6 +103,9 @@ class BodyDescription:
             contacts=tuple(
                 CandidateContact(each.on, each.against, each.slave, each.label)
                 for each in scene.contact
+            ),
+            preloads=tuple(
+                PreloadedGroup(each.on, each.axis, each.label) for each in scene.preload
             ),
         )
 

@@ -25,10 +25,12 @@ from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import Isotropic, strain, strain_energy
 from fenics_contact.body.forms import Expr
 from fenics_contact.body.materials import Elasticities
+from fenics_contact.body.preloaded_part import PreloadedPart, PreloadForces
 from fenics_contact.body.reference_moduli import Moduli
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
+from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
 
 
@@ -50,10 +52,11 @@ class MixedForms:
 
 
 class ElasticBody:
-    """½ a(v, v) and its forms.
+    """½ a(v, v) and its forms; in preloaded parts of the strain beyond the one free of stress.
 
     Attributes:
         name: What is modelled, in words.
+        preloaded: Parts whose unstressed length is changed, and what that does to the body.
         stiffness: Compiled bilinear form: a(·, ·), or its deviatoric part if mixed.
         mixed: The forms of a mean stress, or None.
         reference_modulus: Largest stiffness of the body (stress).
@@ -81,6 +84,39 @@ class ElasticBody:
         energy = strain_energy(e, stress, spaces.weight, spaces.bulk)
         residual = ufl.derivative(energy, displacement)
         self.stiffness = form_cache.form(ufl.derivative(residual, displacement))
+        self._parts = self._place_preloads(description)
+        self.preloaded = [self._forces_of(part) for part in self._parts]
+
+    def _place_preloads(self, description: BodyDescription) -> list[PreloadedPart]:
+        """The preloaded parts, which share no cells; collective."""
+        spaces = self._spaces
+        found: list[PreloadedPart] = []
+        for number, described in enumerate(description.preloads):
+            part = PreloadedPart(described, f"preload[{number}]", spaces, self.law)
+            cells = spaces.body.entities(part.group)
+            for other in found:
+                shared = np.intersect1d(cells, spaces.body.entities(other.group))
+                if total(spaces.comm, len(shared)) > 0:
+                    raise InputError(
+                        f"preload[{number}].on = '{described.on}': shares cells with the preload "
+                        f"'{other.described.label}'"
+                    )
+            found.append(part)
+        return found
+
+    def _forces_of(self, part: PreloadedPart) -> PreloadForces:
+        """Derivatives of the energy in a part, of the strain that is elastic."""
+        shortening = ufl.variable(part.shortening)
+        e = self.strain(self._displacement) - part.stressless_strain(shortening)
+        if self.mixed is None:
+            density = 0.5 * ufl.inner(self.law.stress(e), e)
+            mean_stress = None
+        else:
+            assert isinstance(self.law, Isotropic)
+            mean_stress = self.mixed.mean_stress
+            density = 0.5 * ufl.inner(self.law.deviatoric_stress(e), e) + mean_stress * ufl.tr(e)
+        weighted = self._spaces.weight * density
+        return PreloadForces.of(part, weighted, shortening, self._displacement, mean_stress)
 
     def moduli_behind(self, nodes: NDArray[np.int32]) -> Moduli:
         """Those of the stiffest of the parts that nodes of this rank belong to; collective."""
@@ -103,9 +139,19 @@ class ElasticBody:
         spaces = self._spaces
         return strain(displacement, spaces.kinematics, spaces.position, self.law)
 
+    def elastic_strain(self, displacement: Expr) -> Expr:
+        """Strain of a displacement less what is free of stress at present, shape (3, 3).
+
+        To be taken for what the body is at, not for variations of that.
+        """
+        found = self.strain(displacement)
+        for part in self._parts:
+            found -= part.present_strain
+        return found
+
     def stress(self) -> Expr:
         """Cauchy stress of the solution as a UFL expression, shape (3, 3)."""
-        e = self.strain(self._displacement)
+        e = self.elastic_strain(self._displacement)
         if self.mixed is None:
             return self.law.stress(e)
         assert isinstance(self.law, Isotropic)

@@ -108,11 +108,13 @@ class Spaces:
             )
         return self.coefficient(values, nodes)
 
-    def part(self, group: Group) -> ufl.Measure:
+    def part(self, group: Group, metadata: Mapping[str, str | int] | None = None) -> ufl.Measure:
         """Measure of a group of cells."""
         cells = self.body.entities(group)
         owned = cells[cells < self.body.mesh.topology.index_map(self.body.dimension).size_local]
-        return ufl.Measure("dx", domain=self.body.mesh, subdomain_data=[(1, owned)])(1)
+        return ufl.Measure(
+            "dx", domain=self.body.mesh, subdomain_data=[(1, owned)], metadata=metadata
+        )(1)
 
     def boundary(
         self, group: Group, metadata: Mapping[str, str | int] | None = None

@@ -19,7 +19,7 @@ from fenics_contact.results.records.model import Model, RigidMotion
 from fenics_contact.results.result import Check, Result
 from fenics_contact.results.words.headlines import headlines
 from fenics_contact.results.words.rounding import rounded, size_of_forces
-from fenics_contact.results.words.short_forms import in_figures, quantity_rows
+from fenics_contact.results.words.short_forms import in_figures, preload_rows, quantity_rows
 from fenics_contact.results.words.tables import branch_rows, motion_words, share_words
 from fenics_contact.scene.scene import Scene
 
@@ -85,7 +85,7 @@ def print_model(
 
 
 def _conditions(scene: Scene) -> list[str]:
-    """A line for each support and each load, as they were understood."""
+    """A line for each support, load and preload, as they were understood."""
     lines = []
     for support in scene.support:
         held = [f"{axis} = {_given(value)}" for axis, value in support.displacement.items()]
@@ -94,6 +94,11 @@ def _conditions(scene: Scene) -> list[str]:
     for load in scene.load:
         value = _given(getattr(load, load.kind))
         lines.append(f"Load '{load.on}': {load.kind.replace('_', ' ')} {value}")
+    for preload in scene.preload:
+        locked = preload.locked_from
+        kept = "" if locked is None else f", its length locked from time {locked:g}"
+        along = _given(preload.axis)
+        lines.append(f"Preload '{preload.label}': force {preload.force:g} along {along}{kept}")
     return lines
 
 
@@ -126,6 +131,8 @@ def print_result(result: Result, folder: Path) -> None:
             _add_quantity(quantities, result, key)
             if key == "reaction":
                 _add_reactions(quantities, result)
+        for name, value, bar in preload_rows(result):
+            quantities.add_row(escape(name), value, *([bar] if result.errors else []))
         console.print(quantities)
         for note in result.error_notes:
             console.print(one_line(note), markup=False, highlight=False, soft_wrap=True)

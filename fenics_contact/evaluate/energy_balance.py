@@ -36,7 +36,7 @@ class EnergyBook:
 
     Attributes:
         work: External work so far (energy).
-        done: The same without regard to signs: of loads, supports and each obstacle in every
+        done: The same without regard to signs: of loads, supports, obstacles and preloads in every
             step (energy).
         round_off: What the accepted imbalance may leave of the balance (energy).
         left_open: What the steps leave open of the work, where points began to touch, to slip,
@@ -52,6 +52,7 @@ class EnergyBook:
         shape = (len(problem.contacts), problem.spaces.components)
         self._last = {name: np.zeros_like(problem.load) for name in _AT_NODES}
         self._last |= {name: np.zeros(shape) for name in _OF_OBSTACLES}
+        self._last |= {"preloads": np.zeros((len(problem.preloads), 2))}
 
     def count(self, forces: BulkForces, reactions: Array) -> None:
         """Count a step that was accepted, before slip is counted anew; collective.
@@ -72,6 +73,7 @@ class EnergyBook:
         motions = last["motions"].copy()
         done += [self._work_of_obstacle(i, solution) for i in range(len(problem.contacts))]
         motions = last["motions"] - motions
+        done += self._works_of_preloads(solution)
         self.work += float(sum(done))
         self.done += float(np.abs(done).sum())
         self.round_off += solution.imbalance_limit * largest(problem.comm, np.abs(moved))
@@ -104,6 +106,15 @@ class EnergyBook:
             pressure = 0.5 * (before.state.contact_pressure + state.contact_pressure)
             work += float(contact.trace.integral(pressure * pushed_in))
         return work
+
+    def _works_of_preloads(self, solution: Solution) -> list[float]:
+        """∫ N dq of each in a step; it becomes the last step's."""
+        last = self._last["preloads"]
+        rows = [(state.force, state.shortening) for state in solution.preloads]
+        now = np.array(rows).reshape(last.shape)
+        self._last["preloads"] = now
+        works = 0.5 * (last[:, 0] + now[:, 0]) * (now[:, 1] - last[:, 1])
+        return [float(work) for work in works]
 
     @property
     def sums(self) -> list[float]:

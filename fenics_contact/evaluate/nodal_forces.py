@@ -14,13 +14,13 @@ from fenics_contact.solve.newton.solution import Solution
 
 
 class BulkForces:
-    """K u of a solution against what loads and contacts give; collective, as all it has.
+    """What the bulk needs in a solution, against what loads and contacts give; collective, as all.
 
     Attributes:
         problem: The model.
         solution: Its solution.
         contacts: Forces of all contacts on the body, (nodes, components) (force).
-        unbalanced: K u less loads and contacts: reactions where supports hold (force).
+        unbalanced: What it needs less loads and contacts: reactions where supports hold (force).
     """
 
     def __init__(self, problem: Problem, solution: Solution) -> None:
@@ -62,8 +62,9 @@ class BulkForces:
 
     @cached_property
     def strain_energy(self) -> float:
-        """½ a(u, u) (energy)."""
+        """½ a(u, u); in preloaded parts of the strain beyond the one free of stress (energy)."""
         owned = slice(0, self.problem.spaces.owned_nodes)
         solution = self.solution
         product = np.sum(solution.displacement[owned] * solution.internal_force[owned])
-        return 0.5 * float(total(self.problem.comm, product))
+        tightened = sum(state.force * state.shortening for state in solution.preloads)
+        return 0.5 * (float(total(self.problem.comm, product)) + tightened)

@@ -17,7 +17,7 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.point_arrays import WRITTEN
-from fenics_contact.results.records.contacts import SupportRecord
+from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 from fenics_contact.solve.newton.solution import Solution
 
@@ -124,6 +124,20 @@ def support_reactions(forces: BulkForces) -> tuple[Array, list[SupportRecord]]:
     return reactions.reshape(problem.load.shape), rows
 
 
+def preload_records(problem: Problem, solution: Solution) -> dict[str, PreloadRecord]:
+    """Each preload of an answer, by its name."""
+    return {
+        preload.scene.label: PreloadRecord(
+            on=preload.scene.on,
+            force=state.force,
+            elongation=state.shortening,
+            initial_strain=state.initial_strain,
+            locked=state.is_locked,
+        )
+        for preload, state in zip(problem.preloads, solution.preloads, strict=True)
+    }
+
+
 def _mean_displacement(forces: BulkForces, dofs: Integers) -> list[float | None]:
     """Of owned dofs of all ranks by component, None where there are none; collective."""
     components = forces.problem.spaces.components
@@ -150,6 +164,7 @@ def global_quantities(
         driven = surface.kinematics.brought_up + surface.kinematics.indentation
         work += pushed @ surface.kinematics.direction * driven
         work += pushed @ surface.kinematics.displacement
+    work += sum(state.force * state.shortening for state in solution.preloads)
     summed = ("contact_area", "stick_area", "slip_area", "friction_work", "penalty_energy")
     greatest = ("max_contact_pressure", "max_penetration", "max_slip")
     return {

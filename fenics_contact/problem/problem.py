@@ -27,7 +27,13 @@ from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.far_field import FarField
 from fenics_contact.problem.loads import given_loads
-from fenics_contact.problem.scalar_unknowns import Indentation, Resultant, ScalarUnknown
+from fenics_contact.problem.scalar_unknowns import (
+    Indentation,
+    PreloadState,
+    Resultant,
+    ScalarUnknown,
+    Shortening,
+)
 from fenics_contact.problem.shared_reactions import SharedReactions
 from fenics_contact.results.point_arrays import of_several_contacts
 from fenics_contact.scene.scene import Scene
@@ -63,7 +69,8 @@ class Problem:
         prescribed: Their present displacements, but for unknown resultants' part (length).
         contacts: In scene order.
         own_arrays: What their laws keep of their own at the points, and results have.
-        unknowns: Scalars that are found together with the displacements.
+        unknowns: Scalars that are found together with the displacements, those of preloads last.
+        preloads: In scene order.
         far_field: The outer boundary of a half-space, or None.
         points: Where the displacement is a quantity.
         loads: Those of the scene that are not zero.
@@ -72,6 +79,7 @@ class Problem:
         load: Present nodal loads with the prescribed contact pressures, (nodes, components).
         pressure_load: The part of it that is prescribed contact pressures.
         disturbance: Nodal loads over pseudo-time besides the scene's, to see what they do, or None.
+        tightening: Forces of preloads over pseudo-time besides the scene's, likewise, (preloads,).
     """
 
     def __init__(
@@ -86,6 +94,7 @@ class Problem:
         self.body = self.spaces.body
         self.comm = self.spaces.comm
         self.disturbance: Array | None = None
+        self.tightening = np.zeros(len(scene.preload))
         self.stabilisation: list[AppliedSupport] = []
         with timings.phase("compile"):
             self.supports = Supports(scene, self.spaces, discrete.held)
@@ -104,6 +113,13 @@ class Problem:
                 if contact.floats
             ]
             self.far_field = self._place_far_field()
+            self.preloads = [
+                Shortening(preload, f"preload[{number}]", bulk)
+                for number, (preload, bulk) in enumerate(
+                    zip(scene.preload, self.elastic.preloaded, strict=True)
+                )
+            ]
+            self.unknowns += self.preloads
             self._refuse_held_contacts()
             self.points = DisplacementPoints(scene.point, self.spaces)
             self.loads = given_loads(scene.load, self.spaces)
@@ -193,6 +209,21 @@ class Problem:
             contact.supports = SurfaceSupports(contact.trace, self.constrained)
         self.set_time(self.scene.steps.last)
 
+    def reach(self, scalars: Array) -> None:
+        """Take the values of the scalar unknowns that a load step ended with."""
+        for preload, value in zip(self.preloads, self.of_preloads(scalars), strict=True):
+            preload.reach(float(value))
+
+    def of_preloads(self, scalars: Array) -> Array:
+        """The part of values of the scalar unknowns that are shortenings, (preloads,)."""
+        return scalars[len(scalars) - len(self.preloads) :]
+
+    def preload_states(self, displacement: Array) -> tuple[PreloadState, ...]:
+        """Of an answer, in whose state all is, with its displacement; collective."""
+        mixed = self.elastic.mixed
+        mean_stress = np.zeros(0) if mixed is None else mixed.mean_stress.x.array
+        return tuple(preload.state(displacement, mean_stress) for preload in self.preloads)
+
     def stick_all(self) -> None:
         """Take every contact point to stick, for a solve to begin with."""
         for contact in self.frictional:
@@ -210,6 +241,8 @@ class Problem:
             self.load += self.disturbance * time
         for contact in self.contacts:
             contact.set_time(time)
+        for preload, more in zip(self.preloads, self.tightening, strict=True):
+            preload.set_time(time, float(more))
         self.prescribed = self.supports.at(time)
         if self.far_field is not None:
             values = self.far_field.beyond.copy()
@@ -233,6 +266,7 @@ class Problem:
     def _terms(self) -> list[Term]:
         terms = [Term(self.elastic.name, self.elastic.forms)]
         terms += [Term(load.name, (load.form,)) for load in self.loads]
+        terms += [Term(f"preload of {preload.scene.label}", ()) for preload in self.preloads]
         for contact in self.contacts:
             terms += [Term(contact.normal.name, (form,)) for form, _ in contact.normal.loads]
         for contact in self.contacts:

@@ -79,7 +79,7 @@ class SharedReactions:
         mesh, test = spaces.body.mesh, ufl.TestFunction(spaces.displacement_space)
         normal = ufl.FacetNormal(mesh)
         stress = (
-            elastic.law.stress(elastic.strain(self._moved))
+            elastic.law.stress(elastic.elastic_strain(self._moved))
             if elastic.mixed is None
             else elastic.stress()
         )

@@ -45,6 +45,11 @@ WORDS: Mapping[str, CheckWords] = {
         "where a motion that nothing resists is held, {share} of the forces act; the loads push "
         "it, so give it a support, or friction",
     ),
+    "preload": CheckWords(
+        "The force along each preloaded part that is not locked against the one that it is "
+        "tightened to; over the largest force.",
+        "the force of a preload is {share} off the one that it is tightened to",
+    ),
     "action_and_reaction": CheckWords(
         "Forces on both bodies of a contact, and their moments, add up to zero; over the forces "
         "on one.",

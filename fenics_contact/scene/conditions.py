@@ -1,4 +1,4 @@
-"""What is done to a body: supports and loads; and points at which it is looked at."""
+"""What is done to a body: supports, loads and preloads; and points at which it is looked at."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from fenics_contact.scene.values import (
     AxisName,
     LoadPath,
     Number,
+    Positive,
     Text,
     Value,
     Vector,
@@ -83,6 +84,61 @@ class Load:
         """The key that it is given by, such as ``traction``."""
         kinds = ("traction", "pressure", "body_force")
         return next(kind for kind in kinds if getattr(self, kind) is not None)
+
+
+@scene_class
+class Preload:
+    """A bolt that is tightened to a force, and whose length may be kept from then on.
+
+    >>> Preload(on="shank", axis=(0, 0, 1), force=20e3, locked_from=1).label
+    'shank'
+    """
+
+    on: Annotated[
+        Text,
+        Field(
+            description="physical group of cells, such as a bolt's shank: its ends must be plane "
+            "and at right angles to the axis"
+        ),
+    ]
+    axis: Annotated[
+        tuple[Number, ...],
+        Field(
+            min_length=2,
+            max_length=3,
+            description="along the bolt, one entry per axis, of any length; along y in "
+            "axisymmetric models",
+        ),
+    ]
+    force: Annotated[
+        Number,
+        Field(
+            description="along the axis, > 0 pulls at the bolt (force; of the part that is "
+            "modelled, per unit thickness in plane models without a thickness)"
+        ),
+    ]
+    path: Annotated[LoadPath, Field(description="of the force over the load steps")] = RAMP
+    locked_from: Annotated[
+        Positive | None,
+        Field(
+            description="pseudo-time of a load step from whose end on the unstressed length is "
+            "kept, and the force follows from the loads"
+        ),
+    ] = None
+    name: Annotated[
+        Text | None, Field(description="name in the results, by default that of the group")
+    ] = None
+
+    def __post_init__(self) -> None:
+        if not any(self.axis):
+            raise ValueError("axis = 0: give the direction along the bolt")
+        if self.name is not None:
+            require_name(self.name)
+
+    @property
+    def label(self) -> str:
+        """Name in results and messages."""
+        return self.name or self.on
 
 
 @scene_class

@@ -51,6 +51,7 @@ def _tables(scene: Scene) -> list[Path]:
     paths = [
         *(support.path for support in scene.support),
         *(load.path for load in scene.load),
+        *(preload.path for preload in scene.preload),
         *(contact.pressure_path for contact in scene.contact),
         *(obstacle.path for obstacle in obstacles),
         *(obstacle.displacement_path for obstacle in obstacles),
@@ -59,8 +60,9 @@ def _tables(scene: Scene) -> list[Path]:
 
 
 def knots(scene: Scene) -> list[float]:
-    """Pseudo-times at which any table of a scene may change its slope, increasing."""
-    every = sorted({knot for path in _tables(scene) for knot in path.knots})
+    """Pseudo-times at which a table may change its slope, or a bolt is locked, increasing."""
+    locked = {p.locked_from for p in scene.preload if p.locked_from is not None}
+    every = sorted({knot for path in _tables(scene) for knot in path.knots} | locked)
     close = _SAME * max(every, default=0.0)
     return [b for a, b in zip([-math.inf, *every], every, strict=False) if b - a > close]
 

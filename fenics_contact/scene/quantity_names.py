@@ -25,6 +25,7 @@ OF_CONTACTS = (
     *("stick_radius", "max_slip", "indentation", "friction_work"),
 )
 _OF_SUPPORTS = ("reaction",)
+OF_PRELOADS = ("force", "elongation")
 _OF_ALL = (*OF_CONTACTS, "reaction", "strain_energy", "external_work")
 _POINT = "displacement_"
 #: What can only be meant as a quantity by its name, known or not; also in the schema of scenes.
@@ -58,6 +59,14 @@ class Reaction:
 
 
 @dataclass(frozen=True)
+class OfPreload:
+    """Key of a preload's quantity, by the preload's name."""
+
+    name: str
+    quantity: str
+
+
+@dataclass(frozen=True)
 class QuantityNames:
     """The names that a scene gives to contacts, supports and points.
 
@@ -66,6 +75,7 @@ class QuantityNames:
         supports: Several supports may have the same.
         points: Each once.
         dimension: Number of components of a vector.
+        preloads: Each once.
 
     >>> names = QuantityNames(("top",), ("left", "upper.left"), ("tip",), 2)
     >>> names.find("upper.left.reaction_x")
@@ -79,6 +89,7 @@ class QuantityNames:
     supports: tuple[str, ...]
     points: tuple[str, ...]
     dimension: int
+    preloads: tuple[str, ...] = ()
 
     def find(self, text: str) -> QuantityName:
         """What a name stands for.
@@ -107,6 +118,8 @@ class QuantityNames:
             return name.quantity
         if name.quantity in _OF_SUPPORTS:
             return Reaction(name.owner)
+        if name.quantity in OF_PRELOADS:
+            return OfPreload(name.owner, name.quantity)
         return (self.contacts.index(name.owner), name.quantity)
 
     def _readings(self, owner: str) -> dict[str, list[QuantityName]]:
@@ -115,6 +128,7 @@ class QuantityNames:
         quantities += [_POINT + point for point in self.points] if not owner else []
         quantities += OF_CONTACTS if owner in self.contacts else ()
         quantities += _OF_SUPPORTS if owner in self.supports else ()
+        quantities += OF_PRELOADS if owner in self.preloads else ()
         found: dict[str, list[QuantityName]] = {}
         for quantity in quantities:
             found.setdefault(quantity, []).append(QuantityName(owner, quantity))
@@ -127,7 +141,7 @@ class QuantityNames:
     def _accepted(self, owner: str, quantity: str, quantities: list[str]) -> str:
         """What there is instead of an unknown name."""
         if not quantities:
-            known = list(dict.fromkeys([*self.contacts, *self.supports]))
+            known = list(dict.fromkeys([*self.contacts, *self.supports, *self.preloads]))
             return (
                 f"no contact and no support is called '{owner}'; {_nearest(owner, known)}"
                 f"There are {', '.join(known) or 'none'}"
@@ -137,7 +151,11 @@ class QuantityNames:
             return f"{hint}The whole model has {', '.join(quantities)}"
         kinds = [
             f"the {kind} '{owner}'"
-            for kind, names in (("contact", self.contacts), ("support", self.supports))
+            for kind, names in (
+                ("contact", self.contacts),
+                ("support", self.supports),
+                ("preload", self.preloads),
+            )
             if owner in names
         ]
         return f"{hint}{' and '.join(kinds)} has {', '.join(quantities)}"

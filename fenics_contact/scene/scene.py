@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from fenics_contact.scene.accuracy import Accuracy, Share, as_accuracy
-from fenics_contact.scene.conditions import Load, Point, Support
+from fenics_contact.scene.conditions import Load, Point, Preload, Support
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.quantity_names import QuantityNames
@@ -32,6 +32,7 @@ from fenics_contact.scene.values import (
     scene_class,
 )
 
+_SAME_TIME = 1e-9
 _MOST = 1000  # meshes, supports, loads …, each of which takes up to a hundredth of a second
 
 
@@ -167,6 +168,10 @@ class Scene:
     load: Annotated[
         tuple[Load, ...], Field(description=f"loads, up to {_MOST}", max_length=_MOST)
     ] = ()
+    preload: Annotated[
+        tuple[Preload, ...],
+        Field(description=f"preloads of bolts, up to {_MOST}", max_length=_MOST),
+    ] = ()
     contact: Annotated[
         tuple[Contact, ...],
         Field(description=f"contact surfaces, up to {_MOST}", max_length=_MOST),
@@ -224,8 +229,11 @@ class Scene:
             raise ValueError(f"a profile along z: a {self.kinematics} model has only x and y")
         for number, contact in enumerate(self.contact):
             _require_axes(contact.obstacle, dimension, f"contact[{number}].obstacle")
-        if self.half_space is not None and self.load:
-            raise ValueError("half_space: only the contacts' forces reach it, so leave out load")
+        if self.half_space is not None and (self.load or self.preload):
+            what = "load" if self.load else "preload"
+            raise ValueError(f"half_space: only the contacts' forces reach it, so leave out {what}")
+        for number, preload in enumerate(self.preload):
+            _require_bolt(self, preload, f"preload[{number}]")
         if self.half_space is not None and self.kinematics == "plane stress":
             raise ValueError("half_space is for plane strain, axisymmetric and 3D models")
         if len(self.mesh) > 1:
@@ -238,6 +246,7 @@ class Scene:
                 )
         _require_distinct("points", [point.name for point in self.point])
         _require_distinct("contacts", [contact.label for contact in self.contact])
+        _require_distinct("preloads", [preload.label for preload in self.preload])
         _require_known(self)
 
     @property
@@ -255,7 +264,36 @@ class Scene:
             contacts=tuple(contact.label for contact in self.contact),
             supports=tuple(supports),
             points=tuple(point.name for point in self.point),
+            preloads=tuple(preload.label for preload in self.preload),
             dimension=self.dimension,
+        )
+
+
+def _require_bolt(scene: Scene, preload: Preload, key: str) -> None:
+    """Its axis fits the model, and a load step ends where it is locked."""
+    axis, steps, locked = preload.axis, scene.steps, preload.locked_from
+    if len(axis) != scene.dimension:
+        raise ValueError(
+            f"{key}.axis has {len(axis)} entries; a {scene.kinematics} model needs "
+            f"{scene.dimension}"
+        )
+    if scene.kinematics == "axisymmetric" and axis[0] != 0:
+        raise ValueError(f"{key}.axis: must be along y, the axis of revolution")
+    if locked is None:
+        return
+    if locked > steps.last * (1 + _SAME_TIME):
+        raise ValueError(
+            f"{key}.locked_from = {locked:g}: the last load step ends at {steps.last:g}"
+        )
+    ends = steps.all_times
+    if not steps.automatic and locked < ends[0] * (1 - _SAME_TIME):
+        raise ValueError(
+            f"{key}.locked_from = {locked:g}: lies before the end of the first load step, "
+            f"{ends[0]:g}, so that no force has tightened it yet"
+        )
+    if not steps.automatic and min(abs(locked - end) for end in ends) > _SAME_TIME * locked:
+        raise ValueError(
+            f"{key}.locked_from = {locked:g}: no load step ends there; add it to steps.times"
         )
 
 

@@ -252,6 +252,7 @@ class Run:
             contacts=self.contacts(self._history.by_contact),
             supports=self.budget.of_supports(self._history.supports),
             reactions=self.budget.of_reactions(self._history.supports),
+            preloads=self.budget.of_preloads(self._history.preloads),
             quantities=quantities,
             steps=self.steps,
             checks=checks,

@@ -12,6 +12,7 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import (
     contact_quantities,
     global_quantities,
+    preload_records,
     support_reactions,
 )
 from fenics_contact.problem.problem import Problem
@@ -38,6 +39,7 @@ class StepHistory:
         forces: Nodal forces that the bulk needs there.
         by_contact: Quantities of each contact there.
         supports: Each support there.
+        preloads: Each preload there, by its name.
     """
 
     def __init__(self, problem: Problem, timings: Timings) -> None:
@@ -92,6 +94,7 @@ class StepHistory:
                     for contact, found in zip(self._problem.contacts, self.by_contact, strict=True)
                 ],
                 supports=self.supports,
+                preloads=self.preloads,
                 linear_range={what: Largest(**row) for what, row in sizes.items()},
             )
         )
@@ -112,6 +115,7 @@ class StepHistory:
         with self._timings.phase("output"):
             self.forces = BulkForces(self._problem, solution)
             self._reactions, self.supports = support_reactions(self.forces)
+            self.preloads = preload_records(self._problem, solution)
             self.by_contact = [
                 contact_quantities(self._problem, solution, number)
                 for number in range(len(self._problem.contacts))

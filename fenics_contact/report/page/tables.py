@@ -28,7 +28,7 @@ from fenics_contact.results.words.tables import (
     motion_words,
     share_words,
 )
-from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
+from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, OF_PRELOADS
 
 _OF_A_CONTACT = ("slave", "master", "slave_reason", "uniqueness_limit")
 _MOST_STEPS = 60  # in a table; of more, the first, the last and the hardest
@@ -147,6 +147,20 @@ def reactions_table(result: Outcome) -> Markup:
     for name, force in found.items():
         rows.append([name, *_with_bar(force, errors.get(name), forces)[: 3 if has_bars else 1]])
     return table(rows, "Reactions of supports") if found else Markup()
+
+
+def preloads_table(result: Outcome) -> Markup:
+    """Force and elongation of every preload, with error bars; nothing without any."""
+    has_bars = any(preload.errors for preload in result.preloads.values())
+    bars = [cell for name in OF_PRELOADS for cell in (name, *(_BARS[:1] if has_bars else ()))]
+    rows: list[list[str]] = [["preload", *bars, "locked"]]
+    for name, preload in result.preloads.items():
+        row = [name]
+        for quantity in OF_PRELOADS:
+            said = rounded(preload[quantity], preload.errors.get(quantity))
+            row += said[: 2 if has_bars else 1]
+        rows.append([*row, written(preload.locked)])
+    return table(rows, "Preloads") if result.preloads else Markup()
 
 
 def model_table(model: Model) -> Markup:

@@ -1,4 +1,4 @@
-"""Contacts and supports, at the end of a run, of a load step or in one of several answers."""
+"""Contacts, supports and preloads, of a run, of a load step or of one of several answers."""
 
 from __future__ import annotations
 
@@ -185,4 +185,28 @@ class ReactionRecord(Record):
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"errors"})
 
     reaction: list[float]
+    errors: Errors = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PreloadRecord(Record):
+    """A preload.
+
+    Attributes:
+        on: The group of cells.
+        force: Along the axis, > 0 where it is pulled; of the part that is modelled (force).
+        elongation: By how much its unstressed length is shortened, > 0 when tightened (length).
+        initial_strain: Its strain along the axis that is free of stress: less the elongation over
+            its length.
+        locked: Whether the unstressed length is that of an earlier load step.
+        errors: Estimated errors of the force and the elongation.
+    """
+
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"errors"})
+
+    on: str
+    force: float
+    elongation: float
+    initial_strain: float
+    locked: bool
     errors: Errors = field(default_factory=dict)

@@ -6,7 +6,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from fenics_contact.results.records.contacts import ContactRecord, ReactionRecord, SupportRecord
+from fenics_contact.results.records.contacts import (
+    ContactRecord,
+    PreloadRecord,
+    ReactionRecord,
+    SupportRecord,
+)
 from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Model, Seconds
 from fenics_contact.results.records.record import Errors, Quantities, Record
 from fenics_contact.results.records.steps import BranchRecord, CheckRecord, StepRecord
@@ -24,6 +29,7 @@ class Outcome(Record):
         contacts: Each contact, in scene order.
         supports: Each support.
         reactions: Name → all supports of that name together.
+        preloads: Name → preload, where there are any.
         quantities: Of the whole model, at the end; empty without an answer.
         steps: Each load step.
         checks: Name → check of the physics.
@@ -37,7 +43,7 @@ class Outcome(Record):
         versions: Program or library → version.
     """
 
-    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"accuracy"})
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"accuracy", "preloads"})
 
     title: str
     converged: bool
@@ -46,6 +52,7 @@ class Outcome(Record):
     contacts: list[ContactRecord]
     supports: list[SupportRecord]
     reactions: Mapping[str, ReactionRecord] = field(default_factory=dict)
+    preloads: Mapping[str, PreloadRecord] = field(default_factory=dict)
     quantities: Quantities
     steps: list[StepRecord]
     checks: Mapping[str, Any]

@@ -6,7 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from fenics_contact.results.records.contacts import BranchContact, StepContact, SupportRecord
+from fenics_contact.results.records.contacts import (
+    BranchContact,
+    PreloadRecord,
+    StepContact,
+    SupportRecord,
+)
 from fenics_contact.results.records.record import Quantities, Record
 
 
@@ -42,10 +47,12 @@ class StepRecord(Record):
         quantities: Of the whole model; empty without an answer.
         contacts: Each contact at its end.
         supports: Each support at its end.
+        preloads: Name → preload at its end, where there are any.
         linear_range: What linear theory takes to be small → its largest value: `strain`,
             `rotation`, `turned` and others.
     """
 
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"preloads"})
     _OF_ANSWERS: ClassVar[frozenset[str]] = frozenset(
         {"outer_contraction", "imbalance_limit", "contacts", "supports", "linear_range"}
     )
@@ -60,6 +67,7 @@ class StepRecord(Record):
     quantities: Quantities
     contacts: list[StepContact] = field(default_factory=list)
     supports: list[SupportRecord] = field(default_factory=list)
+    preloads: Mapping[str, PreloadRecord] = field(default_factory=dict)
     linear_range: Mapping[str, Largest] = field(default_factory=dict)
 
     @property
@@ -69,7 +77,8 @@ class StepRecord(Record):
 
     def is_written(self, name: str) -> bool:
         """Whether an attribute stands in the file: those of an answer where there is one."""
-        return bool(self.quantities) or name not in self._OF_ANSWERS
+        has_answer = bool(self.quantities)
+        return super().is_written(name) and (has_answer or name not in self._OF_ANSWERS)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -1,4 +1,4 @@
-"""The few lines that matter most: what every contact carries, and what friction took."""
+"""The few lines that matter most: what preloads and contacts carry, and what friction took."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import math
 
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.results.quantities import QuantityValue, idle_quantities
-from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.contacts import ContactRecord, PreloadRecord
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.words.rounding import rounded, size_of_forces
 
 
 def headlines(result: Outcome) -> list[str]:
-    """A line a contact, and one for what friction dissipated; none without an answer.
+    """A line a preload and a contact, and what friction dissipated; none without an answer.
 
     Args:
         result: Of a run.
@@ -21,10 +21,17 @@ def headlines(result: Outcome) -> list[str]:
     if not result.converged:
         return []
     size = size_of_forces(result.quantities, result.contacts)
-    lines = [_of_contact(contact, size) for contact in result.contacts if contact.quantities]
+    lines = [_of_preload(name, preload) for name, preload in result.preloads.items()]
+    lines += [_of_contact(contact, size) for contact in result.contacts if contact.quantities]
     if result.contacts and "friction_work" not in idle_quantities(result.contacts):
         lines.append(f"Friction dissipated {_estimate('friction_work', result)}.")
     return lines
+
+
+def _of_preload(name: str, preload: PreloadRecord) -> str:
+    force = _with_bar(preload.force, preload.errors, "force", 0.0)
+    locked = ", its length locked" if preload.locked else ""
+    return f"Preload '{one_line(name)}': force {force}{locked}."
 
 
 def _of_contact(contact: ContactRecord, size: float) -> str:

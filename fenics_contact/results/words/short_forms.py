@@ -9,7 +9,7 @@ from fenics_contact.results.quantities import FORCES, idle_quantities, without_v
 from fenics_contact.results.records.record import Errors, Quantities
 from fenics_contact.results.result import Result
 from fenics_contact.results.words.rounding import rounded, size_of_forces
-from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
+from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, OF_PRELOADS
 
 _MAIN = (
     *("normal_force", "friction_force", "reaction", "indentation", "max_contact_pressure"),
@@ -39,6 +39,17 @@ def quantity_rows(result: Result, key: str) -> list[tuple[str, str, str]]:
         if value is not None:
             words, bar = rounded(value, errors.get(key), size)
         rows.append((one_line(name), words, bar))
+    return rows
+
+
+def preload_rows(result: Result) -> list[tuple[str, str, str]]:
+    """Name, value and error bar of force and elongation of every preload, in words."""
+    rows = []
+    for name, preload in result.preloads.items():
+        how = ", locked" if preload.locked else ""
+        for quantity, words in zip(OF_PRELOADS, ("force", "elongation"), strict=True):
+            said = rounded(preload[quantity], preload.errors.get(quantity))
+            rows.append((one_line(f"{words} of {name}{how}"), *said))
     return rows
 
 
@@ -88,6 +99,7 @@ def _main_rows(result: Result) -> list[tuple[str, str, str]]:
     """None of a run that did not converge: its numbers are of no answer."""
     hidden = idle_quantities(result.contacts)
     keys = [key for key in _MAIN if key in result.quantities and key not in hidden]
-    rows = [row for key in keys for row in quantity_rows(result, key)] if result.converged else []
+    rows = [row for key in keys for row in quantity_rows(result, key)] + preload_rows(result)
+    rows = rows if result.converged else []
     left_out = f"{len(rows) - _MOST} more"
     return rows if len(rows) <= _MOST else [*rows[:_MOST], (left_out, "", "")]

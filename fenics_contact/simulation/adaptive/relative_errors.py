@@ -15,7 +15,12 @@ import numpy as np
 
 from fenics_contact.results.records.record import Errors, Quantities
 from fenics_contact.results.result import Result
-from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, QuantityName, QuantityNames
+from fenics_contact.scene.quantity_names import (
+    OF_ONE_CONTACT,
+    OF_PRELOADS,
+    QuantityName,
+    QuantityNames,
+)
 
 # Quantities that may vanish, over what is their size then.
 _MEASURED_BY = {
@@ -73,6 +78,9 @@ def _of_owner(result: Result, name: QuantityName) -> tuple[Quantities, Errors]:
     if name.quantity == "reaction":
         of_supports = result.reactions[name.owner]
         return of_supports, of_supports.errors
+    if name.quantity in OF_PRELOADS:
+        preload = result.preloads[name.owner]
+        return preload, preload.errors
     contact = next(contact for contact in result.contacts if contact.name == name.owner)
     return contact.quantities, contact.errors
 

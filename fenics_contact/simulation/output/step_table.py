@@ -12,7 +12,7 @@ from fenics_contact.common.atomic_files import append, replace_file
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
-from fenics_contact.scene.quantity_names import VECTORS
+from fenics_contact.scene.quantity_names import OF_PRELOADS, VECTORS
 from fenics_contact.scene.values import AXES
 
 
@@ -53,8 +53,8 @@ def row_of(step: StepRecord) -> dict[str, Any]:
     """A load step by column.
 
     Quantities are those of the whole model and, where there are several contacts, then those
-    of each, as ``contact.quantity``; vectors by component, as ``quantity_x``. What has no value
-    is empty.
+    of each, as ``contact.quantity``, and of each preload; vectors by component, as ``quantity_x``.
+    What has no value is empty.
     """
     components = len(step.quantities["reaction"])
     row = {
@@ -66,6 +66,8 @@ def row_of(step: StepRecord) -> dict[str, Any]:
     for contact in step.contacts if len(step.contacts) > 1 else []:
         found = _by_component(contact.quantities, components)
         row |= {f"{one_line(contact.name)}.{name}": value for name, value in found.items()}
+    for name, preload in step.preloads.items():
+        row |= {f"{one_line(name)}.{quantity}": preload[quantity] for quantity in OF_PRELOADS}
     return row
 
 

@@ -20,7 +20,11 @@ from fenics_contact.scene.scene import Scene
 _FREE = ("title", "steps", "solver", "mesh")
 # Keys that states written before they were there do not know: as long as they have their defaults
 # they do not count.
-_LATER = {"Support": {"name": None}, "Contact": {"normal_law": None}}
+_LATER: dict[str, dict[str, Any]] = {
+    "Scene": {"preload": ()},
+    "Support": {"name": None},
+    "Contact": {"normal_law": None},
+}
 # Where functions are asked: places along each axis of the box around the body, and pseudo-times.
 _PLACES = 7
 _TIMES = np.linspace(0.0, 5.0, 51).tolist()
@@ -38,6 +42,7 @@ def of_scene(scene: Scene, body: Body) -> dict[str, str]:
         field.name: _digest(probe.plain(getattr(scene, field.name)))
         for field in dataclasses.fields(scene)
         if field.name not in _FREE
+        and getattr(scene, field.name) != _LATER["Scene"].get(field.name, ...)
     }
 
 

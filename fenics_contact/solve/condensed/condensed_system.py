@@ -19,10 +19,12 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import from_root, gathered_on_root
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.scalar_unknowns import ContactScalar
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.contact_jump import ContactJump
+from fenics_contact.solve.condensed.preload_border import CondensedPreloads
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import ContactTangent
@@ -65,9 +67,12 @@ class CondensedSystem(System):
         self.held[: len(displacements)] = self.dofs.constrained[displacements]
         with timings.phase("factorise"):
             self._bulk = CondensedBulk(self.stiffness, self.held, self.dofs.free)
+            self._preloads = CondensedPreloads(problem, self.stiffness, self._bulk, self.held)
         self.factorisations = 1
         self._loads = CondensedLoads(self._bulk)
-        self._far_loads = [self._far_load(unknown.column) for unknown in problem.unknowns]
+        self._driving = [u for u in problem.unknowns if isinstance(u, ContactScalar)]
+        self._far_loads = [self._far_load(unknown.column) for unknown in self._driving]
+        self._inner = len(self.dofs.free) + len(self._driving)  # all but the shortenings
         self._size = len(self.dofs.free) + self.scalars
         if self._size > _MANY:
             self.first_way = "monolithic"
@@ -100,15 +105,6 @@ class CondensedSystem(System):
         found[self.problem.constrained] = at_constrained
         return found.reshape(-1, self.problem.spaces.components)
 
-    def _bulk_load(self, nodal: Array, supported: Array) -> Array:
-        """This rank's share of the load, with what supports at given displacements add."""
-        moved = self.stiffness.at_unknowns(supported)
-        load = self.stiffness.share(nodal)
-        if moved.any():
-            load -= self.stiffness.matrix @ moved
-        load[self.held] = moved[self.held]
-        return load
-
     def _far_load(self, column: Array | None) -> tuple[Array, Array]:
         """What a unit resultant does to the bulk, and to the contact dofs that it holds."""
         displacements = np.zeros(self.dofs.constrained.shape)
@@ -116,13 +112,13 @@ class CondensedSystem(System):
         if column is not None and far_field is not None:
             displacements[far_field.dofs] = column
         nodal = displacements.reshape(-1, self.problem.spaces.components)
-        return self._bulk_load(np.zeros_like(nodal), nodal), self.dofs.gathered(displacements)
+        moved = self.stiffness.load(np.zeros_like(nodal), nodal, self.held)
+        return moved, self.dofs.gathered(displacements)
 
     def _jump(self, surface: SurfaceMatrix) -> ContactJump:
         places, points = self.dofs.places(surface.dofs), self.variables.jump(surface)
         far = [displacements[places] for _, displacements in self._far_loads]
-        unknowns = self.problem.unknowns
-        return ContactJump.over(surface, points, self.variables.count, unknowns, far)
+        return ContactJump.over(surface, points, self.variables.count, self._driving, far)
 
     def _dense_tangent(self) -> ContactTangent | None:
         """A on rank 0, with what resultants do to the contact dofs through the bulk."""
@@ -133,11 +129,13 @@ class CondensedSystem(System):
         if schur is None:
             return None
         condensed = [self.variables.forces(load) for load in condensed]
-        columns = -np.array(condensed).reshape(self.scalars, len(self.dofs.free)).T
-        own = np.array([unknown.own for unknown in self.problem.unknowns])
+        columns = -np.array(condensed).reshape(len(self._driving), len(self.dofs.free)).T
+        own = np.array([unknown.own for unknown in self._driving])
         variables = self.variables
         constant = ConstantTangent(variables.stiffness(schur), columns, own, variables.derived)
-        return ContactTangent(constant, self.dofs.free // self.problem.spaces.components)
+        nodes = self.dofs.free // self.problem.spaces.components
+        border = self._preloads.border(variables, self._inner)
+        return ContactTangent(constant, nodes, border)
 
     def _create_vectors(self) -> None:
         own = self._size if self._root else 0
@@ -215,17 +213,21 @@ class CondensedSystem(System):
             return
         self._followed = problem.load.copy(), problem.prescribed.copy()
         supported = self._supported(problem.prescribed)
-        self._load = self._bulk_load(problem.load, supported)
+        self._load = self.stiffness.load(problem.load, supported, self.held)
         self._held_values = self.dofs.gathered(supported.reshape(-1))
         self._held_parts = [
             None if jump is None else self.variables.held_part(jump.surface, self._held_values)
             for jump in self._jumps
         ]
         self._condensed = self.variables.forces(self._loads.condense(self._load))
+        self._along_loads = self._preloads.from_loads(
+            self._load, self.stiffness.at_unknowns(supported)
+        )
 
     def follow_supports(self) -> None:
         """Bring supports and loads to their present values; collective."""
         self.follow_loads()
+        self.hold_scalars()
         self.take(self.state)
 
     def _values(self, state: PETSc.Vec) -> Array:
@@ -236,7 +238,7 @@ class CondensedSystem(System):
         """Of all contact dofs."""
         found = self._held_values.copy()
         found[self.dofs.is_free] = self.variables.displacements(values[: len(self.dofs.free)])
-        for value, (_, far) in zip(self._scalars_of(values), self._far_loads, strict=True):
+        for value, (_, far) in zip(self._scalars_of(values), self._far_loads, strict=False):
             found += value * far
         return found
 
@@ -256,7 +258,7 @@ class CondensedSystem(System):
         """Displacements relative to a body opposite, at this rank's nodes of a surface."""
         surface = jump.surface.contact.trace.surface
         derived = self.variables.derived_jumps(values[: self.variables.count])
-        found = jump.relative @ np.concatenate([values, derived]) + held
+        found = jump.relative @ np.concatenate([values[: self._inner], derived]) + held
         return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
 
     def balance(self, state: PETSc.Vec, residual: PETSc.Vec) -> None:
@@ -265,16 +267,26 @@ class CondensedSystem(System):
         self._balanced = np.array(state.array_r)
         forces = self.all_contact_forces()
         parts = [self._of_all(jump, force) for jump, force in zip(self._jumps, forces, strict=True)]
+        left = self._bulk_forces(np.array(state.array_r))
         if self._dense is None:
             return
-        driving = [unknown.force for unknown in self.problem.unknowns]
-        left = self._dense.constant.times(np.array(state.array_r))
+        driving = np.array([unknown.force for unknown in self.problem.unknowns])
         left -= np.concatenate([self._condensed, driving])
+        left[[len(self.dofs.free) + number for number in self.held_scalars]] = 0.0
         for jump, force in zip(self._jumps, parts, strict=True):
             if jump is not None:
-                left -= self._dense.constant.onto_unknowns(jump.work.T @ force)
+                left[: self._inner] -= self._dense.constant.onto_unknowns(jump.work.T @ force)
         with residual as array:
             array[:] = left
+
+    def _bulk_forces(self, values: Array) -> Array:
+        """A y, and the forces along preloaded parts, on rank 0; collective."""
+        found = np.zeros(0)
+        if self._dense is not None:
+            found = self._dense.times(values)
+            found[self._inner :] += self._along_loads
+        self._note_along_parts(found)
+        return found
 
     def _of_all(self, jump: ContactJump | None, force: Array) -> Array:
         """Forces at all dofs of a surface, on rank 0; collective."""
@@ -298,6 +310,8 @@ class CondensedSystem(System):
                 rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
                 found.append(jump.tangent((rows, columns, values)))
         if self._dense is not None:
+            held = np.array([p.held is not None for p in self.problem.preloads], dtype=bool)
+            self._dense.border.hold(held)
             self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
 
     def imbalance(self) -> float:
@@ -317,15 +331,16 @@ class CondensedSystem(System):
     def finish(self) -> FindBody:
         """What finds the displacement inside, when it is first asked for; collective.
 
-        At once where contacts that exert no forces follow it, or a mean stress.
+        At once where contacts that exert no forces follow it, a mean stress or a preload.
         """
         values = self._values(self.state)
         load = self._load.copy()
-        for value, (far, _) in zip(self._scalars_of(values), self._far_loads, strict=True):
-            load += value * far
-        at_contacts = self.variables.displacements(values[: self.variables.count])
+        loads = [*(far for far, _ in self._far_loads), *self._preloads.loads]
+        for value, one in zip(self._scalars_of(values), loads, strict=True):
+            load += value * one
+        at_contacts = self.variables.displacements(values[: len(self.dofs.free)])
         find = FoundWhenAsked(partial(self._expanded, load, at_contacts))
-        if self.problem.elastic.mixed is not None:
+        if self.problem.elastic.mixed is not None or self.problem.preloads:
             find()
         if None in self._jumps:
             others = [
@@ -340,8 +355,11 @@ class CondensedSystem(System):
         found = self._bulk.expand(load, at_contacts)
         self.stiffness.set_functions(found)
         components = self.problem.spaces.components
+        internal = self.stiffness.forces(found)
+        for preload in self.problem.preloads:
+            internal += preload.value * preload.bulk.nodal
         return BodyAnswer(
             self.problem.displacement.x.array.reshape(-1, components).copy(),
-            self.stiffness.forces(found),
+            internal,
             self.stiffness.round_off(found),
         )

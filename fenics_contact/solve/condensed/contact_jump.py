@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, hstack
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.problem.scalar_unknowns import ScalarUnknown
+from fenics_contact.problem.scalar_unknowns import ContactScalar
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix, congruent
 from fenics_contact.solve.systems.pair_stiffness import Entries
 
@@ -40,7 +40,7 @@ class ContactJump:
         surface: SurfaceMatrix,
         points: csr_matrix,
         count: int,
-        unknowns: Sequence[ScalarUnknown],
+        unknowns: Sequence[ContactScalar],
         far: Sequence[Array],
     ) -> ContactJump:
         """That of a contact, with what scalar unknowns move of it.

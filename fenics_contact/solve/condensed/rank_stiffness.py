@@ -11,7 +11,7 @@ from dolfinx.fem import petsc as fem_petsc
 from scipy.sparse import bmat, csr_matrix
 
 from fenics_contact.body.spaces import summed_over_ranks
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.problem import Problem
 
@@ -55,11 +55,33 @@ class LocalStiffness:
         self.displacements = touched[touched < sizes[0]]
         self._stresses = touched[touched >= sizes[0]] - sizes[0]
 
-    def share(self, nodal: Array) -> Array:
-        """This rank's share of nodal forces (nodes, components), at its unknowns."""
+    def share(self, nodal: Array, on_mean_stress: Array | None = None) -> Array:
+        """This rank's share of forces, at its unknowns.
+
+        Args:
+            nodal: On displacements, (nodes, components).
+            on_mean_stress: On mean stresses, at all dofs of this rank; None for none.
+        """
         found = np.zeros(len(self.numbers))
         count = len(self.displacements)
         found[:count] = nodal.reshape(-1)[self.displacements] / self._sharers[:count]
+        if on_mean_stress is not None and len(on_mean_stress):
+            found[count:] = on_mean_stress[self._stresses] / self._sharers[count:]
+        return found
+
+    def load(self, nodal: Array, supported: Array, held: Flags) -> Array:
+        """This rank's share of a load, with what supports at given displacements add.
+
+        Args:
+            nodal: Forces, (nodes, components).
+            supported: Displacements of supports, 0 elsewhere, (nodes, components).
+            held: Which unknowns they hold; there the load is the displacement.
+        """
+        moved = self.at_unknowns(supported)
+        found = self.share(nodal)
+        if moved.any():
+            found -= self.matrix @ moved
+        found[held] = moved[held]
         return found
 
     def at_unknowns(self, nodal: Array) -> Array:

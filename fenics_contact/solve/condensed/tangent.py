@@ -13,6 +13,7 @@ from scipy.sparse import csr_matrix
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.solve.condensed.compliance_solver import ComplianceSolver
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
+from fenics_contact.solve.condensed.preload_border import PreloadBorder
 from fenics_contact.solve.condensed.split_solver import SplitSolver
 
 # Contact dofs up to which a dense inverse costs next to nothing.
@@ -24,18 +25,23 @@ _GMRES = 8
 
 
 class ContactTangent:
-    """M = A + Qᵀ W Q.
+    """M = A + Qᵀ W Q, with the preloads' rows and columns around it.
 
     Args:
         constant: A and Q.
         nodes: Number of the node that each displacement belongs to.
+        border: Of the preloads, if there are any.
 
     Attributes:
         constant: See the arguments.
+        border: Likewise.
     """
 
-    def __init__(self, constant: ConstantTangent, nodes: Integers) -> None:
+    def __init__(
+        self, constant: ConstantTangent, nodes: Integers, border: PreloadBorder | None = None
+    ) -> None:
         self.constant = constant
+        self.border = border or PreloadBorder.empty(constant.size)
         self._added = csr_matrix((constant.width, constant.width))
         self._split = SplitSolver(constant, nodes) if constant.count > _FEW else None
         self._by_compliance: ComplianceSolver | None = None
@@ -51,6 +57,7 @@ class ContactTangent:
 
     def set(self, rows: Integers, columns: Integers, values: Array) -> None:
         """Set W by its entries; those at the same place add up."""
+        self.border.forget()
         kept = np.flatnonzero(values)
         shape = (self.constant.width, self.constant.width)
         places = (rows[kept], columns[kept])
@@ -82,6 +89,10 @@ class ContactTangent:
         return self._lost < _INVERSE * float(count) ** 3
 
     def solve(self, right: Array) -> Array:
+        """Of all unknowns; not a number where the tangent is singular."""
+        return self.border.solve(right, self._solve)
+
+    def _solve(self, right: Array) -> Array:
         """M⁻¹ r; not a number where M is singular."""
         if self._is_split and self._split is not None:
             found = self._split.solve(right)
@@ -92,13 +103,22 @@ class ContactTangent:
         return self.compliance.solve(right)
 
     def multiply(self, values: Array) -> Array:
-        """M y."""
-        return self.constant.with_contacts(self._added, values)
+        """The tangent times all unknowns."""
+        inner, shortenings = values[: self.constant.size], values[self.constant.size :]
+        forces, own = self.border.times(inner, shortenings)
+        return np.concatenate([self.constant.with_contacts(self._added, inner) + forces, own])
+
+    def times(self, values: Array) -> Array:
+        """The same without contacts."""
+        inner, shortenings = values[: self.constant.size], values[self.constant.size :]
+        forces, own = self.border.times(inner, shortenings)
+        return np.concatenate([self.constant.times(inner) + forces, own])
 
     def magnitude(self, values: Array) -> float:
-        """Σ |M| |y| over all rows."""
-        constant, sizes = self.constant, np.abs(values)
+        """Σ |M| |y| over all rows, of all unknowns."""
+        constant, sizes = self.constant, np.abs(values[: self.constant.size])
         derived = np.abs(constant.derived)
         every = np.concatenate([sizes, derived @ sizes[: constant.count]])
         count = np.concatenate([np.ones(len(sizes)), derived.sum(axis=1)])
-        return float(constant.magnitude(sizes) + count @ (abs(self._added) @ every))
+        inner = constant.magnitude(sizes) + count @ (abs(self._added) @ every)
+        return float(inner + self.border.magnitude(sizes, np.abs(values[constant.size :])))

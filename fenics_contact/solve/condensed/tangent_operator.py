@@ -9,7 +9,7 @@ from fenics_contact.solve.condensed.tangent import ContactTangent
 
 
 class TangentOperator:
-    """The dense tangent as PETSc sees it; only rank 0 has one, and all rows."""
+    """The dense tangent as a matrix and as a preconditioner; only rank 0 has one, and all rows."""
 
     def __init__(self, dense: ContactTangent | None) -> None:
         self._dense = dense

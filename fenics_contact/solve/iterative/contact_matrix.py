@@ -95,11 +95,22 @@ class ContactMatrix(AddedTangents):
                 self._between[surface].linearise(found[2])
             self._add_borders(self.matrix, surface, motions, found)
         self.add_far_field(self.matrix)
+        self.add_preloads(self.matrix)
         self.matrix.assemble()
         self.matrix.zeroRowsColumns(self._constrained, diag=0.0)
+        if self._problem.preloads:
+            self._hold_scalars()
         if self._problem.far_field is not None:
             self.tie_far_field(self.matrix)
             self._scale_ties()
+
+    def _hold_scalars(self) -> None:
+        """Unit rows and columns for scalars that are held; collective."""
+        held = self.held_rows(self.matrix)
+        self.matrix.zeroRowsColumns(held, diag=0.0)  # most rows have no diagonal here
+        for row in held:
+            self.matrix.setValue(row, row, self._diagonal)
+        self.matrix.assemble()
 
     def _scale_ties(self) -> None:
         """The rows u − U R = 0 stand in K with its own diagonal."""

@@ -196,7 +196,7 @@ class IterativeSystem(BodySystem):
         self.contacts.linearise()
 
     def internal_forces(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
-        """K u, also where supports hold; 0 in the scalars' rows; collective."""
+        """Forces of the bulk, also where supports hold; and along preloaded parts; collective."""
         held = self._owned_constrained
         with self._inner as array:
             array[:] = state.array_r[: self._owned_size]
@@ -212,6 +212,22 @@ class IterativeSystem(BodySystem):
             array[:] = 0.0
             array[: self._owned_size] = self._outer.array_r
             array[held] = self._prescribed.array_r
+        self._add_preloads(state, forces)
+
+    def _add_preloads(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
+        """Forces by shortenings, and forces along preloaded parts in their rows; collective."""
+        if not self.problem.preloads:
+            return
+        scalars = self.problem.of_preloads(self.scalar_values(state))
+        nodal = [p.bulk.nodal.reshape(-1)[: self._owned_size] for p in self.problem.preloads]
+        moved = state.array_r[: self._owned_size]
+        along = total(self.comm, np.array([float(one @ moved) for one in nodal]))
+        along += [p.bulk.stiffness * q for p, q in zip(self.problem.preloads, scalars, strict=True)]
+        with forces as array:
+            for one, value in zip(nodal, scalars, strict=True):
+                array[: self._owned_size] += value * one
+            if self.comm.rank == 0:
+                array[-len(along) :] = along
 
     def _bulk_forces(self) -> None:
         """K, supports cleared and without springs, times ``_inner`` into ``_outer``."""

@@ -25,6 +25,7 @@ from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
 from fenics_contact.solve.load_steps.step_control import AutomaticPace, FixedPace
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.newton.tightening import let_go, tighten
 from fenics_contact.solve.solver_choice import SolverChoice, choose_solver, create_system
 
 logger = logging.getLogger(__name__)
@@ -181,24 +182,31 @@ class LoadSteps:
         newton.forget()
         self._begin(time, predicted)
         try:
-            return solve_step(newton)
+            return self._solve()
         except NotConvergedError as error:
             if predicted is None:
                 raise
             logger.debug("  %s; next: from the last load step, or from the start", error)
         self.go_back()
         self._begin(time, None)
-        return solve_step(newton)
+        return self._solve()
+
+    def _solve(self) -> Solution:
+        """A step from its beginning; once more where a preload that was held has a force."""
+        found = solve_step(self.newton)
+        return solve_step(self.newton) if let_go(self.newton, found) else found
 
     def _begin(self, time: float, predicted: Unknowns | None) -> None:
         """Bring all to a pseudo-time; collective."""
         newton, problem = self.newton, self.problem
         if self.last is None:
+            problem.reach(np.zeros(len(problem.unknowns)))
             problem.set_time(time)
             newton.begin.anew()
             if predicted is not None:
                 self._place(predicted)
                 newton.begin.from_last_step()
+            tighten(newton, None)
             return
         if not self._has_moved_on:
             imbalance = self.last.solution.imbalance_limit
@@ -207,12 +215,14 @@ class LoadSteps:
                 follow_pressure(contact, imbalance)  # a guess of what the next step needs
             newton.begin.pair_anew(self.last.solution)
             self._has_moved_on = True
+        problem.reach(self.last.unknowns.scalars)
         problem.set_time(time)
         if predicted is not None:
             self._place(predicted)
             if newton.begin.is_out_of_touch():  # an obstacle that turns leaves the straight line
                 self._place(self.last.unknowns)
         newton.begin.from_last_step()
+        tighten(newton, self.last.solution)
 
     def _prediction(self, time: float) -> Unknowns | None:
         """Where the last two steps lead to, if no load path turns on the way.
@@ -262,6 +272,7 @@ class LoadSteps:
             self._recall(self._untouched)
             return
         unknowns = self.last.unknowns
+        problem.reach(unknowns.scalars)
         problem.set_time(unknowns.time)
         self._recall(self.last.contacts)
         self._place(unknowns)

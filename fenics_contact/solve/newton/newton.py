@@ -331,6 +331,8 @@ class Newton:
         nodes = [contact.trace.numbers for contact in self.problem.contacts]
         normal = self.system.contact_forces("normal")
         friction = self.system.contact_forces("friction")
+        problem = self.problem
+        preloads = problem.preload_states(find_body().displacement) if problem.preloads else ()
         return Solution(
             find_body=find_body,
             normal_force=[force[n] for force, n in zip(normal, nodes, strict=True)],
@@ -343,4 +345,5 @@ class Newton:
             strategy=strategy,
             imbalance_limit=self.limit,
             factorisations=self.system.factorisations,
+            preloads=preloads,
         )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.state import ContactState
+from fenics_contact.problem.scalar_unknowns import PreloadState
 from fenics_contact.solve.systems.body_answer import FindBody
 
 
@@ -30,6 +31,7 @@ class Solution:
             differences, estimated; None where there were not two passes.
         attempts: Strategies that did not converge before, each with what happened.
         imbalance_limit: The imbalance that was accepted as converged (force).
+        preloads: Of each preload, the same on every rank.
     """
 
     find_body: FindBody
@@ -45,6 +47,7 @@ class Solution:
     factorisations: int
     contraction: float | None = None
     attempts: tuple[str, ...] = ()
+    preloads: tuple[PreloadState, ...] = ()
 
     @property
     def displacement(self) -> Array:

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 
+from fenics_contact.body.preloaded_part import PreloadForces
 from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalar_unknowns import ScalarUnknown
+from fenics_contact.problem.scalar_unknowns import ContactScalar, ScalarUnknown
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.pair_stiffness import Entries, PairStiffness
 
@@ -70,6 +71,9 @@ class AddedTangents:
         if unknown.column is not None and far_field is not None:
             outer = far_field.dofs[far_field.dofs < self._owned]
             coupled = np.union1d(coupled, outer)
+        if unknown.bulk is not None:
+            own = unknown.bulk.nodal.reshape(-1)[: self._owned]
+            coupled = np.union1d(coupled, np.flatnonzero(own))
         return np.union1d(coupled, np.flatnonzero(self._far_forces[number]))
 
     def _force_of_far_field(self, displacement: PETSc.Mat, unknown: ScalarUnknown) -> Array:
@@ -135,7 +139,7 @@ class AddedTangents:
             order = np.argsort(surface.dofs)
             places = order[np.searchsorted(surface.dofs, numbers, sorter=order)]
             motion[places] = gather_rows(comm, values[shared])
-        elif unknown.contact is surface.contact:
+        elif isinstance(unknown, ContactScalar) and unknown.contact is surface.contact:
             motion[:] = -np.resize(unknown.direction, len(motion))
         return motion
 
@@ -154,7 +158,7 @@ class AddedTangents:
             every = np.broadcast_to(scalar, values.shape)
             if motions[number].any():
                 add_entries(tangent, at_rows, every, moved[number])
-            if unknown.contact is not surface.contact:
+            if not isinstance(unknown, ContactScalar) or unknown.contact is not surface.contact:
                 continue
             # K_c is the derivative of −r_c.
             along = -unknown.pushes * unknown.direction[rows % size]
@@ -163,6 +167,32 @@ class AddedTangents:
                 column = np.full(1, self._scalar_row(tangent, other), dtype=PETSc.IntType)
                 corner = [float(along @ by)]
                 tangent.setValues(scalar, column, corner, addv=PETSc.InsertMode.ADD_VALUES)
+
+    def add_preloads(self, tangent: PETSc.Mat) -> None:
+        """Add what shortenings of preloaded parts do to the body, and it to them; collective."""
+        add = PETSc.InsertMode.ADD_VALUES
+        for number, unknown in enumerate(self._unknowns):
+            if unknown.bulk is None:
+                continue
+            scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
+            for dofs, values in self._bulk_columns(unknown.bulk):
+                rows = self._rows(tangent, dofs)
+                tangent.setValues(rows, scalar, values, addv=add)
+                tangent.setValues(scalar, rows, values, addv=add)
+            if self._problem.comm.rank == 0:
+                tangent.setValues(scalar, scalar, [unknown.bulk.stiffness], addv=add)
+
+    def _bulk_columns(self, bulk: PreloadForces) -> list[tuple[Integers, Array]]:
+        """Rows of this rank that a shortening enters, and what it does there."""
+        own = bulk.nodal.reshape(-1)[: self._owned]
+        dofs = np.flatnonzero(own)
+        return [(dofs, own[dofs])]
+
+    def held_rows(self, tangent: PETSc.Mat) -> NDArray[np.int32]:
+        """Rows of scalars that are held, on rank 0, which has them."""
+        held = [i for i, unknown in enumerate(self._unknowns) if unknown.held is not None]
+        rows = [self._scalar_row(tangent, i) for i in held if self._problem.comm.rank == 0]
+        return np.array(rows, dtype=PETSc.IntType)
 
     def add_far_field(self, tangent: PETSc.Mat) -> None:
         """Add what resultants do to the body through its outer boundary; collective.

@@ -7,6 +7,7 @@ from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
+from fenics_contact.body.preloaded_part import PreloadForces
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
@@ -18,7 +19,7 @@ class LinearSystem(AddedTangents):
     """K, assembled once, with room for all that a tangent adds to it.
 
     Attributes:
-        stiffness: K, or [[K, Bᵀ], [B, −C]] with a mean stress; zeros for the scalars.
+        stiffness: K, or [[K, Bᵀ], [B, −C]] with a mean stress; for the scalars what preloads add.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -39,6 +40,8 @@ class LinearSystem(AddedTangents):
         nested = PETSc.Mat().createNest(blocks, comm=problem.comm)
         self.stiffness = nested.convert("aij", PETSc.Mat())
         self._place(displacement, self.stiffness)
+        self.add_preloads(self.stiffness)
+        self.stiffness.assemble()
         for matrix in [nested, *(m for row in blocks for m in row if m is not None)]:
             matrix.destroy()
 
@@ -79,30 +82,52 @@ class LinearSystem(AddedTangents):
         comm = self._problem.comm
         own = self.scalars if comm.rank == 0 else 0
         sizes = (own, self.scalars)
-        columns = displacement.getSizes()[1]
-        first = displacement.getOwnershipRange()[0]
         local = [self._border_dofs(k) for k in range(self.scalars)]
-        gathered = [gather_rows(comm, first + dofs) for dofs in local]
-        widest = max((len(dofs) for dofs in gathered), default=0)
-        local_volumes = [np.flatnonzero(volume) for volume in self._far_volumes]
-        columns_of_lines = [self._empty_columns(displacement, sizes, local)]
+        columns = [self._empty_columns(displacement, sizes, local)]
+        rows = [self._empty_rows(displacement, sizes, local)]
         if self._mixed is not None:
-            columns_of_lines.append(self._empty_columns(blocks[1][0], sizes, local_volumes))
-        row = PETSc.Mat().createAIJ((sizes, columns), comm=comm)
-        row.setPreallocationNNZ((widest, widest))
+            stresses = self._coupled_stresses()
+            columns.append(self._empty_columns(blocks[1][0], sizes, stresses))
+            rows.append(self._empty_rows(blocks[0][1], sizes, stresses))
         corner = PETSc.Mat().createAIJ((sizes, sizes), comm=comm)
         corner.setPreallocationNNZ((self.scalars, self.scalars))
         index = np.arange(self.scalars, dtype=PETSc.IntType)
         if own:
-            for k, dofs in enumerate(gathered):
-                every = dofs.astype(PETSc.IntType)
-                row.setValues(index[k : k + 1], every, [0.0] * len(every))
             corner.setValues(index, index, [0.0] * self.scalars**2)
-        for matrix in (row, corner):
-            matrix.assemble()
-        middle = [None] * (len(blocks) - 1)
-        extended = [[*line, column] for line, column in zip(blocks, columns_of_lines, strict=True)]
-        return [*extended, [row, *middle, corner]]
+        corner.assemble()
+        extended = [[*line, column] for line, column in zip(blocks, columns, strict=True)]
+        return [*extended, [*rows, corner]]
+
+    def _coupled_stresses(self) -> list[Integers]:
+        """Owned dofs of the mean stress that each scalar is coupled with."""
+        found = [np.flatnonzero(volume) for volume in self._far_volumes]
+        for number, unknown in enumerate(self._unknowns):
+            if unknown.bulk is not None:
+                own = unknown.bulk.on_mean_stress[: unknown.bulk.owned_stresses]
+                found[number] = np.union1d(found[number], np.flatnonzero(own))
+        return found
+
+    def _bulk_columns(self, bulk: PreloadForces) -> list[tuple[Integers, Array]]:
+        """The same, with the rows of the mean stress."""
+        own = bulk.on_mean_stress[: bulk.owned_stresses]
+        dofs = np.flatnonzero(own)
+        return [*super()._bulk_columns(bulk), (self._owned + dofs, own[dofs])]
+
+    def _empty_rows(
+        self, line: PETSc.Mat, sizes: tuple[int, int], local: list[Integers]
+    ) -> PETSc.Mat:
+        """A matrix of the scalars' rows below a block, with room in some of its columns."""
+        comm = self._problem.comm
+        first = line.getOwnershipRangeColumn()[0]
+        gathered = [gather_rows(comm, first + dofs) for dofs in local]
+        widest = max((len(dofs) for dofs in gathered), default=0)
+        row = PETSc.Mat().createAIJ((sizes, line.getSizes()[1]), comm=comm)
+        row.setPreallocationNNZ((widest, widest))
+        for k, dofs in enumerate(gathered if sizes[0] else ()):
+            number = np.full(1, k, dtype=PETSc.IntType)
+            row.setValues(number, dofs.astype(PETSc.IntType), [0.0] * len(dofs))
+        row.assemble()
+        return row
 
     def _empty_columns(
         self, line: PETSc.Mat, sizes: tuple[int, int], local: list[Integers]

@@ -30,7 +30,10 @@ class BodySystem(System):
 
     @abstractmethod
     def internal_forces(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
-        """K u, also where supports hold; 0 in the scalars' rows; collective."""
+        """Forces of the bulk, also where supports hold; and on the scalars; collective.
+
+        These are the forces along preloaded parts, in the rows of their shortenings.
+        """
 
     @property
     def present_forces(self) -> float:
@@ -67,6 +70,7 @@ class BodySystem(System):
                 values[np.isin(problem.constrained, far_field.dofs)] += value * unknown.column
         with self.state as array:
             array[self._owned_constrained] = values[problem.constrained < self._owned_size]
+        self.hold_scalars()
         self.take(self.state)
 
     def pair_anew(self) -> None:
@@ -92,12 +96,15 @@ class BodySystem(System):
         """K u − f − r_c(u), and the scalars' rows; collective."""
         self.take(state)
         self.internal_forces(state, residual)
+        self._note_along_parts(residual.array_r)
         contacts = self.contact_residual(state)
         with residual as array:
             array += contacts
             array[: self._owned_size] -= self.problem.load.reshape(-1)[: self._owned_size]
             held = np.abs(array[self._owned_constrained]).sum()
             array[self._owned_constrained] = 0.0  # they hold their values exactly
+            for number in self.held_scalars if self.comm.rank == 0 else ():
+                array[len(array) - self.scalars + number] = 0.0
         self._reactions = float(total(self.comm, held))
 
     def contact_residual(self, state: PETSc.Vec) -> Array:

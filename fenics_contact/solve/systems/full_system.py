@@ -60,6 +60,7 @@ class FullSystem(BodySystem):
         tangent.assemble()
         first, _ = tangent.getOwnershipRange()
         rows = (first + self._owned_constrained).astype(PETSc.IntType)
+        rows = np.concatenate([rows, self._system.held_rows(tangent)])
         tangent.zeroRowsColumns(rows, diag=1.0)
         self._system.tie_far_field(tangent)
         self.factorisations += 1
@@ -84,7 +85,7 @@ class FullSystem(BodySystem):
         self._system.set_mean_stress(self.state)
 
     def internal_forces(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
-        """K u and what a mean stress adds; collective."""
+        """K u and what a mean stress and preloads add; collective."""
         self._system.stiffness.mult(state, forces)
 
     def finish(self) -> FindBody:

@@ -17,7 +17,7 @@ from petsc4py import PETSc
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import from_root, total
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalar_unknowns import ScalarUnknown
+from fenics_contact.problem.scalar_unknowns import ContactScalar
 from fenics_contact.solve.systems.body_answer import FindBody
 
 
@@ -35,6 +35,7 @@ class System(ABC):
             most of the forces is known well enough; None where further steps cost little.
         factorisations: How often a matrix of the bulk was factorised.
         earlier_forces: Largest of ``present_forces`` in the load steps that are done (force).
+        along_parts: Forces along preloaded parts at the last residual, on every rank (force).
     """
 
     name: ClassVar[str]
@@ -51,6 +52,7 @@ class System(ABC):
         self.comm = problem.comm
         self.earlier_forces = 0.0
         self._contact_norm = 0.0
+        self.along_parts = np.zeros(len(problem.preloads))
 
     def begin(self, displacement: Array) -> None:
         """Start a solve from nodal displacements (nodes, components); collective."""
@@ -124,7 +126,10 @@ class System(ABC):
     def present_forces(self) -> float:
         """1-norm of the forces on the body at the last residual (force); collective."""
         owned = self.problem.spaces.owned_nodes
-        return float(total(self.comm, np.abs(self.problem.load[:owned]).sum())) + self._contact_norm
+        loads = float(total(self.comm, np.abs(self.problem.load[:owned]).sum()))
+        asked = np.array([preload.force for preload in self.problem.preloads])
+        tightened = np.maximum(np.abs(asked), np.abs(self.along_parts)).sum()
+        return loads + float(tightened) + self._contact_norm
 
     @property
     def scalars(self) -> int:
@@ -144,12 +149,30 @@ class System(ABC):
             if self.scalars and self.comm.rank == 0:
                 array[-self.scalars :] = values
 
+    def _note_along_parts(self, forces: Array) -> None:
+        """Tell every rank the forces along preloaded parts, which rank 0 has last; collective."""
+        count = len(self.problem.preloads)
+        if count:
+            own = np.array(forces[-count:]) if self.comm.rank == 0 else None
+            self.along_parts = np.asarray(from_root(self.comm, own))
+
     def set_mean_stress(self) -> None:  # noqa: B027  (most systems have none)
         """Start from the mean stress that its function has, where it is an unknown here."""
 
     def starting_scalars(self) -> Array:
-        """Where driven obstacles stand; no resultants yet."""
+        """Where driven obstacles and preloads stand; no resultants yet."""
         return np.array([unknown.start for unknown in self.problem.unknowns])
+
+    @property
+    def held_scalars(self) -> list[int]:
+        """Numbers of the scalar unknowns that are held at their values."""
+        return [i for i, unknown in enumerate(self.problem.unknowns) if unknown.held is not None]
+
+    def hold_scalars(self) -> None:
+        """Bring scalars that are held to their values."""
+        with self.state as array:
+            for number in self.held_scalars if self.comm.rank == 0 else ():
+                array[len(array) - self.scalars + number] = self.problem.unknowns[number].held
 
     def contact_forces(self, terms: str) -> list[Array]:
         """Forces on the body at the nodes of each surface, by a kind of term; collective."""
@@ -169,25 +192,38 @@ class System(ABC):
     def move_contacts(self, displacements: Sequence[Array | None], scalars: Array) -> None:
         """Set the jumps from displacements relative to bodies opposite, at all nodes of surfaces.
 
-        None where they are not known.
+        None where they are not known. And give preloaded parts their shortening.
         """
+        for preload, value in zip(
+            self.problem.preloads, self.problem.of_preloads(scalars), strict=True
+        ):
+            preload.set(float(value))
         driven = {
             unknown.contact: float(value)
             for unknown, value in zip(self.problem.unknowns, scalars, strict=True)
-            if unknown.drives
+            if isinstance(unknown, ContactScalar) and unknown.drives
         }
         for contact, displacement in zip(self.problem.contacts, displacements, strict=True):
             if displacement is not None:
                 contact.kinematics.move(displacement, driven.get(contact))
                 contact.follow_pressure()
 
-    def pushed(self, unknown: ScalarUnknown, forces: list[Array]) -> float:
+    def pushed(self, unknown: ContactScalar, forces: list[Array]) -> float:
         """Force of a scalar unknown's contact on the body along its direction; collective."""
         force = forces[self.problem.contacts.index(unknown.contact)]
         own = force[: unknown.contact.trace.surface.owned_nodes].sum(axis=0)
         return float(total(self.comm, own) @ unknown.direction)
 
     def scalar_imbalances(self, values: Array, forces: list[Array]) -> Array:
-        """What the equations of the scalar unknowns leave, (scalars,) (force); collective."""
-        pairs = zip(self.problem.unknowns, values, strict=True)
-        return np.array([u.imbalance(float(value), self.pushed(u, forces)) for u, value in pairs])
+        """What the equations of the scalar unknowns leave, (scalars,) (force); collective.
+
+        Of those of the body's own forces, without these.
+        """
+        return np.array(
+            [
+                unknown.imbalance(float(value), self.pushed(unknown, forces))
+                if isinstance(unknown, ContactScalar)
+                else -unknown.force
+                for unknown, value in zip(self.problem.unknowns, values, strict=True)
+            ]
+        )

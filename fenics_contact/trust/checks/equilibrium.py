@@ -50,6 +50,22 @@ def equilibrium(forces: BulkForces, reactions: Array) -> Check:
     return replace(worst, parts=tuple(found)) if len(found) > 1 else worst
 
 
+def preload(forces: BulkForces) -> Check | None:
+    """Force along each part that is tightened against the one that is asked for; collective.
+
+    Over the larger of the two; that along the part follows from displacements and shortening.
+    """
+    problem, solution = forces.problem, forces.solution
+    asked = [one.force for one in problem.preloads if not one.is_locked]
+    if not asked:
+        return None
+    states = problem.preload_states(solution.displacement)
+    found = [state.force for state in states if not state.is_locked]
+    size = float(np.abs([asked, found]).max()) or 1.0
+    value = float(np.abs(np.subtract(found, asked)).max()) / size
+    return Check(value, _NO_FORCE + 2 * solution.imbalance_limit / size)
+
+
 def stabilisation(forces: BulkForces) -> Check | None:
     """Largest force where motions that nothing resists are held, over all forces applied.
 

@@ -19,7 +19,7 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.boundary_stress import boundary_stress
 from fenics_contact.trust.checks.compliance import penetration_depth, stick_creep
-from fenics_contact.trust.checks.equilibrium import equilibrium, stabilisation
+from fenics_contact.trust.checks.equilibrium import equilibrium, preload, stabilisation
 from fenics_contact.trust.checks.friction import (
     ComparedFriction,
     compared_friction,
@@ -102,6 +102,7 @@ OF_EVERY_SOLUTION: Mapping[str, Callable[[Solved], Check | None]] = {
     "equilibrium": lambda solved: equilibrium(solved.forces, solved.reactions),
     "resultant": lambda solved: resultant(solved.forces),
     "stabilisation": lambda solved: stabilisation(solved.forces),
+    "preload": lambda solved: preload(solved.forces),
     "action_and_reaction": lambda solved: action_and_reaction(solved.forces),
     "boundary_stress": lambda solved: boundary_stress(solved.forces),
 }

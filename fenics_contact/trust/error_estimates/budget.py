@@ -15,12 +15,13 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import (
     contact_quantities,
     global_quantities,
+    preload_records,
     support_reactions,
 )
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.quantities import QUANTITIES, QuantityValue, reactions_by_name
-from fenics_contact.results.records.contacts import ReactionRecord, SupportRecord
-from fenics_contact.scene.quantity_names import Reaction
+from fenics_contact.results.records.contacts import PreloadRecord, ReactionRecord, SupportRecord
+from fenics_contact.scene.quantity_names import OF_PRELOADS, OfPreload, Reaction
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
@@ -53,6 +54,7 @@ class ErrorBudget:
         contacts: The same of every contact, in scene order.
         supports: The same of every support.
         reactions: The same of all supports of a name together, by that.
+        preloads: The same of every preload, by its name.
         notes: Sentences that say what was not estimated, and why.
         local: Errors of the cells, where those by the mesh were estimated.
         unbounded: What does not converge, by the keys of quantities, of a contact by its number
@@ -63,6 +65,7 @@ class ErrorBudget:
     contacts: list[dict[str, Row]] = field(default_factory=list)
     supports: list[dict[str, Row]] = field(default_factory=list)
     reactions: dict[str, dict[str, Row]] = field(default_factory=dict)
+    preloads: dict[str, dict[str, Row]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     local: LocalErrors | None = None
     unbounded: dict[Hashable, str] = field(default_factory=dict)
@@ -91,6 +94,17 @@ class ErrorBudget:
         return {
             name: ReactionRecord(reaction=reaction, errors=self.reactions.get(name, {}))
             for name, reaction in reactions_by_name(supports).items()
+        }
+
+    def of_preloads(self, preloads: Mapping[str, PreloadRecord]) -> dict[str, PreloadRecord]:
+        """``preloads`` of ``result.json``, with ``errors`` where there are any.
+
+        Args:
+            preloads: Without.
+        """
+        return {
+            name: replace(preload, errors=self.preloads.get(name, {}))
+            for name, preload in preloads.items()
         }
 
 
@@ -123,11 +137,16 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
         for number in range(len(problem.contacts))
     ]
     of = {key.of: {"reaction": row} for key, row in rows.items() if isinstance(key, Reaction)}
+    preloads: dict[str, dict[str, Row]] = {}
+    for key, row in rows.items():
+        if isinstance(key, OfPreload):
+            preloads.setdefault(key.name, {})[key.quantity] = row
     return ErrorBudget(
         quantities=every,
         contacts=contacts,
         supports=[of[number] for number in range(len(problem.applied_supports))],
         reactions={name: row for name, row in of.items() if isinstance(name, str)},
+        preloads=preloads,
         notes=notes,
         local=estimates.local,
         unbounded=why,
@@ -164,7 +183,7 @@ class _Measure:
         found.update(problem.points.quantities(solution.displacement))
         for number, of_contact in enumerate(contacts):
             found |= {(number, name): value for name, value in _known(of_contact).items()}
-        return found | _reactions(supports)
+        return found | _reactions(supports) | _preloads(preload_records(problem, solution))
 
 
 def _reactions(supports: list[SupportRecord]) -> dict[Hashable, QuantityValue]:
@@ -173,6 +192,15 @@ def _reactions(supports: list[SupportRecord]) -> dict[Hashable, QuantityValue]:
         Reaction(number): row.reaction for number, row in enumerate(supports)
     }
     return found | {Reaction(name): sum_ for name, sum_ in reactions_by_name(supports).items()}
+
+
+def _preloads(records: Mapping[str, PreloadRecord]) -> dict[Hashable, QuantityValue]:
+    """Force and elongation of each."""
+    return {
+        OfPreload(name, quantity): record[quantity]
+        for name, record in records.items()
+        for quantity in OF_PRELOADS
+    }
 
 
 def _known(quantities: Mapping[str, Any]) -> dict[Hashable, QuantityValue]:
@@ -313,6 +341,7 @@ def _recorded(
 ) -> dict[Hashable, QuantityValue]:
     """Quantities of a load step by the keys of ``_Measure``, those that it has."""
     found: dict[Hashable, QuantityValue] = dict(answer) | _reactions(step["supports"])
+    found |= _preloads(step.get("preloads", {}))
     for key in answer:
         if isinstance(key, str | tuple):
             of, name = (step["contacts"][key[0]], key[1]) if isinstance(key, tuple) else (step, key)
@@ -322,8 +351,10 @@ def _recorded(
 
 
 def _remembers(problem: Problem) -> bool:
-    """Whether the answer depends on load steps: by friction, or by bodies that are paired anew."""
+    """Whether the answer depends on load steps: friction, locked bolts, or bodies paired anew."""
     if any(contact.friction.follows_path for contact in problem.contacts):
+        return True
+    if any(preload.is_locked for preload in problem.preloads):
         return True
     return any(contact.kinematics.paired_at is not None for contact in problem.contacts)
 

@@ -137,4 +137,5 @@ def _restore(load_steps: LoadSteps) -> None:
     if load_steps.problem.far_field is not None:
         load_steps.problem.far_field.beyond[:] = 0.0
     load_steps.problem.disturbance = None
+    load_steps.problem.tightening[:] = 0.0
     load_steps.go_back()

@@ -35,6 +35,8 @@ from fenics_contact.trust.checks.comparison import balance, worst_of
 from fenics_contact.trust.checks.run_checks import all_checks
 from fenics_contact.verification.boxes import Box, boxes
 from tests.contact.shuffled import Shuffled
+from tests.preload.joints import joint
+from tests.preload.test_joint import scene as bolted_joint
 from tests.report.page.pages import page_of
 from tests.scenes import box_body
 from tests.wrong_answers import with_body
@@ -99,6 +101,11 @@ def loose():
         solver=SolverSettings(stabilisation=True),
     )
     return Run(scene, COMM, box_body((8, 4), (2, 1)))
+
+
+def tightened():
+    """A bolt that pulls its head onto a sleeve."""
+    return Run(bolted_joint(locked_from=None), COMM, joint())
 
 
 def driven():
@@ -262,6 +269,12 @@ def pushed_where_held(prepared, monkeypatch):
     return with_body(prepared.solution, internal_force=internal)
 
 
+def stretched(prepared, monkeypatch):
+    """Displacements a thousandth too large."""
+    moved = 1.001 * prepared.solution.displacement
+    return with_body(prepared.solution, displacement=moved)
+
+
 def handed_over_elsewhere(prepared, monkeypatch):
     """A projection with shuffled columns: resultants balance, moments do not."""
     pairing = prepared.problem.contacts[0].kinematics.pairing
@@ -292,6 +305,7 @@ BROKEN = {
     ("resultant", "pressure"): (strip, at_points(contact_pressure=1.001)),
     ("resultant", "part"): (glued, bulk(1.001)),
     ("stabilisation", ""): (loose, pushed_where_held),
+    ("preload", ""): (tightened, stretched),
     ("action_and_reaction", ""): (stacked, handed_over_elsewhere),
     ("boundary_stress", ""): (strip, stress(0.5)),
     ("friction_cone", ""): (strip, friction(1.01)),

@@ -22,7 +22,7 @@ from fenics_contact.evaluate.contact_areas import cut_areas
 from fenics_contact.evaluate.contact_radii import radii
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
-from fenics_contact.scene.quantity_names import Reaction
+from fenics_contact.scene.quantity_names import OfPreload, Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
@@ -131,9 +131,14 @@ def _changes(
     answer = measure(load_steps.last.solution)
     found = []
     for draw in (None, *range(_DRAWS)):
-        change = differences(answer, _moved_by(load_steps, local.forces(draw), measure, times))
+        forces, along = local.forces(draw)
+        change = differences(answer, _moved_by(load_steps, forces, along, measure, times))
         if change is None:
             return None
+        for preload, more in zip(load_steps.problem.preloads, along, strict=True):
+            key = OfPreload(preload.scene.label, "force")
+            # One that is tightened to a force has it: what the errors add was taken off.
+            change[key] = change[key] + abs(float(more)) if preload.is_locked else 0.0
         found.append(change)
     whole, *drawn = found
     return {
@@ -144,13 +149,17 @@ def _changes(
 
 
 def _moved_by(
-    load_steps: LoadSteps, forces: Array, measure: Measure, times: Sequence[float]
+    load_steps: LoadSteps, forces: Array, along: Array, measure: Measure, times: Sequence[float]
 ) -> Quantities | None:
-    """Quantities under additional nodal forces; over load steps these grow evenly; collective."""
+    """Quantities under additional nodal forces; over load steps these grow evenly; collective.
+
+    Preloads are tightened by so much less as errors add to their forces.
+    """
     last = load_steps.time
 
     def disturb(problem: Problem) -> None:
         problem.disturbance = forces / last
+        problem.tightening = -along / last
         if not times:
             problem.set_time(last)
 

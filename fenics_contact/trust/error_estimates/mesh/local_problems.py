@@ -15,6 +15,7 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 
 from fenics_contact.body.forms import CompiledForm, Expr
+from fenics_contact.body.preloaded_part import PreloadedPart
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
@@ -54,9 +55,13 @@ class LocalErrors:
         self._squared_by_block = np.zeros(self._cells)
         self._held = _held_facets(problem)
         self._traction = fem.Function(spaces.displacement_space)
-        self._residual = self._compile(problem.displacement, self._test)
+        present = problem.elastic.elastic_strain(problem.displacement)
+        self._residual = self._compile(present, self._test)
         test = ufl.TestFunction(spaces.displacement_space)
-        self._response = self._compile(test, self._error)
+        self._response = self._compile(problem.elastic.strain(test), self._error)
+        self._along_parts = [
+            form_cache.form(self._force_along(preload.bulk.part)) for preload in problem.preloads
+        ]
         self._work = [self._work_on(trace) for _, trace in self._traces()]
         self._response_on_contacts = self._contact_response(test)
         self._loads = [
@@ -99,7 +104,7 @@ class LocalErrors:
         found = self._problem.points.of_function(self._error)
         return {name: float(np.linalg.norm(error)) for name, error in found.items()}
 
-    def forces(self, draw: int | None = None) -> Array:
+    def forces(self, draw: int | None = None) -> tuple[Array, Array]:
         """Nodal forces that move the solution as its errors do, (nodes, components); collective.
 
         The Galerkin solution of the space with the bubbles, in which these are condensed: they
@@ -108,13 +113,26 @@ class LocalErrors:
         Args:
             draw: Number of a draw of signs by which the cells' errors are multiplied: what they do
                 is then that of errors of their size, though as they are they may cancel.
+
+        Returns:
+            Nodal forces, (nodes, components); and what the errors add to the forces along preloaded
+            parts, (preloads,) (force).
         """
         spaces = self._problem.spaces
         if draw is not None:
             self._set_error(self._signs(draw))
         found = spaces.assemble(self._response) + spaces.assemble(self._response_on_contacts)
+        own = [fem.assemble_scalar(form) for form in self._along_parts]
+        along = np.asarray(total(self._problem.comm, np.array(own, dtype=np.float64)))
         self._set_error(np.ones(self._cells))
-        return found
+        return found, along
+
+    def _force_along(self, part: PreloadedPart) -> Expr:
+        """What the errors add to the force along a preloaded part, (1/l) ∫ a · σ a."""
+        elastic = self._problem.elastic
+        stress = elastic.law.stress(-part.stressless_strain(ufl.as_ufl(1.0)))
+        weight = self._problem.spaces.weight
+        return weight * ufl.inner(stress, elastic.strain(self._error)) * part.measure
 
     def _signs(self, draw: int) -> Array:
         """1 or −1 for every block of dofs, at random: by the places of cells, on whichever rank."""
@@ -131,11 +149,16 @@ class LocalErrors:
         self._error.x.array[: scaled.size] = scaled.reshape(-1)
         self._error.x.scatter_forward()
 
-    def _compile(self, moved: Expr, tested: Expr) -> CompiledForm:
-        """−a(moved, tested) with the means of tractions between cells, and own ones where held."""
+    def _compile(self, strain: Expr, tested: Expr) -> CompiledForm:
+        """−∫ σ : e(tested) with means of tractions between cells, and own ones where held.
+
+        Args:
+            strain: That σ goes with.
+            tested: A displacement.
+        """
         spaces, elastic = self._problem.spaces, self._problem.elastic
         mesh = spaces.body.mesh
-        stress = spaces.weight * elastic.law.stress(elastic.strain(moved))
+        stress = spaces.weight * elastic.law.stress(strain)
         between = ufl.dot(self._cut(ufl.avg(stress), "+"), ufl.jump(tested))
         held = ufl.Measure("ds", mesh, subdomain_data=[(1, self._held)], metadata=self._rule)
         return form_cache.form(

@@ -126,7 +126,7 @@ class MissedBody:
         moved = fem.Function(spaces.displacement_space)
         moved.x.array[:] = displacement.reshape(-1)
         test = ufl.TestFunction(spaces.displacement_space)
-        stress = elastic.law.stress(elastic.strain(moved))
+        stress = elastic.law.stress(elastic.elastic_strain(moved))
         density = spaces.weight * sides.offset * ufl.inner(stress, elastic.strain(test))
         held = sides.held(problem.free) | self._glued()
         of_held, of_others = (

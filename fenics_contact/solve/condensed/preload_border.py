@@ -1,0 +1,151 @@
+"""Preloads beside the condensed problem: one more row and column for each.
+
+The shortening q of a preloaded part puts forces into the bulk, which are condensed once, as those
+of a load. Its row is the force along the part, N = Cᵀ y + D q + N₀, with N₀ by loads and supports
+alone. As the energy has these second derivatives, row and column are the same; D is what the bulk
+leaves of the parts' own stiffness when the contact dofs are held.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.linalg import lapack
+
+from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.common.parallel import total
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
+from fenics_contact.solve.condensed.schur import CondensedBulk
+from fenics_contact.solve.condensed.unknowns import ContactVariables
+
+
+class CondensedPreloads:
+    """What shortenings do to the bulk, and the bulk to the forces along the parts; collective.
+
+    Attributes:
+        loads: Of each, this rank's share of the forces on its unknowns (force/length).
+        condensed: The same on the contact dofs, on rank 0 (force/length).
+        corner: D, (preloads, preloads) (force/length).
+
+    Args:
+        problem: The problem.
+        stiffness: Of this rank's cells.
+        bulk: Condensed.
+        held: Which of this rank's unknowns supports hold.
+    """
+
+    def __init__(
+        self, problem: Problem, stiffness: LocalStiffness, bulk: CondensedBulk, held: Flags
+    ) -> None:
+        self._comm, self._held = problem.comm, held
+        forces = [preload.bulk for preload in problem.preloads]
+        shape = (len(forces), len(held))
+        shares = [stiffness.share(one.nodal, one.on_mean_stress) for one in forces]
+        self._forces = np.array(shares).reshape(shape)
+        self.loads = np.where(held, 0.0, -self._forces)
+        self.condensed = [bulk.condense(load) for load in self.loads]
+        moved = [bulk.expand(load, np.zeros(bulk.count)) for load in self.loads]
+        self._moved = np.array(moved).reshape(shape)
+        own = np.diag([one.stiffness for one in forces]).reshape(len(forces), len(forces))
+        self.corner = np.asarray(total(self._comm, self._forces @ self._moved.T)) + own
+
+    def border(self, variables: ContactVariables, size: int) -> PreloadBorder:
+        """Rows and columns of the preloads, on rank 0.
+
+        Args:
+            variables: What stands for the contact dofs, first among the unknowns.
+            size: Number of unknowns beside the shortenings.
+        """
+        columns = np.zeros((size, len(self.condensed)))
+        for number, forces in enumerate(self.condensed):
+            columns[: variables.count, number] = -variables.forces(forces)
+        return PreloadBorder(columns, self.corner)
+
+    def from_loads(self, load: Array, supported: Array) -> Array:
+        """N₀, (preloads,) (force); collective.
+
+        Args:
+            load: This rank's share of the loads, with what displacements of supports add.
+            supported: These displacements at this rank's unknowns, 0 elsewhere (length).
+        """
+        if len(self.loads) == 0:
+            return np.zeros(0)
+        by_loads = self._moved @ np.where(self._held, 0.0, load)
+        shares = self._forces @ np.where(self._held, supported, 0.0)
+        return np.asarray(total(self._comm, shares - by_loads))
+
+
+class PreloadBorder:
+    """[[M, C], [Cᵀ, D]] by M⁻¹, with unit rows for preloads that are held.
+
+    M is what the contacts make of the condensed bulk with all shortenings held. So it can be
+    solved wherever the whole can.
+
+    Args:
+        columns: C, (unknowns of M, preloads).
+        corner: D.
+    """
+
+    def __init__(self, columns: Array, corner: Array) -> None:
+        self._columns, self._corner = columns, corner
+        self._solved: Array | None = None
+        self._held = np.zeros(len(corner), dtype=bool)
+
+    @classmethod
+    def empty(cls, size: int) -> PreloadBorder:
+        """Of no preloads, around a matrix of a size."""
+        return cls(np.zeros((size, 0)), np.zeros((0, 0)))
+
+    @property
+    def count(self) -> int:
+        """Number of preloads."""
+        return len(self._corner)
+
+    def forget(self) -> None:
+        """M has changed."""
+        self._solved = None
+
+    def hold(self, held: Flags) -> None:
+        """Say which preloads are held, (preloads,)."""
+        self._held = held
+
+    def times(self, inner: Array, shortenings: Array) -> tuple[Array, Array]:
+        """C q, and Cᵀ y + D q.
+
+        Args:
+            inner: y.
+            shortenings: q.
+        """
+        own = self._columns.T @ inner + self._corner @ shortenings
+        return self._columns @ shortenings, own
+
+    def magnitude(self, inner: Array, shortenings: Array) -> float:
+        """The same with all entries positive, summed up over all rows."""
+        columns, corner = np.abs(self._columns), np.abs(self._corner)
+        return float(
+            (columns @ shortenings).sum() + (columns.T @ inner + corner @ shortenings).sum()
+        )
+
+    def solve(self, right: Array, solve_inner: Callable[[Array], Array]) -> Array:
+        """Of the whole; not a number where it is singular.
+
+        Args:
+            right: Of all unknowns.
+            solve_inner: M⁻¹.
+        """
+        size = len(right) - self.count
+        inner = solve_inner(right[:size])
+        if self.count == 0:
+            return inner
+        if self._solved is None:
+            self._solved = np.column_stack([solve_inner(column) for column in self._columns.T])
+        rows = np.where(self._held[:, None], 0.0, self._columns.T)
+        unit = np.diag(self._corner.diagonal())
+        corner = np.where(self._held[:, None], unit, self._corner) - rows @ self._solved
+        factor, pivots, singular = lapack.dgetrf(corner)
+        if singular:
+            return np.full(len(right), np.nan)
+        shortenings, _ = lapack.dgetrs(factor, pivots, right[size:] - rows @ inner)
+        return np.concatenate([inner - self._solved @ shortenings, shortenings])
