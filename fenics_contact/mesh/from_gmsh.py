@@ -285,7 +285,9 @@ def _groups(
         groups[name] = _joined(where, name, groups.get(name), group)
         if found["tag"]:
             numbers.setdefault(str(found["tag"]), group)
-    if description.get("whole") or all(group.dimension < tags.dimension for group in groups.values()):
+    if description.get("whole") or all(
+        group.dimension < tags.dimension for group in groups.values()
+    ):
         groups.setdefault(_BODY, tags.group(tags.dimension, tags.body))
     sides = {
         str(part["tag"]): tags.group(tags.dimension - 1, [part["tag"]], part["centre"])

@@ -42,7 +42,9 @@ def complete(
         return read, description
     quadrilaterals = np.asarray(read.get("nodes_16", np.zeros((0, 8))), dtype=np.int64)
     hexahedra = np.asarray(read.get("nodes_17", np.zeros((0, 20))), dtype=np.int64)
-    if not np.isin(np.concatenate([quadrilaterals.ravel(), hexahedra.ravel()]), read["node_tags"]).all():
+    if not np.isin(
+        np.concatenate([quadrilaterals.ravel(), hexahedra.ravel()]), read["node_tags"]
+    ).all():
         return read, description
     middles = _Middles(read)
     faces = np.concatenate([quadrilaterals, hexahedra[:, np.array(_FACES)].reshape(-1, 8)])
@@ -88,7 +90,9 @@ class _Middles:
             np.sort(faces[:, :4], axis=1), axis=0, return_index=True, return_inverse=True
         )
         at = self._at(faces[first])
-        return self._added(at[:, 4:].sum(axis=1) / 2 - at[:, :4].sum(axis=1) / 4)[inverse.reshape(-1)]
+        return self._added(at[:, 4:].sum(axis=1) / 2 - at[:, :4].sum(axis=1) / 4)[
+            inverse.reshape(-1)
+        ]
 
     def of_cells(self, cells: Integers) -> Integers:
         """A node in the middle of each hexahedron.

@@ -1,4 +1,4 @@
-"""The process of Gmsh, or of a reader, seen from outside: its limits of time and memory, what it says, how it ends.
+"""The process of Gmsh, or of a reader, seen from outside: its limits, what it says, how it ends.
 
 A script can run for ever, and a size of cells can ask for more than any machine has. Nothing of
 it outlives this call: the process and all that it started are killed at the limit, when the run is
@@ -214,8 +214,8 @@ class _Watch:
             raise StoppedError("interrupted")
         if seconds > self._limits.seconds:
             raise InputError(
-                f"{self._where}: {self._limits.who} is not done after {self._limits.key}.time_limit = "
-                f"{self._limits.seconds:g} s{self._doing(', at: ')}; make the mesh coarser, or "
+                f"{self._where}: {self._limits.who} is not done after "
+                f"{self._limits.key}.time_limit = {self._limits.seconds:g} s{self._doing(', at: ')}; make the mesh coarser, or "
                 "give more time"
             )
         doing = self._doing("Gmsh: ")

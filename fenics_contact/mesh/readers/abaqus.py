@@ -224,9 +224,7 @@ class _Reader:
         options, kind = block.options, block.word
         if not options.get(kind):
             raise block.line.error(f"*{kind} wants a name: {kind}=…")
-        rule = self._sets[kind].begin(
-            block.line, self._scope, options[kind], "INTERNAL" in options
-        )
+        rule = self._sets[kind].begin(block.line, self._scope, options[kind], "INTERNAL" in options)
         numbered = self._scope == "part" or "INSTANCE" in options
         self._sets[kind].read(rule, block.data, "GENERATE" in options, numbered)
         if kind == "NSET" and options.get("ELSET"):

@@ -90,10 +90,14 @@ class Sets:
                 continue
             is_number = [word.lstrip("-").isdigit() for word in words]
             rule.names += [
-                (line, word.strip('"')) for word, is_it in zip(words, is_number, strict=True) if not is_it
+                (line, word.strip('"'))
+                for word, is_it in zip(words, is_number, strict=True)
+                if not is_it
             ]
             found = [
-                whole_number(line, word) for word, is_it in zip(words, is_number, strict=True) if is_it
+                whole_number(line, word)
+                for word, is_it in zip(words, is_number, strict=True)
+                if is_it
             ]
             if found and numbered:
                 rule.numbers.append((line, found))

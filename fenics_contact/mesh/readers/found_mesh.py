@@ -88,7 +88,9 @@ class FoundMesh:
         }
 
     def _has(self, rows: Mapping[int, Integers], dimension: int) -> bool:
-        return any(len(found) > 0 and dimension_of(kind) == dimension for kind, found in rows.items())
+        return any(
+            len(found) > 0 and dimension_of(kind) == dimension for kind, found in rows.items()
+        )
 
     def _facets_between(self, tags: Integers) -> dict[int, Integers]:
         """The facets of the boundary all of whose nodes have one of some numbers, by type."""

@@ -26,8 +26,8 @@ def require_whole(where: str, path: Path) -> None:
         raise RefusedError(f"{where}: is no sound HDF5 file ({said})") from None
     if outside:
         raise RefusedError(
-            f"{where}: '{outside[0]}' in it refers to another file, which a mesh may not; write all "
-            "into one file"
+            f"{where}: '{outside[0]}' in it refers to another file, which a mesh may not; write "
+            "all into one file"
         )
 
 

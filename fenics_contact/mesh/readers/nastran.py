@@ -1,7 +1,7 @@
 """Meshes of Nastran (``.bdf``): grid points and elements, in groups by their property numbers.
 
-The readers of meshio and Gmsh pass over what they do not know: elements, other files, and systems of
-coordinates, without which a mesh has holes or another shape.
+The readers of meshio and Gmsh pass over what they do not know: elements, other files, and systems
+of coordinates, without which a mesh has holes or another shape.
 """
 
 from __future__ import annotations
@@ -65,7 +65,9 @@ class _Card:
         except (IndexError, ValueError):
             value = 0
         if not 0 < value < _LARGEST:
-            raise self.line.error(f"field {place + 2} of {self.word} must be a positive whole number")
+            raise self.line.error(
+                f"field {place + 2} of {self.word} must be a positive whole number"
+            )
         return value
 
     def real(self, place: int) -> float:
@@ -176,8 +178,8 @@ def _take_point(card: _Card, nodes: dict[int, tuple[float, ...]]) -> None:
 
 def _in_local_system(card: _Card, system: str) -> Exception:
     return card.line.error(
-        f"{card.word} gives points in the coordinate system {system[:20]}, which is not read; write "
-        "them in the basic system"
+        f"{card.word} gives points in the coordinate system {system[:20]}, which is not read; "
+        "write them in the basic system"
     )
 
 

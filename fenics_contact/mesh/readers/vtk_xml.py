@@ -99,7 +99,8 @@ def _require_inside(where: str, folder: Path, name: str) -> None:
     path = folder / name
     if Path(name).is_absolute() or not path.resolve().is_relative_to(folder):
         raise RefusedError(
-            f"{where}: its data in '{name}' are outside the folder of the mesh, which it may not read"
+            f"{where}: its data in '{name}' are outside the folder of the mesh, which it "
+            "may not read"
         )
     if not os.path.isfile(path):
         raise RefusedError(f"{where}: its data in '{name}' are missing: there is no such file")
@@ -208,7 +209,10 @@ def _sets(mesh: Any, kinds: list[int]) -> dict[str, dict[int, Integers]]:
     sets: dict[str, dict[int, Integers]] = {}
     for array, blocks in mesh.cell_data.items():
         blocks = [np.asarray(values) for values in blocks]
-        blocks = [values[:, 0] if values.ndim == 2 and values.shape[1] == 1 else values for values in blocks]
+        blocks = [
+            values[:, 0] if values.ndim == 2 and values.shape[1] == 1 else values
+            for values in blocks
+        ]
         if any(values.ndim != 1 or values.dtype.kind not in "iu" for values in blocks):
             continue
         every = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *blocks]))
@@ -217,7 +221,11 @@ def _sets(mesh: Any, kinds: list[int]) -> dict[str, dict[int, Integers]]:
         starts: Counter[int] = Counter()
         for kind, values in zip(kinds, blocks, strict=True):
             for value in np.unique(values):
-                named = names.get((int(value), dimension_of(kind))) if array == "gmsh:physical" else None
+                named = (
+                    names.get((int(value), dimension_of(kind)))
+                    if array == "gmsh:physical"
+                    else None
+                )
                 rows_of = sets.setdefault(named or f"{array}.{value}", {})
                 rows = starts[kind] + np.flatnonzero(values == value)
                 rows_of[kind] = np.concatenate([rows_of.get(kind, rows[:0]), rows])

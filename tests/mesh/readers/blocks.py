@@ -137,11 +137,15 @@ def inp(block, kind, elements="BLOCK", surfaces=True):
             text += f"*SURFACE, NAME={name}, TYPE=ELEMENT\n"
             text += "".join(f"_{name}_S{face}, S{face}\n" for face in faces)
         text += f"*NSET, NSET=n_{name}\n" + lines(block.nodes(axis, value) + 11)
-    return text + f"*NSET, NSET=n_back\n{lines(block.nodes(up - 1, 0) + 11)}*MATERIAL, NAME=steel\n*ELASTIC\n1., .3\n"
+    return (
+        text
+        + f"*NSET, NSET=n_back\n{lines(block.nodes(up - 1, 0) + 11)}"
+        + "*MATERIAL, NAME=steel\n*ELASTIC\n1., .3\n"
+    )
 
 
 def bdf(block, card, facet="", solid=7, skin=None):
-    """A file of Nastran with fields of 8; facets at the bottom, the top and the left by property."""
+    """A file of Nastran with fields of 8; facets at bottom, top and left by property."""
     text = "SOL 101\nCEND\nBEGIN BULK\n$ a comment\n"
     for number, point in enumerate(block.points, 11):
         wide = "".join(f"{x:16.9E}" for x in point)

@@ -1,16 +1,14 @@
 """Each format of another program gives the body that it describes, and runs solve on it."""
 
-import functools
-
 import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
-from fenics_contact import Contact, Load, Material, MeshSource, Point, Scene, Support, main, run
+from fenics_contact import Contact, Load, Material, MeshSource, Point, Scene, Support, run
 from fenics_contact.mesh.loading import load_body
-from tests.mesh.readers.blocks import Block, bdf, inp, lines
+from tests.mesh.readers.blocks import Block, bdf, inp
 from tests.mesh.test_loading import area, with_gmsh, write
 
 COMM = MPI.COMM_WORLD
@@ -149,7 +147,11 @@ def test_files_of_libraries(folder, cell, order, name, options):
     body = load_body(source, block.dimension, COMM)
     assert volume(body) == pytest.approx(2, rel=1e-13)
     assert body.mesh.topology.cell_name() == cell
-    names = ("block", "bottom", "top", "left") if name == "b.med" else [f"part.{n}" for n in range(1, 5)]
+    names = (
+        ("block", "bottom", "top", "left")
+        if name == "b.med"
+        else [f"part.{n}" for n in range(1, 5)]
+    )
     assert of_cells(body, names[0]) == len(block.cells)
     if order == 1:
         assert [area(body, n) for n in names[1:]] == pytest.approx([2, 2, 1], rel=1e-13)
@@ -182,7 +184,9 @@ def test_med_of_gmsh_is_its_msh(folder, recombine, incomplete, order):
             gmsh.write(str(folder / f"c.{suffix}"))
 
     with_gmsh(save)
-    bodies = [load_body(MeshSource(str(folder / f"c.{suffix}")), 3, COMM) for suffix in ("msh", "med")]
+    bodies = [
+        load_body(MeshSource(str(folder / f"c.{suffix}")), 3, COMM) for suffix in ("msh", "med")
+    ]
     assert [set(body.groups) - {"body"} for body in bodies] == 2 * [
         {"cylinder", "foot", "foot and side"}
     ]
