@@ -215,8 +215,8 @@ class _Watch:
         if seconds > self._limits.seconds:
             raise InputError(
                 f"{self._where}: {self._limits.who} is not done after "
-                f"{self._limits.key}.time_limit = {self._limits.seconds:g} s{self._doing(', at: ')}; make the mesh coarser, or "
-                "give more time"
+                f"{self._limits.key}.time_limit = {self._limits.seconds:g} s"
+                f"{self._doing(', at: ')}; make the mesh coarser, or give more time"
             )
         doing = self._doing("Gmsh: ")
         if doing != self._told:

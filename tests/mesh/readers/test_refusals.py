@@ -66,7 +66,7 @@ def refused(folder, capfd, name, dimension=2):
         (SQUARE, "\n102, ", "\n102, 3, ", "want a number and 4 nodes each"),
         (SQUARE, "\n102, ", "\n102x, ", r"line 19: '102x' must be a positive whole number"),
         (SQUARE, "\n102, ", "\n99999999999999999999999, ", "must be a positive whole number"),
-        (SQUARE, "\n102, 13", "\n102, 999", "nodes that it does not define"),
+        (SQUARE, "\n101, 11,", "\n101, 999,", "nodes that it does not define"),
         (SQUARE, "\n12, ", "\n12, x", "line 6: a node wants its number and its coordinates"),
         (SQUARE, "\n12, ", "\n12, nan", "not finite|a node wants"),
         (SQUARE, "\n12, ", "\n11, ", "defines the node 11 again, elsewhere"),
