@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.mesh import soundness as mesh_checks
+from fenics_contact.mesh.serendipity import complete
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.scene.scene import MeshSource
 
@@ -91,6 +92,7 @@ def build(
         key: Of the mesh in the scene, for messages: ``mesh``, or ``mesh[1]``.
     """
     where = f"{key}.file = '{source.file}'"
+    read, description = complete(read, description)
     mesh_checks.check_dimension(where, description, dimension)
     parts = _body_parts(description, dimension)
     kind, nodes, cell_parts = _cells(where, read, description, parts, dimension)
@@ -119,9 +121,11 @@ def nodes_of(cell: str, order: int) -> int:
 
 
 def _body_parts(description: Mapping[str, Any], dimension: int) -> list[int]:
-    """Parts that make the body: those in physical groups, or all if there are none."""
-    grouped = {p for g in description["groups"] if g["dimension"] == dimension for p in g["parts"]}
+    """Parts that make the body: all, or those in physical groups of Gmsh's if there are some."""
     every = [p["tag"] for p in description["parts"] if p["dimension"] == dimension]
+    if description.get("whole"):
+        return every
+    grouped = {p for g in description["groups"] if g["dimension"] == dimension for p in g["parts"]}
     return sorted(grouped) or every
 
 
@@ -279,8 +283,11 @@ def _groups(
         group = tags.group(found["dimension"], found["parts"])
         name = found["name"] or str(found["tag"])
         groups[name] = _joined(where, name, groups.get(name), group)
-        numbers.setdefault(str(found["tag"]), group)
-    if all(group.dimension < tags.dimension for group in groups.values()):
+        if found["tag"]:
+            numbers.setdefault(str(found["tag"]), group)
+    if description.get("whole") or all(
+        group.dimension < tags.dimension for group in groups.values()
+    ):
         groups.setdefault(_BODY, tags.group(tags.dimension, tags.body))
     sides = {
         str(part["tag"]): tags.group(tags.dimension - 1, [part["tag"]], part["centre"])

@@ -22,7 +22,13 @@ from fenics_contact.mesh import from_gmsh as mesh_arrays
 from fenics_contact.mesh import joining as mesh_join
 from fenics_contact.mesh.from_gmsh import MeshArrays
 from fenics_contact.mesh.geometry import gmsh_call
-from fenics_contact.mesh.geometry.file_kinds import MeshFile, kind_of, mesh_file, prepared
+from fenics_contact.mesh.geometry.file_kinds import (
+    GEOMETRIES,
+    MeshFile,
+    kind_of,
+    mesh_file,
+    prepared,
+)
 from fenics_contact.mesh.size_field import SizeField
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.scene import MeshSource
@@ -104,7 +110,7 @@ def _load_all(
 
 def is_geometry(source: MeshSource) -> bool:
     """Whether it can be meshed with other sizes: whether it is no mesh already."""
-    return kind_of(source.file) in ("geo", "cad")
+    return kind_of(source.file) in GEOMETRIES
 
 
 def _load(
@@ -120,16 +126,16 @@ def _load(
         curved: As for ``load_body``.
     """
     file = mesh_file(f"{key}.file", source.file)
-    _check_settings(key, source, file.kind)
+    _check_settings(key, source, file)
     job = _job(key, source, file, dimension)
-    if file.kind != "msh":
+    if not file.is_mesh:
         job |= {"curved": curved, "sizes": sizes is not None}
     if sizes is not None:
         job["cell"] = sizes.cell
     memory = 0.0
-    if file.kind == "msh":
+    if file.is_mesh:
         memory = _BASE_MEMORY + _MEMORY_PER_BYTE * file.path.stat().st_size
-    limits = gmsh_call.Limits(key, source.time_limit, memory)
+    limits = gmsh_call.Limits(key, source.time_limit, memory, not file.is_of_gmsh)
     with tempfile.TemporaryDirectory(prefix="fenics_contact_") as folder:
         ready = prepared(file, Path(folder))
         job |= {"file": str(ready.path), "version": ready.version, "folder": folder}
@@ -138,7 +144,7 @@ def _load(
     return mesh_arrays.build(read, description, source, dimension, key)
 
 
-def _check_settings(key: str, source: MeshSource, kind: str) -> None:
+def _check_settings(key: str, source: MeshSource, file: MeshFile) -> None:
     """Settings that the kind of file has no use for are mistakes."""
     meshing = {
         "cell": source.cell != "as meshed",
@@ -147,12 +153,12 @@ def _check_settings(key: str, source: MeshSource, kind: str) -> None:
         "curvature": source.curvature is not None,
     }
     given = [name for name, is_given in meshing.items() if is_given]
-    if kind == "msh" and (given or source.parameters):
+    if file.is_mesh and (given or source.parameters):
         raise InputError(
             f"{key}.file = '{source.file}' is a mesh already: "
             f"{', '.join(given or ['parameters'])} cannot change it"
         )
-    if kind == "cad" and source.parameters:
+    if file.kind == "cad" and source.parameters:
         raise InputError(f"{key}.parameters: only .geo files have parameters, not '{source.file}'")
 
 
@@ -160,7 +166,7 @@ def _job(key: str, source: MeshSource, file: MeshFile, dimension: int) -> dict[s
     """What ``gmsh_process`` is to do, but for the files."""
     job: dict[str, Any] = {"key": key, "kind": file.kind, "name": source.file}
     job["dimension"] = dimension
-    if file.kind == "msh":
+    if file.is_mesh:
         return job
     job |= {
         "cell": source.cell,

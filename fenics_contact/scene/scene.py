@@ -47,8 +47,9 @@ class MeshSource:
     file: Annotated[
         Text,
         Field(
-            description="Gmsh geometry (`.geo`), mesh (`.msh`) or CAD file (`.step`, `.stp`, "
-            "`.brep`); relative to the scene file"
+            description="Gmsh geometry (`.geo`), CAD file (`.step`, `.stp`, `.brep`) or mesh: "
+            "`.msh`, `.inp` (Abaqus, CalculiX), `.bdf` (Nastran), `.med` (Salome), `.vtu`, "
+            "`.xdmf`; relative to the scene file"
         ),
     ]
     parameters: Annotated[
@@ -72,7 +73,7 @@ class MeshSource:
     ] = None
     time_limit: Annotated[
         Positive,
-        Field(description="seconds that Gmsh may take to mesh or to read the file, each time"),
+        Field(description="seconds that meshing or reading the file may take, each time"),
     ] = 600.0
     groups: Annotated[
         Mapping[str, tuple[Integer, ...]],

@@ -193,9 +193,9 @@ def test_values_that_no_scene_can_mean(folder, capfd, meshes, old, new, message)
 
 def test_no_name_in_a_scene_is_a_path(folder, capfd, meshes):
     """Results go to the output folder, whatever things are called."""
-    text = SCENE.replace('on = "top"', 'on = "top"\nname = "../../outside"').replace(
-        'title = "Slab', 'title = "../outside'
+    text = SCENE.replace('on = "top"', 'on = "top"\nname = "../../beyond_it"').replace(
+        'title = "Slab', 'title = "../beyond_it'
     )
     assert judge(folder, capfd, text.encode(), meshes[0]) == ""
     assert sorted(p.name for p in folder.iterdir()) == ["m.msh", "out", "scene.toml"]
-    assert not list(folder.parent.glob("*outside*"))
+    assert not list(folder.parent.glob("*beyond_it*"))

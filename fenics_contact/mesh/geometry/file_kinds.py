@@ -24,10 +24,14 @@ from fenics_contact.mesh.geometry.script_safety import FileRead, GeometryScript
 from fenics_contact.mesh.geometry.script_statements import ScriptError
 
 #: Kinds by suffix; of CAD files Gmsh is told the format, and takes no other.
-_KINDS = {".geo": "geo", ".msh": "msh", ".step": "cad", ".stp": "cad", ".brep": "cad"}
+_OF_GMSH = {".geo": "geo", ".msh": "msh", ".step": "cad", ".stp": "cad", ".brep": "cad"}
+# Of other programs: each has a reader, whose process opens the file and no other than its folder's.
+_OF_OTHERS = {".inp": "inp", ".bdf": "bdf", ".med": "med", ".vtu": "vtu", ".xdmf": "xdmf"}
+_KINDS = _OF_GMSH | _OF_OTHERS
+GEOMETRIES = ("geo", "cad")  #: Kinds that are to be meshed; all others are meshes already.
 _CAD_FORMATS = {".step": "step", ".stp": "step", ".brep": "brep"}
 # What a script may merge, by suffix. Gmsh takes what is in none of its lists for a script.
-_MERGED = _KINDS | {".geo_unrolled": "geo", ".pos": "geo", ".stl": "cad", ".igs": "cad"}
+_MERGED = _OF_GMSH | {".geo_unrolled": "geo", ".pos": "geo", ".stl": "cad", ".igs": "cad"}
 _MERGED |= {".iges": "cad"}
 # From its first byte on, else Gmsh takes it for a script.
 _MESH = re.compile(rb"\$MeshFormat\s+(\d+)\.?\d*\s+[01]\s+\d+")
@@ -49,7 +53,7 @@ class MeshFile:
     Attributes:
         key: Of the scene, such as ``mesh.file``, for messages.
         path: The file.
-        kind: ``geo``, a script; ``msh``, a mesh; ``cad``.
+        kind: ``geo``, a script; ``cad``; or the suffix of a mesh, such as ``msh``.
         form: Of a CAD file, as Gmsh calls it.
     """
 
@@ -57,6 +61,16 @@ class MeshFile:
     path: Path
     kind: str
     form: str
+
+    @property
+    def is_mesh(self) -> bool:
+        """Whether it is a mesh already."""
+        return self.kind not in GEOMETRIES
+
+    @property
+    def is_of_gmsh(self) -> bool:
+        """Whether Gmsh opens it; else a reader of another program's files."""
+        return self.kind not in _OF_OTHERS.values()
 
 
 @dataclass
@@ -81,7 +95,7 @@ class Prepared:
 
 
 def kind_of(name: str) -> str:
-    """``geo``, ``msh`` or ``cad``; nothing of a file that is none of these."""
+    """As ``MeshFile`` has it; nothing of a file that cannot be read."""
     return _KINDS.get(Path(name).suffix.lower(), "")
 
 
@@ -114,6 +128,8 @@ def prepared(file: MeshFile, folder: Path) -> Prepared:
     Raises:
         InputError: Naming the file, the line and the word.
     """
+    if not file.is_of_gmsh:
+        return Prepared(file.path.absolute())
     if file.kind == "cad":  # which Gmsh reads as that format and no other
         copy = _copied(file.key, file.path, folder / f"shape.{file.form}")
         _require_whole(file.key, file.path, copy)

@@ -1,4 +1,4 @@
-"""Gmsh's process seen from outside: its limits of time and memory, what it says, how it ends.
+"""The process of Gmsh, or of a reader, seen from outside: its limits, what it says, how it ends.
 
 A script can run for ever, and a size of cells can ask for more than any machine has. Nothing of
 it outlives this call: the process and all that it started are killed at the limit, when the run is
@@ -36,7 +36,9 @@ logger = logging.getLogger(__name__)
 
 Answer = tuple[dict[str, Any], dict[str, NDArray[Any]]]
 
-_PROGRAM = "gmsh_process.py"
+_PROGRAM, _READER = "gmsh_process.py", "reader_process.py"
+# What it imports, where there is such a package.
+_IMPORTED = ("gmsh", "numpy", "meshio", "h5py", "rich", "fenics_contact")
 _PAUSE = 0.25  # seconds between two looks at an interrupt
 _TICK = 0.01  # seconds between two looks at a process that is ending
 _FIRST_WORD = 10.0  # seconds until progress is told where no terminal shows it; then twice that, …
@@ -57,11 +59,18 @@ class Limits:
         key: Of the scene's mesh, for messages: ``mesh``, or ``mesh[1]``.
         seconds: For this call.
         memory: Bytes, apart from what is free; 0 for no other limit.
+        is_reader: Whether they are those of the reader of another program's mesh.
     """
 
     key: str
     seconds: float
     memory: float = 0.0
+    is_reader: bool = False
+
+    @property
+    def who(self) -> str:
+        """What messages call the process."""
+        return "the reader" if self.is_reader else "Gmsh"
 
 
 def call(ready: Prepared, job: Mapping[str, Any], sizes: bytes, limits: Limits) -> Answer:
@@ -84,7 +93,7 @@ def call(ready: Prepared, job: Mapping[str, Any], sizes: bytes, limits: Limits) 
     full_job = dict(job) | {"memory": int(memory) if np.isfinite(memory) else 0}
     # -P: the modules of this package must not stand in for those that Gmsh's imports want.
     # -S: where packages are is known here already; to find out takes as long as a small mesh.
-    program = str(Path(__file__).with_name(_PROGRAM))
+    program = str(Path(__file__).with_name(_READER if limits.is_reader else _PROGRAM))
     command = [sys.executable, "-P", "-B", "-S", program, json.dumps(full_job)]
     with tempfile.TemporaryFile() as file:  # unlike a pipe, it may be left unread
         file.write(sizes)
@@ -92,7 +101,7 @@ def call(ready: Prepared, job: Mapping[str, Any], sizes: bytes, limits: Limits) 
         with _running(command, file.fileno(), job["folder"]) as process:
             watch = _Watch(where, process, limits, ready)
             watch.attend()
-    return _answer(where, process.returncode, watch, memory, ready)
+    return _answer(where, process.returncode, watch, memory, ready, limits.who)
 
 
 @contextlib.contextmanager
@@ -133,7 +142,7 @@ def _running(command: list[str], standard_input: int, folder: str) -> Iterator[A
 
 def _packages() -> list[str]:
     """The folders of what Gmsh's process imports, and those that the user has named."""
-    found = [util.find_spec(name) for name in ("gmsh", "numpy")]
+    found = [util.find_spec(name) for name in _IMPORTED]
     places = [Path(spec.origin) for spec in found if spec is not None and spec.origin is not None]
     folders = [str(p.parent.parent if p.name == "__init__.py" else p.parent) for p in places]
     return [*dict.fromkeys(folders), *filter(None, [os.environ.get("PYTHONPATH")])]
@@ -205,9 +214,9 @@ class _Watch:
             raise StoppedError("interrupted")
         if seconds > self._limits.seconds:
             raise InputError(
-                f"{self._where}: Gmsh is not done after {self._limits.key}.time_limit = "
-                f"{self._limits.seconds:g} s{self._doing(', at: ')}; make the mesh coarser, or "
-                "give more time"
+                f"{self._where}: {self._limits.who} is not done after "
+                f"{self._limits.key}.time_limit = {self._limits.seconds:g} s"
+                f"{self._doing(', at: ')}; make the mesh coarser, or give more time"
             )
         doing = self._doing("Gmsh: ")
         if doing != self._told:
@@ -215,8 +224,8 @@ class _Watch:
             self._told = doing
         if seconds > self._next_word:
             logger.info(
-                "%s: Gmsh works for %.0f s of %s.time_limit = %g s%s",
-                *(self._where, seconds, self._limits.key, self._limits.seconds),
+                "%s: %s works for %.0f s of %s.time_limit = %g s%s",
+                *(self._where, self._limits.who, seconds, self._limits.key, self._limits.seconds),
                 self._doing(", at: "),
             )
             self._next_word *= 2
@@ -230,23 +239,27 @@ class _Watch:
         return f"{before}{shown[:_SHOWN]}" if shown else ""
 
 
-def _answer(where: str, code: int, watch: _Watch, memory: float, ready: Prepared) -> Answer:
+def _answer(
+    where: str, code: int, watch: _Watch, memory: float, ready: Prepared, who: str
+) -> Answer:
     """What a process that has ended gave; or what it died of, in a sentence."""
     if code == -signal.SIGKILL:
-        raise MemoryError(f"{where}: Gmsh was killed, most likely for want of memory")
+        raise MemoryError(f"{where}: {who} was killed, most likely for want of memory")
     output = watch.output
     if code != 0 or not output:
-        raise InputError(f"{where}: {ready.translated(_death(code, watch.said, memory))}")
+        raise InputError(f"{where}: {ready.translated(_death(who, code, watch.said, memory))}")
     with np.load(io.BytesIO(output), allow_pickle=False) as data:
         arrays = dict(data)
     description = json.loads(str(arrays.pop("description")))
     if "refused" in description:
         raise InputError(description["refused"])
-    if "gmsh" in description:
-        said = description["gmsh"]
-        if _is_of_memory(said) or not said:
-            raise InputError(f"{where}: {_death(1, said or _NO_MEMORY[0], memory)}")
-        raise InputError(f"{where}: Gmsh says: {ready.translated(said)}")
+    if "failed" in description:
+        said, error = description["failed"], description["error"]
+        if _is_of_memory(said) or error in _NO_MEMORY or not (said or who != "Gmsh"):
+            raise InputError(f"{where}: {_death(who, 1, _NO_MEMORY[0], memory)}")
+        if who == "Gmsh":
+            raise InputError(f"{where}: Gmsh says: {ready.translated(said)}")
+        raise InputError(f"{where}: cannot be read ({error}: {said}); is the file damaged?")
     return description, arrays
 
 
@@ -254,14 +267,14 @@ def _is_of_memory(said: str) -> bool:
     return any(words in said for words in _NO_MEMORY)
 
 
-def _death(code: int, said: str, memory: float) -> str:
+def _death(who: str, code: int, said: str, memory: float) -> str:
     """How a process ended that gave no mesh."""
     if _is_of_memory(said):
         return (
-            f"Gmsh most likely needs more than the {memory / 1e9:.1f} GB of memory that it may "
+            f"{who} most likely needs more than the {memory / 1e9:.1f} GB of memory that it may "
             "take; make the mesh coarser, or is the file damaged?"
         )
     if code < 0:
-        return f"Gmsh crashed on it ({signal.Signals(-code).name}); is the file damaged?"
+        return f"{who} crashed on it ({signal.Signals(-code).name}); is the file damaged?"
     last = said.strip().splitlines()[-1:]
-    return f"Gmsh gave no mesh ({' '.join(last) or 'it ended early'}); is the file damaged?"
+    return f"{who} gave no mesh ({' '.join(last) or 'it ended early'}); is the file damaged?"

@@ -4,20 +4,15 @@
 gives it sizes of cells by its standard input, if it has some, and reads the mesh as an ``.npz``
 from its standard output; on standard error Gmsh says how far it is. A damaged file can crash Gmsh,
 a geometry script can end the process or fill the memory: here that costs one process, not the run.
-It imports nothing of this package, whose import would start MPI.
+It imports nothing that would start MPI.
 """
 
-import contextlib
 import io
-import json
-import os
 import re
 import resource
-import shutil
 import signal
 import sys
 import tempfile
-import threading
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -25,8 +20,8 @@ from typing import Any
 import gmsh
 import numpy as np
 
-Job = dict[str, Any]
-Arrays = dict[str, np.ndarray]
+from fenics_contact.mesh.geometry import process_room as room
+from fenics_contact.mesh.geometry.process_room import Arrays, Job, RefusedError
 
 _RECOMBINE = {"triangle": 0, "quadrilateral": 1}  # Gmsh's Mesh.RecombineAll
 # Gmsh's letters for elements on which sizes are given.
@@ -51,54 +46,17 @@ _PLAIN = re.compile(
 _UNROLLED = 2**28  # bytes of a geometry as plain statements, at the most
 
 
-class RefusedError(Exception):
-    """What is wrong with the scene's [mesh], to follow the name of its key."""
-
-
 def main() -> None:
     """Do the job and write the answer, which holds either a mesh or an error."""
-    output = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # Gmsh and OpenCASCADE print; standard output is for the mesh alone
-    job = json.loads(sys.argv[1])
-    threading.Thread(target=_end_with, args=(int(sys.argv[2]), job["folder"]), daemon=True).start()
-    _restrict(job)
+    room.answer(_mesh, writes=_UNROLLED)
+
+
+def _mesh(job: Job) -> tuple[dict[str, Any], Arrays]:
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # PETSc, in Gmsh, dies of what nobody reads
     gmsh.option.setNumber("General.Terminal", 1)
-    arrays: Arrays = {}
-    try:
-        _READERS[job["kind"]](job)
-        description, arrays = _describe(), _elements()
-    except RefusedError as error:
-        description = {"refused": str(error)}
-    except Exception as error:  # Gmsh raises plain Exceptions
-        description = {"gmsh": " ".join(str(error).split())}
-    buffer = io.BytesIO()
-    arrays["description"] = np.array(json.dumps(description))
-    np.savez(buffer, **arrays)  # type: ignore[arg-type]
-    output.write(buffer.getbuffer())
-    output.close()
-
-
-def _end_with(pipe: int, folder: str) -> None:
-    """End when the run that started this process does: then its end of the pipe is closed."""
-    os.read(pipe, 1)
-    shutil.rmtree(folder, ignore_errors=True)
-    os._exit(1)
-
-
-def _restrict(job: Job) -> None:
-    """No file may grow and no program may start from here on; memory has an end."""
-    # Should Gmsh be brought to start one, it finds none. The system lets root start processes.
-    os.environ["PATH"] = os.devnull
-    resource.setrlimit(resource.RLIMIT_NPROC, (0, 0))
-    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    # With sizes a file is to be written once the script has run, which cannot raise the limit.
-    resource.setrlimit(resource.RLIMIT_FSIZE, (0, _UNROLLED if job.get("sizes") else 0))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    if job["memory"]:
-        with contextlib.suppress(ValueError):  # a lower limit is in force already
-            resource.setrlimit(resource.RLIMIT_AS, (job["memory"], job["memory"]))
+    _READERS[job["kind"]](job)
+    return _describe(), _elements()
 
 
 def _read_mesh(job: Job) -> None:

@@ -1,0 +1,212 @@
+"""What a reader has found in a file, and as the description and arrays that ``from_gmsh`` takes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.mesh.readers.element_kinds import NAMES, SIDES, dimension_of
+
+_CORNERS = {1: 2, 8: 2, 2: 3, 9: 3, 3: 4, 16: 4, 10: 4}  # of the sides of cells, by Gmsh's types
+
+
+@dataclass(eq=False)
+class FoundMesh:
+    """Nodes, elements and groups of a file.
+
+    Attributes:
+        tags: The file's number of each node, shape (nodes,).
+        points: Coordinates, shape (nodes, 3) (length).
+        elements: Gmsh's type → nodes of each element by their numbers, in Gmsh's order.
+        sets: Sets of elements: name → Gmsh's type → rows of ``elements``.
+        surfaces: Sets of sides of cells: name → Gmsh's type → their nodes.
+        node_sets: Sets of nodes by their numbers. They name the facets of the boundary all of whose
+            nodes they hold.
+    """
+
+    tags: Integers
+    points: Array
+    elements: Mapping[int, Integers]
+    sets: Mapping[str, Mapping[int, Integers]] = field(default_factory=dict)
+    surfaces: Mapping[str, Mapping[int, Integers]] = field(default_factory=dict)
+    node_sets: Mapping[str, Integers] = field(default_factory=dict)
+
+    @property
+    def dimension(self) -> int:
+        """The largest of its elements."""
+        return max((dimension_of(kind) for kind in self.elements), default=0)
+
+    def answer(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Description and arrays; all cells are the body, whether a group names them or not.
+
+        A name that stands for several things is that of the cells first, then of a surface, of the
+        facets in a set of elements, and of a set of nodes. The later ones are ``NAME.surface``,
+        ``NAME.facets`` and ``NAME.nodes``.
+        """
+        parts = _Parts(self.elements)
+        for rows in self.sets.values():
+            parts.split(rows)
+        groups: dict[str, tuple[int, list[int]]] = {}
+        for name, rows in self.sets.items():
+            if self._has(rows, self.dimension) or not self._has(rows, self.dimension - 1):
+                groups[name] = (self.dimension, parts.of(rows, self.dimension))
+        for name, facets in self.surfaces.items():
+            _add(groups, name, "surface", (self.dimension - 1, parts.added(facets)))
+        for name, rows in self.sets.items():
+            if self._has(rows, self.dimension - 1):
+                found = parts.of(rows, self.dimension - 1)
+                _add(groups, name, "facets", (self.dimension - 1, found))
+        for name, tags in self.node_sets.items():
+            facets = self._facets_between(tags)
+            _add(groups, name, "nodes", (self.dimension - 1, parts.added(facets)))
+        return self._described(groups, parts), {
+            "node_tags": self.tags,
+            "points": self.points,
+            **parts.arrays(),
+        }
+
+    def _described(
+        self, groups: Mapping[str, tuple[int, list[int]]], parts: _Parts
+    ) -> dict[str, Any]:
+        return {
+            "dimension": self.dimension,
+            "whole": True,
+            "groups": [
+                {"dimension": dimension, "tag": 0, "name": name, "parts": found}
+                for name, (dimension, found) in groups.items()
+            ],
+            "parts": [
+                {"dimension": self.dimension, "tag": part, "centre": []}
+                for part in parts.all_of(self.dimension)
+            ],
+            "types": {kind: NAMES[kind] for kind in parts.nodes},
+        }
+
+    def _has(self, rows: Mapping[int, Integers], dimension: int) -> bool:
+        return any(
+            len(found) > 0 and dimension_of(kind) == dimension for kind, found in rows.items()
+        )
+
+    def _facets_between(self, tags: Integers) -> dict[int, Integers]:
+        """The facets of the boundary all of whose nodes have one of some numbers, by type."""
+        found = {
+            kind: nodes[np.isin(nodes, tags).all(axis=1)] for kind, nodes in self._boundary.items()
+        }
+        return {kind: nodes for kind, nodes in found.items() if len(nodes)}
+
+    @cached_property
+    def _boundary(self) -> dict[int, Integers]:
+        return outer_sides(self.elements, self.elements, self.dimension)
+
+
+def outer_sides(
+    elements: Mapping[int, Integers], chosen: Mapping[int, Integers], dimension: int
+) -> dict[int, Integers]:
+    """Sides of some cells that no other cell has: their nodes, by Gmsh's type of the side.
+
+    Args:
+        elements: Gmsh's type → nodes of all elements.
+        chosen: Of some of them.
+        dimension: Of the cells; elements of others have no say.
+    """
+    every = _sides(elements, dimension)
+    found = {}
+    for side, nodes in _sides(chosen, dimension).items():
+        keys, counts = np.unique(_keys(side, every[side]), return_counts=True)
+        found[side] = nodes[np.isin(_keys(side, nodes), keys[counts == 1])]
+    return found
+
+
+def _sides(elements: Mapping[int, Integers], dimension: int) -> dict[int, Integers]:
+    """Nodes of all sides of the cells of a dimension, by Gmsh's type of the side."""
+    sides: dict[int, list[Integers]] = {}
+    for kind, nodes in elements.items():
+        if dimension_of(kind) == dimension and kind in SIDES:
+            side, places = SIDES[kind]
+            found = nodes[:, np.array(places)].reshape(-1, len(places[0]))
+            sides.setdefault(side, []).append(found)
+    return {side: np.concatenate(several) for side, several in sides.items()}
+
+
+def _keys(side: int, nodes: Integers) -> Any:
+    """One number for each side, whatever the order of its corners: the sum of hashes of theirs."""
+    hashes = nodes[:, : _CORNERS[side]].astype(np.uint64)
+    for factor in (0xBF58476D1CE4E5B9, 0x94D049BB133111EB):  # of splitmix64
+        hashes = (hashes ^ (hashes >> np.uint64(30))) * np.uint64(factor)
+    return (hashes ^ (hashes >> np.uint64(31))).sum(axis=1, dtype=np.uint64)
+
+
+def _add(
+    groups: dict[str, tuple[int, list[int]]], name: str, kind: str, group: tuple[int, list[int]]
+) -> None:
+    """A group under its name, or a longer one where that is taken."""
+    while name in groups:
+        name = f"{name}.{kind}"
+    groups[name] = group
+
+
+class _Parts:
+    """Elements dealt out to numbered parts, of which each set has some as a whole.
+
+    Attributes:
+        nodes: Gmsh's type → nodes of its elements.
+
+    Args:
+        elements: The same, to begin with.
+    """
+
+    def __init__(self, elements: Mapping[int, Integers]) -> None:
+        self.nodes = dict(elements)
+        self._next = 1
+        self._part = {}
+        for kind, nodes in elements.items():
+            self._part[kind] = np.full(len(nodes), self._new(), dtype=np.int64)
+
+    def _new(self) -> int:
+        self._next += 1
+        return self._next - 1
+
+    def split(self, rows: Mapping[int, Integers]) -> None:
+        """Cut the parts so that some elements make parts of their own."""
+        for kind, chosen in rows.items():
+            part = self._part[kind]
+            found, inverse = np.unique(part[np.unique(chosen)], return_inverse=True)
+            fresh = np.array([self._new() for _ in found], dtype=np.int64)
+            part[np.unique(chosen)] = fresh[inverse] if len(found) else part[:0]
+
+    def of(self, rows: Mapping[int, Integers], dimension: int) -> list[int]:
+        """Numbers of the parts that some elements of a dimension make."""
+        return self._numbers(
+            self._part[kind][chosen]
+            for kind, chosen in rows.items()
+            if dimension_of(kind) == dimension
+        )
+
+    def all_of(self, dimension: int) -> list[int]:
+        """Numbers of all parts of a dimension."""
+        return self._numbers(
+            part for kind, part in self._part.items() if dimension_of(kind) == dimension
+        )
+
+    def _numbers(self, parts: Iterable[Integers]) -> list[int]:
+        return sorted({int(number) for part in parts for number in np.unique(part)})
+
+    def added(self, facets: Mapping[int, Integers]) -> list[int]:
+        """The number of a part that is added: facets, by their nodes."""
+        number = self._new()
+        for kind, nodes in facets.items():
+            before = self.nodes.get(kind, nodes[:0])
+            self.nodes[kind] = np.concatenate([before, nodes])
+            parts = np.full(len(nodes), number, dtype=np.int64)
+            self._part[kind] = np.concatenate([self._part.get(kind, parts[:0]), parts])
+        return [number]
+
+    def arrays(self) -> dict[str, Integers]:
+        """As ``from_gmsh`` takes them."""
+        found = {f"nodes_{kind}": nodes for kind, nodes in self.nodes.items()}
+        return found | {f"parts_{kind}": part for kind, part in self._part.items()}
