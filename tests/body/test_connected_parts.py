@@ -247,7 +247,9 @@ def test_group_of_another_mesh_or_without_its_mesh(folder):
     upper, lower = two(folder)
     scene = scene_of((upper, lower), ("upper", "lower"))
     for wrong in ("bottom", "lower.left"):
-        with pytest.raises(InputError, match=rf"support\[0\].on = '{wrong}': .*u.geo and .*l.geo\b"):
+        with pytest.raises(
+            InputError, match=rf"support\[0\].on = '{wrong}': .*u.geo and .*l.geo\b"
+        ):
             Run(dataclasses.replace(scene, support=(Support(wrong, {"x": 0}),)), COMM)
     with pytest.raises(InputError, match="some cells of the body have none"):
         Run(dataclasses.replace(scene, material=scene.material[:1]), COMM)
