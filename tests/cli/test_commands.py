@@ -6,6 +6,7 @@ Run in this process, on however many ranks the tests run: a hang would show here
 import csv
 import json
 import os
+import tempfile
 
 import pytest
 from mpi4py import MPI
@@ -22,6 +23,7 @@ SCENE = (ROOT / "demos" / "slab.toml").read_text(encoding="utf-8")
 
 def write(folder, text):
     path = folder / "scene.toml"
+    COMM.barrier()  # what is overwritten may still be read
     if COMM.rank == 0:
         path.write_text(text.replace("../meshes/slab.geo", str(ROOT / "meshes" / "slab.geo")))
     COMM.barrier()
@@ -89,6 +91,21 @@ def test_output_folder_that_cannot_be_written(folder, capsys):
     COMM.barrier()
     assert main(["run", scene, "--out", str(folder / "file" / "out")]) == 2
     assert "cannot be written to: Not a directory" in error_of(capsys)
+
+
+def test_looking_whether_a_folder_can_be_written_leaves_other_runs_alone(folder, monkeypatch):
+    """Runs that start together share folders above theirs, which the first of them makes."""
+    real = tempfile.TemporaryFile
+
+    def another_run_writes(*args, **options):
+        (folder / "runs" / "other").mkdir(parents=True, exist_ok=True)
+        return real(*args, **options)
+
+    monkeypatch.setattr(tempfile, "TemporaryFile", another_run_writes)
+    files.require_writable(folder / "runs" / "mine", COMM)
+    COMM.barrier()
+    assert (folder / "runs" / "other").is_dir()
+    assert not (folder / "runs" / "mine").exists()
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")

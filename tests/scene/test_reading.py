@@ -42,6 +42,7 @@ friction_coefficient = 0.3
 
 def write(folder, text):
     path = folder / "scene.toml"
+    COMM.barrier()  # the other rank may still read what was there
     if COMM.rank == 0:  # on all at once, one rank would read what another is still writing
         path.write_text(text)
     COMM.barrier()

@@ -3,6 +3,8 @@
 ``gmsh_call`` starts it as it does ``gmsh_process``. It imports nothing that would start MPI.
 """
 
+import json
+import sys
 from importlib import import_module
 from typing import Any
 
@@ -21,13 +23,14 @@ _READERS = {
 
 def main() -> None:
     """Do the job and write the answer, which holds either a mesh or an error."""
-    room.answer(_read)
+    module, function = _READERS[json.loads(sys.argv[1])["kind"]]
+    # Before the room is closed: Gmsh may start a program to find its library.
+    read = getattr(import_module(f"fenics_contact.mesh.readers.{module}"), function)
 
+    def work(job: Job) -> tuple[dict[str, Any], Arrays]:
+        return read(job).answer()  # type: ignore[no-any-return]
 
-def _read(job: Job) -> tuple[dict[str, Any], Arrays]:
-    module, function = _READERS[job["kind"]]
-    found = getattr(import_module(f"fenics_contact.mesh.readers.{module}"), function)(job)
-    return found.answer()  # type: ignore[no-any-return]
+    room.answer(work)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import gmsh
+import h5py
 import numpy as np
 
 from fenics_contact.common.arrays import Integers
@@ -24,12 +26,15 @@ def read(job: dict[str, Any]) -> FoundMesh:
         job: With ``file``, its path; and ``key`` and ``name``, of the scene's mesh.
     """
     where = f"{job['key']}.file = '{job['name']}'"
-    require_whole(where, Path(job["file"]))
-    node_sets = _node_groups(where, Path(job["file"]))
-    import gmsh
-
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     gmsh.option.setNumber("General.Terminal", 1)
+    if "Med" not in gmsh.option.getString("General.BuildOptions").split():
+        raise RefusedError(
+            f"{where}: Gmsh was built without MED here, as Debian's is; save the mesh as .msh "
+            "where Gmsh is that of PyPI"
+        )
+    require_whole(where, Path(job["file"]))
+    node_sets = _node_groups(where, Path(job["file"]))
     gmsh.merge(job["file"])
     tags, points, _ = gmsh.model.mesh.getNodes()
     elements: dict[int, list[Integers]] = {}
@@ -66,8 +71,6 @@ def _plain(name: str) -> str:
 
 def _node_groups(where: str, path: Path) -> dict[str, Integers]:
     """Groups of nodes, by the numbers that Gmsh gives nodes."""
-    import h5py
-
     groups: dict[str, Integers] = {}
     with h5py.File(path, "r") as file:
         meshes = list(file.get("ENS_MAA", ()))

@@ -41,18 +41,13 @@ def require_writable(folder: Path, comm: MPI.Comm) -> None:
 
 
 def _require_writable(folder: Path) -> None:
-    """Make the folder and a file in it, and take away again what was not there."""
-    made = [path for path in (folder, *folder.parents) if not path.exists()]
+    """Make a file in the folder, or where it will be made; another run may be making it now."""
+    there = next(path for path in (folder, *folder.parents) if path.exists())
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
+        with tempfile.TemporaryFile(dir=there):
             pass
     except OSError as error:
         raise InputError(f"--out '{folder}': cannot be written to: {error.strerror}") from None
-    finally:
-        for path in made:
-            if path.is_dir():
-                path.rmdir()
 
 
 def solve_and_write(
