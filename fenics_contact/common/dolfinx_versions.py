@@ -1,7 +1,8 @@
-"""The one place that knows dolfinx 0.9 from 0.10 and 0.11."""
+"""The one place that knows dolfinx 0.9 from 0.10 and 0.11, and Python 3.13.0 from later ones."""
 
 from __future__ import annotations
 
+import functools
 import platform
 from typing import Any
 
@@ -22,6 +23,28 @@ from fenics_contact.common import program
 from fenics_contact.common.arrays import Array, Integers
 
 DOLFINX_VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
+
+
+def _let_derivatives_go() -> None:
+    """Let UFL's derivatives be freed, where Python would keep each for as long as it runs.
+
+    Python 3.13.0 and 3.13.1 keep every object of which a ``functools.singledispatchmethod`` was
+    called (https://github.com/python/cpython/issues/127750). UFL's derivatives are such objects,
+    and with their forms they hold meshes and MPI's communicators. Of these there are some 2,000,
+    which a long study in one process would use up.
+    """
+    if not hasattr(functools.singledispatchmethod(_let_derivatives_go), "_method_cache"):
+        return
+    from ufl.algorithms import apply_coefficient_split, apply_derivatives
+
+    for module in (apply_derivatives, apply_coefficient_split):
+        for one in vars(module).values():
+            for member in vars(one).values() if isinstance(one, type) else ():
+                if isinstance(member, functools.singledispatchmethod):
+                    member._method_cache = None  # type: ignore[attr-defined]
+
+
+_let_derivatives_go()
 
 
 def create_mesh(

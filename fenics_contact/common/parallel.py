@@ -23,6 +23,18 @@ from fenics_contact.common.errors import FenicsContactError
 T = TypeVar("T")
 
 
+def lasting(comm: MPI.Comm) -> MPI.Comm:
+    """A communicator of the same ranks that outlives meshes, of which each has one of its own.
+
+    Args:
+        comm: Of a mesh; collective.
+    """
+    for one in (MPI.COMM_SELF, MPI.COMM_WORLD):
+        if MPI.Comm.Compare(comm, one) in (MPI.IDENT, MPI.CONGRUENT):
+            return one
+    return comm
+
+
 def on_root(comm: MPI.Comm, action: Callable[[], T]) -> T:
     """Run an action on rank 0 and share what it returns, or what it raises.
 

@@ -1,7 +1,9 @@
 """The mortar projection P = D⁻¹ M spread over the ranks: each has the rows of its own slave nodes.
 
 D and M are sparse matrices of PETSc, in the order of the surfaces' nodes; MUMPS factorises D. So
-what a rank holds grows with its own part of the surfaces.
+what a rank holds grows with its own part of the surfaces. Python frees such objects on each rank
+when it likes, PETSc on all together when it is asked to: each new projection does, by a
+communicator that they all share.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import FenicsContactError
-from fenics_contact.common.parallel import gather_rows, total
+from fenics_contact.common.parallel import gather_rows, lasting, total
 from fenics_contact.contact.mortar.integrals import MortarIntegrals
 from fenics_contact.contact.mortar.projection import Projection
 from fenics_contact.contact.surface.space import SurfaceSpace
@@ -143,6 +145,7 @@ class SpreadProjection:
     """
 
     def __init__(self, rows: SlaveRows) -> None:
+        PETSc.garbage_cleanup(lasting(rows.slave.comm))
         self._components: list[_Component] = []
         made: list[tuple[Flags, _Component]] = []
         for fixed in rows.fixed.T:
@@ -191,7 +194,7 @@ def _assembled(
         (rows_of.owned_nodes, PETSc.DETERMINE),
         (columns_of.owned_nodes, PETSc.DETERMINE),
     )
-    matrix = PETSc.Mat().create(rows_of.comm)
+    matrix = PETSc.Mat().create(lasting(rows_of.comm))
     matrix.setSizes(sizes)
     matrix.setType("aij")
     matrix.setUp()
