@@ -28,13 +28,13 @@ def read(job: dict[str, Any]) -> FoundMesh:
     where = f"{job['key']}.file = '{job['name']}'"
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     gmsh.option.setNumber("General.Terminal", 1)
+    require_whole(where, Path(job["file"]))
+    node_sets = _node_groups(where, Path(job["file"]))
     if "Med" not in gmsh.option.getString("General.BuildOptions").split():
         raise RefusedError(
             f"{where}: Gmsh was built without MED here, as Debian's is; save the mesh as .msh "
             "where Gmsh is that of PyPI"
         )
-    require_whole(where, Path(job["file"]))
-    node_sets = _node_groups(where, Path(job["file"]))
     gmsh.merge(job["file"])
     tags, points, _ = gmsh.model.mesh.getNodes()
     elements: dict[int, list[Integers]] = {}
