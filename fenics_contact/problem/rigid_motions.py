@@ -6,7 +6,7 @@ import numpy as np
 
 from fenics_contact.body.connected_parts import Parts
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
@@ -232,6 +232,15 @@ def apart(parts: Parts, fields: Array) -> Array:
     members = parts.of_node[:, None] == np.arange(parts.count)
     spread = members[:, None, :, None] * fields[:, :, None, :]
     return np.asarray(spread.reshape(*fields.shape[:2], parts.count * fields.shape[2]))
+
+
+def is_part_free(problem: Problem) -> Flags:
+    """Whether no support holds anything of a part, (parts,); collective."""
+    spaces = problem.spaces
+    owned = spaces.owned_nodes
+    held = np.zeros(owned * spaces.components)
+    held[problem.constrained[problem.constrained < held.size]] = 1.0
+    return np.asarray(spaces.parts.sums(held.reshape(owned, -1).sum(axis=1)) == 0.0)
 
 
 def null_space(gram: Array) -> Array:

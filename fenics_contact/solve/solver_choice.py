@@ -9,6 +9,7 @@ from fenics_contact.common.failures import LESS_MEMORY
 from fenics_contact.common.memory import free_memory_for, memory_limit
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.rigid_motions import is_part_free
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.iterative.carried_slaves import cannot_be_carried
 from fenics_contact.solve.iterative.iterative_system import IterativeSystem
@@ -85,6 +86,9 @@ def _automatic(problem: Problem, free: float) -> SolverChoice:
         return condensed
     if condensed.memory > free:
         return choice("iterative", "a factorisation would not fit into memory")
+    # Multigrid takes ever more cycles for bodies that contacts alone hold.
+    if is_part_free(problem).any():
+        return choice("condensed", "one factorisation of bodies that contacts alone hold")
     # Each further step costs the iterative solver about half of the first, the other nothing.
     steps = 0.5 + 0.5 * len(problem.scene.steps.all_times)
     large = _LARGE_PAIR if problem.between_bodies else _LARGE_CONTACT

@@ -17,7 +17,12 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.rigid_motions import apart, null_space, rigid_fields
+from fenics_contact.problem.rigid_motions import (
+    apart,
+    is_part_free,
+    null_space,
+    rigid_fields,
+)
 from fenics_contact.solve.iterative.carried_slaves import CarriedSlaves
 from fenics_contact.solve.iterative.contact_matrix import ContactMatrix
 from fenics_contact.solve.iterative.contact_zone import (
@@ -30,6 +35,7 @@ from fenics_contact.solve.iterative.contact_zone import (
 )
 from fenics_contact.solve.iterative.multigrid import Multigrid
 from fenics_contact.solve.iterative.nonlinear_elimination import EliminatingNewton
+from fenics_contact.solve.iterative.preconditioner import Preconditioner
 from fenics_contact.solve.systems.bulk_matrix import assembled
 from fenics_contact.solve.systems.displacement_system import BodySystem
 
@@ -44,6 +50,7 @@ class IterativeSystem(BodySystem):
         multigrid: Of the bulk, set up once.
         zone: The cells at the contacts, for the preconditioner.
         surface: Their nodes alone, for what is nonlinear.
+        preconditioner: Of the tangent, in linear solves.
         contacts: K_c.
     """
 
@@ -74,7 +81,7 @@ class IterativeSystem(BodySystem):
         stiffness = assembled(self.problem.elastic.stiffness)
         self._stiffness = stiffness
         first = stiffness.getOwnershipRange()[0]
-        held = (first + self._owned_constrained).astype(PETSc.IntType)
+        held = (first + self.held).astype(PETSc.IntType)
         rows = PETSc.IS().createGeneral(held, comm=self.comm)
         every = PETSc.IS().createStride(self._owned_size, first, 1, comm=self.comm)
         self._support_rows = stiffness.createSubMatrix(rows, every)
@@ -93,7 +100,8 @@ class IterativeSystem(BodySystem):
         _, fields = rigid_fields(spaces)
         self._on_contacts, self._masters = on_contacts(problem), masters(problem)
         self._carried = CarriedSlaves(problem, self.contacts)
-        self._add_springs(self._owned_columns(apart(spaces.parts, fields)))
+        of_parts = self._owned_columns(apart(spaces.parts, fields))
+        self._add_springs(of_parts)
         self._place_zone()
         self.multigrid = Multigrid(self._stiffness, self._owned_columns(fields))
         self.residual = self.contacts.matrix.createVecLeft()
@@ -101,6 +109,8 @@ class IterativeSystem(BodySystem):
         sizes = self.contacts.matrix.getSizes()
         self.tangent = PETSc.Mat().createPython(sizes, _Tangent(self), comm=self.comm)
         self.tangent.setUp()
+        is_free = np.repeat(is_part_free(problem), fields.shape[-1])
+        self.preconditioner = Preconditioner(self, of_parts[:, is_free])
 
     def _owned_columns(self, fields: Array) -> Array:
         """Nodal fields (nodes, components, modes) as columns at this rank's own dofs."""
@@ -145,7 +155,7 @@ class IterativeSystem(BodySystem):
         As stiff as the cells there; all else takes them off again.
         """
         self._springs = np.zeros(self._owned_size)
-        held = rigid[self._owned_constrained]
+        held = rigid[self.held]
         loose = null_space(np.asarray(total(self.comm, held.T @ held)))
         self._is_sprung = loose.shape[1] > 0
         if not self._is_sprung:
@@ -159,6 +169,7 @@ class IterativeSystem(BodySystem):
 
     def destroy(self) -> None:
         """Free PETSc's objects."""
+        self.preconditioner.free()
         for thing in (
             self.multigrid,
             self.zone,
@@ -182,7 +193,7 @@ class IterativeSystem(BodySystem):
         snes.setPythonContext(EliminatingNewton(self))
         preconditioner = snes.getKSP().getPC()
         preconditioner.setType("python")
-        preconditioner.setPythonContext(_Preconditioner(self))
+        preconditioner.setPythonContext(self.preconditioner)
 
     def linearise(self, state: PETSc.Vec) -> None:
         """K_c of a state; collective."""
@@ -194,10 +205,11 @@ class IterativeSystem(BodySystem):
         for contact in self.problem.contacts:
             contact.follow()
         self.contacts.linearise()
+        self.preconditioner.follow_tangent()
 
     def internal_forces(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
         """Forces of the bulk, also where supports hold; and along preloaded parts; collective."""
-        held = self._owned_constrained
+        held = self.held
         with self._inner as array:
             array[:] = state.array_r[: self._owned_size]
             with self._prescribed as values:
@@ -244,26 +256,6 @@ class IterativeSystem(BodySystem):
         with result as array:
             array[: self._owned_size] += self._outer.array_r
 
-    def precondition(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
-        """A V-cycle in the body, then what it leaves in the zone; collective.
-
-        It leaves no forces in the zone. So nothing as stiff as 1/ε₁ is in the residuals of a
-        solve that starts without any there, and their norm is one of the body's forces.
-        """
-        with self._inner as array:
-            array[:] = right.array_r[: self._owned_size]
-        self.multigrid.apply(self._inner, self._outer)
-        with self._outer as array:
-            array[self._owned_constrained] = 0.0
-        with solution as array:
-            array[:] = 0.0
-            array[: self._owned_size] = self._outer.array_r
-        left = right.array_r[self.zone.places] - self._forces_in_zone(solution)
-        correction = self.solve_zone(left)
-        with solution as array:
-            array[self.zone.places] += correction
-        self.tie(solution)
-
     def solve_zone(self, left: Array) -> Array:
         """What leaves no forces as stiff as 1/ε₁ in the zone, all else held; collective.
 
@@ -302,16 +294,9 @@ class IterativeSystem(BodySystem):
             for unknown, value in zip(self.problem.unknowns, scalars, strict=True):
                 if unknown.column is not None:
                     values[far_field.dofs[mine]] += value * unknown.column[mine]
-        held = self._owned_constrained
+        held = self.held
         with change as array:
             array[held] = values[held]
-
-    def _forces_in_zone(self, solution: PETSc.Vec) -> Array:
-        """(K + K_c) times displacements of ``_outer``, in the zone."""
-        self.contacts.mult(solution, self._work)
-        return np.asarray(
-            self.zone.forces_of_body(self._outer) + self._work.array_r[self.zone.places]
-        )
 
     def round_off(self) -> float:
         """20 × machine epsilon × ‖|K + K_c| |u|‖₁; collective."""
@@ -356,13 +341,3 @@ class _Tangent:
 
     def mult(self, matrix: PETSc.Mat, vector: PETSc.Vec, result: PETSc.Vec) -> None:
         self._system.apply_tangent(vector, result)
-
-
-class _Preconditioner:
-    """Multigrid and zone as PETSc sees them."""
-
-    def __init__(self, system: IterativeSystem) -> None:
-        self._system = system
-
-    def apply(self, preconditioner: PETSc.PC, right: PETSc.Vec, solution: PETSc.Vec) -> None:
-        self._system.precondition(right, solution)

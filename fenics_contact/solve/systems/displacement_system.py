@@ -25,7 +25,7 @@ class BodySystem(System):
         spaces = problem.spaces
         self._owned_size = spaces.owned_nodes * spaces.components
         constrained = problem.constrained
-        self._owned_constrained = constrained[constrained < self._owned_size]
+        self.held = constrained[constrained < self._owned_size]
         self._reactions = 0.0
 
     @abstractmethod
@@ -55,7 +55,7 @@ class BodySystem(System):
         owned = self.problem.constrained < self._owned_size
         with self.state as array:
             array[: self._owned_size] = self._started[: self._owned_size]
-            array[self._owned_constrained] = self.problem.prescribed[owned]
+            array[self.held] = self.problem.prescribed[owned]
             if self.comm.rank == 0 and self.scalars:
                 array[-self.scalars :] = self.starting_scalars()
 
@@ -69,7 +69,7 @@ class BodySystem(System):
             if unknown.column is not None and far_field is not None:
                 values[np.isin(problem.constrained, far_field.dofs)] += value * unknown.column
         with self.state as array:
-            array[self._owned_constrained] = values[problem.constrained < self._owned_size]
+            array[self.held] = values[problem.constrained < self._owned_size]
         self.hold_scalars()
         self.take(self.state)
 
@@ -101,8 +101,8 @@ class BodySystem(System):
         with residual as array:
             array += contacts
             array[: self._owned_size] -= self.problem.load.reshape(-1)[: self._owned_size]
-            held = np.abs(array[self._owned_constrained]).sum()
-            array[self._owned_constrained] = 0.0  # they hold their values exactly
+            held = np.abs(array[self.held]).sum()
+            array[self.held] = 0.0  # they hold their values exactly
             for number in self.held_scalars if self.comm.rank == 0 else ():
                 array[len(array) - self.scalars + number] = 0.0
         self._reactions = float(total(self.comm, held))

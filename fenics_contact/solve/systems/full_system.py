@@ -59,7 +59,7 @@ class FullSystem(BodySystem):
         self._system.add_far_field(tangent)
         tangent.assemble()
         first, _ = tangent.getOwnershipRange()
-        rows = (first + self._owned_constrained).astype(PETSc.IntType)
+        rows = (first + self.held).astype(PETSc.IntType)
         rows = np.concatenate([rows, self._system.held_rows(tangent)])
         tangent.zeroRowsColumns(rows, diag=1.0)
         self._system.tie_far_field(tangent)
