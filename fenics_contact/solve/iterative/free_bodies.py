@@ -1,9 +1,10 @@
 """Rigid motions of bodies that no support holds, solved for by themselves before each V-cycle.
 
-Only contacts hold such a body. Multigrid for the bulk sees springs in their place, and friction
-that slips or a contact that opens makes the true stiffness of its motions far smaller than that
-of the springs. So these few motions are a coarse space of their own: with Z their columns and A
-the tangent, the preconditioner M becomes
+Only contacts hold such a body. Multigrid for the bulk sees springs in their place, and what
+slipping friction and soft neighbours leave of its stiffness is far less than these. So its rigid
+motions are a coarse space of their own. Each is taken with the zone at the contacts settled, as
+the penalty makes a body that moves by itself far too stiff. With Z their columns and A the
+tangent, the preconditioner M becomes
 
     P = M (1 - A Q) + Q,    Q = Z (Zᵀ A Z)⁺ Zᵀ
 
@@ -34,8 +35,10 @@ class FreeBodies:
 
     Args:
         comm: Of the model.
-        motions: Z at this rank's own displacement dofs, (dofs, motions).
+        motions: Rigid motions at this rank's own displacement dofs, (dofs, motions).
         apply_tangent: A times a vector into another one; collective.
+        settle: Takes forces, and moves the zone of a displacement so that it has none there;
+            collective.
         template: A vector of all unknowns.
     """
 
@@ -44,11 +47,12 @@ class FreeBodies:
         comm: MPI.Comm,
         motions: Array,
         apply_tangent: Callable[[PETSc.Vec, PETSc.Vec], None],
+        settle: Callable[[PETSc.Vec, PETSc.Vec], None],
         template: PETSc.Vec,
     ) -> None:
         self._comm = comm
-        self._motions = motions
-        self._apply_tangent = apply_tangent
+        self._rigid = motions
+        self._apply_tangent, self._settle = apply_tangent, settle
         self._moved, self._forces = template.duplicate(), template.duplicate()
         self.are_any = motions.shape[1] > 0
         self._inverse: Array | None = None
@@ -68,8 +72,7 @@ class FreeBodies:
         """
         if self._inverse is None:
             self._linearise()
-        owned = len(self._motions)
-        on_bodies = total(self._comm, self._motions.T @ right.array_r[:owned])
+        on_bodies = total(self._comm, self._motions.T @ right.array_r)
         shares: Array = self._inverse @ on_bodies
         with right as array:
             array -= self._stiffness @ shares
@@ -78,21 +81,24 @@ class FreeBodies:
     def add(self, shares: Array, solution: PETSc.Vec) -> None:
         """Add the motions to displacements."""
         with solution as array:
-            array[: len(self._motions)] += self._motions @ shares
+            array += self._motions @ shares
 
     def _linearise(self) -> None:
-        """A Z and the inverse of Zᵀ A Z; collective."""
-        owned = len(self._motions)
-        columns = []
-        for motion in self._motions.T:
+        """Z with the zone settled, A Z and the inverse of Zᵀ A Z; collective."""
+        owned = len(self._rigid)
+        motions, forces = [], []
+        for motion in self._rigid.T:
             with self._moved as array:
                 array[:] = 0.0
                 array[:owned] = motion
             self._apply_tangent(self._moved, self._forces)
-            columns.append(self._forces.array_r.copy())
-        self._stiffness = np.column_stack(columns)
-        coarse = total(self._comm, self._motions.T @ self._stiffness[:owned])
-        self._inverse = np.linalg.pinv(np.asarray(coarse), rcond=_NOTHING)
+            self._settle(self._forces, self._moved)
+            self._apply_tangent(self._moved, self._forces)
+            motions.append(self._moved.array_r.copy())
+            forces.append(self._forces.array_r.copy())
+        self._motions, self._stiffness = np.column_stack(motions), np.column_stack(forces)
+        coarse = np.asarray(total(self._comm, self._motions.T @ self._stiffness))
+        self._inverse = np.linalg.pinv(coarse, rcond=_NOTHING)
 
     def destroy(self) -> None:
         """Free PETSc's objects."""

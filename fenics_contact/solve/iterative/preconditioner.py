@@ -32,7 +32,7 @@ class Preconditioner:
         self._left, self._work = system.residual.duplicate(), system.residual.duplicate()
         self._inner, self._outer = (self._displacements() for _ in range(2))
         self._free_bodies = FreeBodies(
-            system.comm, free_motions, system.apply_tangent, system.residual
+            system.comm, free_motions, system.apply_tangent, self._settle, system.residual
         )
 
     def _displacements(self) -> PETSc.Vec:
@@ -68,6 +68,13 @@ class Preconditioner:
         with solution as array:
             array[zone.places] += correction
         system.tie(solution)
+
+    def _settle(self, forces: PETSc.Vec, moved: PETSc.Vec) -> None:
+        """Move the zone so that what forces it feels are gone; collective."""
+        places = self._system.zone.places
+        correction = self._system.solve_zone(-forces.array_r[places])
+        with moved as array:
+            array[places] += correction
 
     def _forces_in_zone(self, solution: PETSc.Vec) -> Array:
         """(K + K_c) times displacements of ``_outer``, in the zone."""
