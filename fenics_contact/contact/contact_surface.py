@@ -139,10 +139,14 @@ class ContactSurface:
     def set_time(self, time: float) -> None:
         """Bring the obstacle to where it stands, or to what drives it, at a pseudo-time."""
         self.normal.set_time(time)
+        self.kinematics.overlap_by(self.paths.interference(time))
         if self.normal.pressure_is_known:
             self.friction.follow_given(self.pressure())
-        if self.contact.obstacle is None:
-            return
+        if self.contact.obstacle is not None:
+            self._drive(time)
+        self.normal.set_gap(self.kinematics.gap)
+
+    def _drive(self, time: float) -> None:
         kinematics = self.kinematics
         self.force = self.paths.force(time)
         if self.force is None:
@@ -152,7 +156,6 @@ class ContactSurface:
             kinematics.displace(moved)
         elif self.force is None:
             kinematics.stand()
-        self.normal.set_gap(kinematics.gap)
 
     def touch(self) -> None:
         """Bring an obstacle that nothing presses on until it just touches; collective."""

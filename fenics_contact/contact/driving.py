@@ -24,6 +24,8 @@ class ContactPaths:
         self._obstacle = obstacle = contact.obstacle or Obstacle()
         self._pressure = KeyedPath(contact.pressure_path, f"{key}.pressure_path")
         self._drive = KeyedPath(obstacle.path, f"{key}.obstacle.path")
+        self._interference = contact.interference
+        self._fit = KeyedPath(contact.interference_path, f"{key}.interference_path")
         where = f"{key}.obstacle.displacement_path"
         self._displacement = KeyedPath(obstacle.displacement_path, where)
 
@@ -40,6 +42,10 @@ class ContactPaths:
             return force * self._drive(time)
         why = "a force on an obstacle that the body may leave must be ≥ 0"
         return force * self._not_negative(self._drive, time, why)
+
+    def interference(self, time: float) -> float:
+        """By how much the two sides overlap, beside what their meshes do; < 0 a gap (length)."""
+        return self._interference * self._fit(time) if self._interference else 0.0
 
     def indentation(self, time: float) -> float:
         """How far the obstacle is driven where no force drives it (length)."""

@@ -50,9 +50,11 @@ class EnergyBook:
         self.left_open = 0.0
         self.changed = False
         shape = (len(problem.contacts), problem.spaces.components)
-        self._last = {name: np.zeros_like(problem.load) for name in _AT_NODES}
+        self._last: dict[str, Array] = {}
+        self._last |= {name: np.zeros_like(problem.load) for name in _AT_NODES}
         self._last |= {name: np.zeros(shape) for name in _OF_OBSTACLES}
         self._last |= {"preloads": np.zeros((len(problem.preloads), 2))}
+        self._last |= {"interferences": np.zeros(len(problem.contacts))}
 
     def count(self, forces: BulkForces, reactions: Array) -> None:
         """Count a step that was accepted, before slip is counted anew; collective.
@@ -97,15 +99,16 @@ class EnergyBook:
         forces, motions = self._last["forces"], self._last["motions"]
         work = float(0.5 * (forces[number] + force) @ (motion - motions[number]))
         forces[number], motions[number] = force, motion
+        interferences = self._last["interferences"]
+        pushed_in = np.full(len(state.gap), kinematics.interference - interferences[number])
+        interferences[number] = kinematics.interference
         if kinematics.paired_at is None:
             # A curved obstacle that moves along the surface pushes the gap before it; and what
             # overlaps as drawn pushes the overlap out in the first step.
             stays = np.isfinite(before.gap) & np.isfinite(kinematics.gap)
-            pushed_in = np.zeros(len(stays))
             pushed_in[stays] = before.gap[stays] - kinematics.gap[stays]
-            pressure = 0.5 * (before.state.contact_pressure + state.contact_pressure)
-            work += float(contact.trace.integral(pressure * pushed_in))
-        return work
+        pressure = 0.5 * (before.state.contact_pressure + state.contact_pressure)
+        return work + float(contact.trace.integral(pressure * pushed_in))
 
     def _works_of_preloads(self, solution: Solution) -> list[float]:
         """∫ N dq of each in a step; it becomes the last step's."""

@@ -200,6 +200,16 @@ class Contact:
         AnyNormalLaw | None,
         Field(description="in place of `contact`: a law of the pressure with keys of its own"),
     ] = None
+    interference: Annotated[
+        Number,
+        Field(
+            description="by how much the two sides overlap along the normal before they are "
+            "pressed apart, as in a press fit, beside what their meshes do; < 0 is a gap (length)"
+        ),
+    ] = 0.0
+    interference_path: Annotated[
+        LoadPath, Field(description="of the interference over the load steps")
+    ] = RAMP
     law: Annotated[
         Literal["static", "incremental", "none"],
         Field(
@@ -234,12 +244,28 @@ class Contact:
         for key, (kind, words) in _NOT_IN.items():
             if self.kind == kind and getattr(self, key) != _DEFAULTS[key]:
                 raise ValueError(f"{key}: {words}")
+        self._require_fit()
         if isinstance(self.pressure_path, Path) and min(self.pressure_path.factor) < 0:
             raise ValueError("pressure_path: the factors must be ≥ 0, contact does not pull")
         for key in ("pressure", "friction_coefficient", "foundation_stiffness"):
             value = getattr(self, key)
             if isinstance(value, float | int) and value < 0:
                 raise ValueError(f"{key} = {value} must be ≥ 0")
+
+    def _require_fit(self) -> None:
+        """An interference needs a gap that it narrows, and two sides that stay where they are."""
+        if not self.interference:
+            if self.interference_path != RAMP:
+                raise ValueError("interference_path: only an interference that is given has one")
+            return
+        given = f"interference = {self.interference:g}"
+        if self.kind in ("prescribed", "bonded"):
+            raise ValueError(f"{given}: {self.kind} contact has no gap that could be narrowed")
+        if self.obstacle is not None and self.obstacle.force is not None:
+            raise ValueError(
+                f"{given}: the obstacle goes as deep as its force drives it; give "
+                "obstacle.indentation instead of the force, or no interference"
+            )
 
     @property
     def kind(self) -> str:

@@ -53,6 +53,7 @@ def _tables(scene: Scene) -> list[Path]:
         *(load.path for load in scene.load),
         *(preload.path for preload in scene.preload),
         *(contact.pressure_path for contact in scene.contact),
+        *(contact.interference_path for contact in scene.contact if contact.interference),
         *(obstacle.path for obstacle in obstacles),
         *(obstacle.displacement_path for obstacle in obstacles),
     ]

@@ -9,10 +9,12 @@ from fenics_contact.verification.published import cycle as cycle_cases
 from fenics_contact.verification.published import friction as friction_cases
 from fenics_contact.verification.published import hertz_pair as hertz_pair_cases
 from fenics_contact.verification.published import incline as incline_cases
+from fenics_contact.verification.published import joint as joint_cases
 from fenics_contact.verification.published import line as line_cases
 from fenics_contact.verification.published import pair as pair_cases
 from fenics_contact.verification.published import pair_ways as pair_ways_cases
 from fenics_contact.verification.published import point as point_cases
+from fenics_contact.verification.published import press_fit as press_fit_cases
 from fenics_contact.verification.published import punch as punch_cases
 from fenics_contact.verification.published import shear as shear_cases
 from fenics_contact.verification.published import slab as slab_cases
@@ -29,6 +31,8 @@ CASES: tuple[Case, ...] = (
     *pair_ways_cases.CASES,
     *hertz_pair_cases.CASES,
     *incline_cases.CASES,
+    *press_fit_cases.CASES,
+    *joint_cases.CASES,
     *memory_check.CASES,
 )
 

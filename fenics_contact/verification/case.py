@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.common.errors import FenicsContactError
+from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.adaptive.levels import run
@@ -125,13 +126,17 @@ class UntrustedError(FenicsContactError):
     """A run of a case found no answer, or one that a check of the physics refuses."""
 
 
-def solved(scene: Scene) -> Result:
+def solved(scene: Scene, body: Body | None = None) -> Result:
     """Solve a scene of a case; collective.
+
+    Args:
+        scene: The scene.
+        body: Its mesh, if that is not the one that it names.
 
     Raises:
         UntrustedError: It did not converge, or a check failed.
     """
-    result = run(scene)
+    result = run(scene, body=body)
     if not result.passed:
         raise UntrustedError(result.verdict)
     return result

@@ -53,7 +53,7 @@ class BodyKinematics(ContactKinematics):
         self.trace.turn(pairing.normals, pairing.centre_normals)
         counts = self.trace.count(pairing.shares)
         gap = np.where(counts, pairing.gaps, np.inf)
-        self.gap = self.without_round_off(gap, self.trace.surface.farthest())
+        self._measure(self.without_round_off(gap, self.trace.surface.farthest()))
         self._first_jump = self.jump_at_points()
 
     def require_one_sided(self, key: str) -> None:

@@ -75,6 +75,9 @@ class ObstacleKinematics(ContactKinematics):
 
     def whole_gap(self) -> Array:
         """The gap as the obstacle stands, also at points left out of its reach (length)."""
+        return self._whole() - self.interference
+
+    def _whole(self) -> Array:
         gap = self._gap(self.trace.coordinates, self.trace.normals)
         return gap - self.brought_up * self.facing
 
@@ -110,12 +113,12 @@ class ObstacleKinematics(ContactKinematics):
             displacement: From where it stood at first, (components,) (length).
         """
         self.displacement = displacement
-        self._measured = np.where(self._left_out, np.inf, self.whole_gap())
+        self._measured = np.where(self._left_out, np.inf, self._whole())
         self.stand()
 
     def stand(self) -> None:
         """Take the gap of the obstacle as it stands now, after it was driven or moved."""
-        self.gap = self.without_round_off(self._measured, self._size)
+        self._measure(self.without_round_off(self._measured, self._size))
 
     def bring_up(self) -> None:
         """Take the obstacle to where it first touches the undeformed surface; collective."""

@@ -33,6 +33,7 @@ class ContactKinematics(ABC):
         trace: The contact points.
         jump: w, a dolfinx function that energies see.
         gap: At the points, before anything moves; infinite where nothing stands (length).
+        interference: By how much it is narrower than as drawn (length).
         direction: Unit vector m along which an obstacle is driven, (components,); 0 without.
         indentation: How far d the obstacle is driven at present, from where it has been
             brought up to (length).
@@ -59,7 +60,8 @@ class ContactKinematics(ABC):
         self.brought_up = 0.0
         self.displacement = np.zeros(self._spaces.components)
         self.direction = np.zeros(self._spaces.components)
-        self.gap = np.zeros(len(trace.weights))
+        self.gap = self._drawn = np.zeros(len(trace.weights))
+        self.interference = 0.0
         self._places = trace.coordinates
 
     @abstractmethod
@@ -156,6 +158,16 @@ class ContactKinematics(ABC):
                 (length).
         """
 
+    def overlap_by(self, interference: float) -> None:
+        """Narrow the gap along the normals, beside what the meshes do; < 0 widens it (length)."""
+        self.interference = interference
+        self.gap = self._drawn - interference
+
+    def _measure(self, drawn: Array) -> None:
+        """Take a gap that was found from where the two sides stand."""
+        self._drawn = drawn
+        self.overlap_by(self.interference)
+
     def slid_share(self, closed: Flags) -> float:
         """Slip since it was found what faces what, over the size of the contact; collective.
 
@@ -168,6 +180,11 @@ class ContactKinematics(ABC):
     def sagitta(self) -> float:
         """How far the facets of two bodies are from smooth surfaces, about (length)."""
         return 0.0
+
+    @property
+    def distance_as_drawn(self) -> Array:
+        """At the points, from one side to the other: the gap without any interference (length)."""
+        return self._drawn
 
     def whole_gap(self) -> Array:
         """The gap as an obstacle stands, also at points left out of its reach (length)."""

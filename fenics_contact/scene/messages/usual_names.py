@@ -54,6 +54,8 @@ _KEYS = {
         **dict.fromkeys(("penalty", "eps1", "epsilon1", "ε1", "ε₁"), "penalty_parameter"),
         **dict.fromkeys(("eps", "epsilon", "ε", "regularization"), "regularisation_parameter"),
         **dict.fromkeys(("indenter", "punch", "rigid", "tool", "rigid_body"), "obstacle"),
+        **dict.fromkeys(("overclosure", "press_fit", "oversize", "fit"), "interference"),
+        **dict.fromkeys(("clearance", "adjust", "offset"), "interference"),
         "p": "pressure",
     },
     "Obstacle": {
@@ -98,6 +100,7 @@ _REMARKS = {
     ("Load", "gravity", "body_force"): "density times gravity, along the axes",
     ("Load", "g", "body_force"): "density times gravity, along the axes",
     ("Load", "density", "body_force"): "density times gravity, along the axes",
+    ("Contact", "clearance", "interference"): "which is < 0 for a gap",
 }
 # Displacement components by the usual names.
 _AXES = {

@@ -15,6 +15,7 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.values import RAMP
 
 # What may change between a run and one that goes on from it: how to get there.
 _FREE = ("title", "steps", "solver", "mesh")
@@ -23,7 +24,7 @@ _FREE = ("title", "steps", "solver", "mesh")
 _LATER: dict[str, dict[str, Any]] = {
     "Scene": {"preload": ()},
     "Support": {"name": None},
-    "Contact": {"normal_law": None},
+    "Contact": {"normal_law": None, "interference": 0.0, "interference_path": RAMP},
 }
 # Where functions are asked: places along each axis of the box around the body, and pseudo-times.
 _PLACES = 7

@@ -138,6 +138,8 @@ def _handed_over(forces: BulkForces, contact: ContactSurface, nodal: Array) -> C
     left = total(spaces.comm, np.concatenate([vectors.sum(axis=0), moments.sum(axis=0)]))
     off = np.linalg.norm([*left[counted], *(left[3 + k] for k in turned)])
     closed = contact.kinematics.reached & (contact.pressure() != 0)
-    apart = largest(spaces.comm, np.abs(contact.kinematics.gap[closed]))
+    # By value, sides that touch are as far apart as they overlap.
+    drawn = np.abs(contact.kinematics.distance_as_drawn[closed])
+    apart = largest(spaces.comm, drawn) + abs(contact.kinematics.interference)
     limit = _PAIR_SAFETY * (apart + contact.kinematics.sagitta) / extent + 2 * contact.slid_share()
     return Check(float(off) / carried, min(_PAIR_ROUND_OFF + limit, 0.5), contact.label)
