@@ -10,6 +10,7 @@ from mpi4py import MPI
 
 from fenics_contact import load_scene, main
 from fenics_contact.analytic import contact as formulas
+from fenics_contact.analytic.press_fit import Tube, pressure
 from fenics_contact.cli import new_scene
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.program import mesh_file, templates
@@ -17,7 +18,7 @@ from tests.scenes import ROOT
 
 COMM = MPI.COMM_WORLD
 MODULUS = formulas.plane_strain_modulus(1000, 0.3)
-NAMES = ("cycle", "cylinders", "hertz", "own", "punch", "slab", "winkler")
+NAMES = ("cycle", "cylinders", "hertz", "own", "pin", "pressfit", "punch", "slab", "winkler")
 
 
 @pytest.fixture
@@ -99,6 +100,33 @@ def test_cycle(found):
     assert work[26] - work[6] == pytest.approx(exact, rel=3e-2)
 
 
+@pytest.mark.parametrize("found", ["pressfit"], indirect=True)
+def test_pressfit(found):
+    """Lamé's pressure where the shaft is fitted, and Coulomb's force when all of it slips."""
+    tubes = Tube(10, 20, 210e3, 0.3), Tube(20, 30, 210e3, 0.3)
+    exact, area = pressure(*tubes, 2.5e-3, is_long=False), 2 * pi * 20 * 20
+    assert f"{exact:.2f}" == "6.15" and f"{0.1 * exact * area:.0f}" == "1546"
+    fitted = found["steps"][0]["quantities"]
+    assert fitted["pressure_integral"] / area == pytest.approx(exact, rel=1e-2)
+    quantities = found["quantities"]
+    assert quantities["stick_area"] == 0
+    assert quantities["friction_force"][1] == pytest.approx(0.1 * exact * area, rel=5e-3)
+    assert quantities["friction_force"][1] == pytest.approx(
+        0.1 * quantities["pressure_integral"], rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("found", ["pin"], indirect=True)
+def test_pin(found):
+    """Equilibrium, and Hertz for a contact that is narrow against the hole."""
+    quantities = found["quantities"]
+    assert quantities["reaction"][0] == pytest.approx(-50, rel=1e-3)  # facets of a round pin
+    exact = formulas.line_contact(210e3 / 2, 1 / (1 / 9.95 - 1 / 10), 100)
+    assert f"{exact.radius:.2f}" == "1.55" and f"{exact.peak:.1f}" == "41.0"
+    assert quantities["max_contact_pressure"] == pytest.approx(exact.peak, rel=1e-2)
+    assert quantities["contact_area"] == pytest.approx(exact.radius, rel=5e-2)
+
+
 @pytest.mark.parametrize("found", ["own"], indirect=True)
 def test_own(found):
     """Equilibrium: friction carries what pulls, the floor what presses."""
@@ -155,7 +183,7 @@ def test_nothing_is_overwritten(folder, capsys):
 def test_unknown_names_and_bad_files(folder, capsys):
     for arguments, words in (
         (["hertzz"], "there is no scene 'hertzz'; did you mean hertz?"),
-        (["spring"], f"there is no scene 'spring'; there are {', '.join(NAMES)}"),
+        (["gearbox"], f"there is no scene 'gearbox'; there are {', '.join(NAMES)}"),
         ([], f"say which scene; there are {', '.join(NAMES)}"),
         (["slab", "--out", str(folder / "slab")], "must end in .toml"),
         (["slab", "--out", "/proc/none/slab.toml"], "'/proc/none' cannot be written: "),
