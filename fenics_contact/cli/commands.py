@@ -103,8 +103,9 @@ def _check(options: argparse.Namespace) -> int:
         model = prepared.model
         plan = adaptive_plan(prepared)
     if comm.rank == 0 and not options.quiet:
-        groups = prepared.problem.body.known_groups()
-        print_model(scene, model, groups, prepared.contacts(), plan)
+        body = prepared.problem.body
+        relations = [relation.words for relation in body.relations]
+        print_model(scene, model, body.known_groups(), prepared.contacts(), plan, relations)
     return 0
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich import box
@@ -52,6 +52,7 @@ def print_model(
     groups: str,
     contacts: list[ContactRecord],
     plan: str = "",
+    relations: Sequence[str] = (),
 ) -> None:
     """Say what would be modelled: ``fenics-contact check``.
 
@@ -61,6 +62,7 @@ def print_model(
         groups: Names of the mesh's groups.
         contacts: Of the scene.
         plan: What is said of an accuracy that is asked for.
+        relations: How bodies of a geometry lie that are near each other, in words.
     """
     console = Terminal()
     table = _table("", "")
@@ -72,6 +74,10 @@ def print_model(
     table.add_row("groups of the mesh", escape(groups))
     console.print(f"\n[bold]{escape(one_line(scene.title or 'Scene'))}[/bold]")
     console.print(table)
+    if relations:
+        console.print("Bodies of the geometry that are near each other, as drawn:")
+    for line in relations:
+        console.print(f"  {one_line(line)}", markup=False, highlight=False, soft_wrap=True)
     console.print("Energy terms modelled:")
     for term in model.terms:
         console.print(f"  {term}", markup=False)

@@ -18,7 +18,7 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.mesh import soundness as mesh_checks
 from fenics_contact.mesh.serendipity import complete
-from fenics_contact.mesh.tagged_mesh import Group
+from fenics_contact.mesh.tagged_mesh import Group, Relation
 from fenics_contact.scene.scene import MeshSource
 
 # Gmsh's element types: cell and order.
@@ -62,6 +62,7 @@ class MeshArrays:
         facet_tags: Part of each.
         groups: Name → group.
         numbers: Number → group.
+        relations: Of the bodies of the geometry that are near each other.
     """
 
     cell: str
@@ -73,6 +74,7 @@ class MeshArrays:
     facet_tags: NDArray[np.int32]
     groups: Mapping[str, Group]
     numbers: Mapping[str, Group]
+    relations: tuple[Relation, ...]
 
 
 def build(
@@ -112,7 +114,14 @@ def build(
     facets = facets[:, _permutation(_SIDES[corners], facets.shape[1])]
     tags = _Tags(dimension, body, boundary, outside)
     groups, numbers = _groups(key, source, description, tags)
-    return MeshArrays(cell, order, points, cells, cell_tags, facets, facet_tags, groups, numbers)
+    relations = tuple(_relation(**found) for found in description.get("relations", ()))
+    return MeshArrays(
+        *(cell, order, points, cells, cell_tags, facets, facet_tags, groups, numbers, relations)
+    )
+
+
+def _relation(bodies: list[str], kind: str, overlap: float, share: float) -> Relation:
+    return Relation((bodies[0], bodies[1]), kind, overlap, share)
 
 
 def nodes_of(cell: str, order: int) -> int:
@@ -279,7 +288,7 @@ def _groups(
     for found in sorted(description["groups"], key=lambda group: group["dimension"]):
         if found["dimension"] < tags.dimension - 1:
             continue
-        has_boundaries |= found["dimension"] < tags.dimension
+        has_boundaries |= found["dimension"] < tags.dimension and found["tag"] > 0
         group = tags.group(found["dimension"], found["parts"])
         name = found["name"] or str(found["tag"])
         groups[name] = _joined(where, name, groups.get(name), group)

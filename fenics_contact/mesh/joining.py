@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.common.errors import InputError
 from fenics_contact.mesh.from_gmsh import MeshArrays
-from fenics_contact.mesh.tagged_mesh import Group
+from fenics_contact.mesh.tagged_mesh import Group, Relation
 from fenics_contact.scene.scene import MeshSource
 
 Tags = NDArray[np.int32]
@@ -52,12 +52,14 @@ def joined(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> MeshA
     facet_shifts = _shifts([mesh.facet_tags for mesh in meshes])
     groups: dict[str, Group] = {}
     numbers: dict[str, Group] = {}
+    relations: list[Relation] = []
     for source, mesh, cells, facets in zip(sources, meshes, cell_shifts, facet_shifts, strict=True):
         dimension = mesh.points.shape[1]
         moved = {dimension: cells, dimension - 1: facets}
         groups |= {source.name: _moved(_all_cells(mesh), moved)}
         groups |= _prefixed(source.name, mesh.groups, moved)
         numbers |= _prefixed(source.name, mesh.numbers, moved)
+        relations += [_named(source.name, relation) for relation in mesh.relations]
     return MeshArrays(
         meshes[0].cell,
         meshes[0].order,
@@ -68,6 +70,7 @@ def joined(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> MeshA
         _concatenated([mesh.facet_tags for mesh in meshes], facet_shifts),
         groups,
         numbers,
+        tuple(relations),
     )
 
 
@@ -103,6 +106,11 @@ def _prefixed(
     name: str, groups: Mapping[str, Group], shifts: Mapping[int, int]
 ) -> dict[str, Group]:
     return {f"{name}.{group}": _moved(found, shifts) for group, found in groups.items()}
+
+
+def _named(name: str, relation: Relation) -> Relation:
+    first, second = relation.bodies
+    return dataclasses.replace(relation, bodies=(f"{name}.{first}", f"{name}.{second}"))
 
 
 def _moved(group: Group, shifts: Mapping[int, int]) -> Group:

@@ -6,6 +6,7 @@ raised on every rank. Then the cells are dealt out.
 
 from __future__ import annotations
 
+import logging
 import re
 import tempfile
 from collections.abc import Sequence
@@ -32,6 +33,8 @@ from fenics_contact.mesh.geometry.file_kinds import (
 from fenics_contact.mesh.size_field import SizeField
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.scene import MeshSource
+
+logger = logging.getLogger(__name__)
 
 # Of reading a mesh that exists; meshing a geometry may take what there is.
 _BASE_MEMORY, _MEMORY_PER_BYTE = 4 * 2**30, 100
@@ -67,9 +70,10 @@ def load_body(
     def prepare() -> tuple[Any, ...]:
         made = _load_all(sources, dimension, sizes, curved)
         arrays.append(made)
-        return made.cell, made.order, made.facets.shape[1], made.groups, made.numbers
+        named = made.groups, made.numbers, made.relations
+        return made.cell, made.order, made.facets.shape[1], named
 
-    cell, order, facet_nodes, groups, numbers = on_root(comm, prepare)
+    cell, order, facet_nodes, (groups, numbers, relations) = on_root(comm, prepare)
     if arrays:
         made = arrays.pop()
         points, cells, cell_tags = made.points, made.cells, made.cell_tags
@@ -87,6 +91,7 @@ def load_body(
         groups,
         " and ".join(dict.fromkeys(source.file for source in sources)),
         numbers,
+        relations,
     )
 
 
@@ -141,7 +146,11 @@ def _load(
         job |= {"file": str(ready.path), "version": ready.version, "folder": folder}
         given = b"" if sizes is None else sizes.as_bytes()
         description, read = gmsh_call.call(ready, job, given, limits)
-    return mesh_arrays.build(read, description, source, dimension, key)
+    made = mesh_arrays.build(read, description, source, dimension, key)
+    for relation in made.relations:
+        if relation.kind == "overlapping":
+            logger.warning("%s.file = '%s': %s", key, source.file, relation.words)
+    return made
 
 
 def _check_settings(key: str, source: MeshSource, file: MeshFile) -> None:
@@ -151,6 +160,7 @@ def _check_settings(key: str, source: MeshSource, file: MeshFile) -> None:
         "order": source.order != 1,
         "size": source.size is not None,
         "curvature": source.curvature is not None,
+        "sizes": bool(source.sizes),
     }
     given = [name for name, is_given in meshing.items() if is_given]
     if file.is_mesh and (given or source.parameters):
@@ -173,6 +183,8 @@ def _job(key: str, source: MeshSource, file: MeshFile, dimension: int) -> dict[s
         "order": source.order,
         "size": source.size,
         "curvature": source.curvature,
+        "body_sizes": dict(source.sizes),
+        "groups": list(source.groups),
     }
     if file.kind == "geo":
         return job | {"parameters": dict(source.parameters)}

@@ -33,6 +33,37 @@ class Group:
     centre: tuple[float, ...] = field(default=(), compare=False)
 
 
+@dataclass(frozen=True)
+class Relation:
+    """How two bodies of a geometry lie that are near each other, as drawn.
+
+    Attributes:
+        bodies: Their names.
+        kind: ``glued``: they share a face; ``touching``: they do not, so that they are apart for
+            the mesh; or ``overlapping``.
+        overlap: What they share: a volume, in the plane an area.
+        share: The same, over that of the smaller.
+    """
+
+    bodies: tuple[str, str]
+    kind: str
+    overlap: float = 0.0
+    share: float = 0.0
+
+    @property
+    def words(self) -> str:
+        """A sentence without its full stop."""
+        both = " and ".join(f"'{one_line(name)}'" for name in self.bodies)
+        if self.kind == "overlapping":
+            return (
+                f"{both} overlap by {self.overlap:.4g}, {100 * self.share:.2g} % of the smaller: a "
+                "contact between them presses them apart (a press fit), without one they stay so"
+            )
+        if self.kind == "glued":
+            return f"{both} are glued: they share a face, and move together there"
+        return f"{both} touch, and are apart for the mesh: only a contact holds or presses them"
+
+
 @dataclass(frozen=True, eq=False)
 class Body:
     """A distributed mesh and the names of its parts.
@@ -45,6 +76,7 @@ class Body:
         source: What messages call this mesh, such as the names of its files.
         numbers: Number → group: physical groups by their tags, or, where the boundary
             has none, its geometric parts.
+        relations: Of the bodies of each geometry that are near each other.
 
     A mesh of your own goes into ``run`` as a body. This square is pressed against the floor,
     without friction, so the pressure there is what presses on it:
@@ -85,6 +117,7 @@ class Body:
     groups: Mapping[str, Group]
     source: str = "the mesh"
     numbers: Mapping[str, Group] = field(default_factory=dict)
+    relations: tuple[Relation, ...] = ()
 
     @property
     def dimension(self) -> int:

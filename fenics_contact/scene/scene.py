@@ -67,6 +67,13 @@ class MeshSource:
         Positive | None,
         Field(description="largest cell made from a geometry (length); by default Gmsh's choice"),
     ] = None
+    sizes: Annotated[
+        Mapping[str, Positive],
+        Field(
+            description="largest cell of single bodies of a geometry, in place of `size`: name → "
+            "length, such as `{ bolt = 1.5, plate = 3 }`"
+        ),
+    ] = Field(default_factory=dict)
     curvature: Annotated[
         Annotated[Integer, Field(ge=3)] | None,
         Field(description="cells along a full circle made from a geometry, for finer holes"),

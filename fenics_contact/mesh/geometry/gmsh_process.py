@@ -21,8 +21,18 @@ import gmsh
 import numpy as np
 
 from fenics_contact.mesh.geometry import process_room as room
+from fenics_contact.mesh.geometry.bodies import Bodies, name_bodies, name_surfaces, relate
 from fenics_contact.mesh.geometry.process_room import Arrays, Job, RefusedError
+from fenics_contact.mesh.geometry.size_limits import (
+    largest_size,
+    limit_sizes,
+    limiting_fields,
+    set_least,
+)
 
+# What is done with a geometry before it is meshed, in this order. Each takes the job and the
+# bodies, and may change both the bodies and the model that is open.
+_PREPARATIONS = (name_bodies, name_surfaces, relate, limit_sizes)
 _RECOMBINE = {"triangle": 0, "quadrilateral": 1}  # Gmsh's Mesh.RecombineAll
 # Gmsh's letters for elements on which sizes are given.
 _ON_ELEMENTS = {"triangle": "T", "quadrilateral": "Q", "tetrahedron": "S"}
@@ -55,17 +65,19 @@ def _mesh(job: Job) -> tuple[dict[str, Any], Arrays]:
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # PETSc, in Gmsh, dies of what nobody reads
     gmsh.option.setNumber("General.Terminal", 1)
-    _READERS[job["kind"]](job)
-    return _describe(), _elements()
+    bodies = _READERS[job["kind"]](job)
+    return _describe(bodies), _elements()
 
 
-def _read_mesh(job: Job) -> None:
+def _read_mesh(job: Job) -> Bodies:
+    """A mesh, whose groups say all that is known of its bodies."""
     gmsh.merge(job["file"])
     if job["version"] == 2 and _parts_share_groups():
         # Other programs number parts anyhow, and only the group tells the elements apart.
         gmsh.clear()
         gmsh.option.setNumber("Mesh.SwitchElementTags", 1)
         gmsh.merge(job["file"])
+    return Bodies(gmsh.model.getDimension(), are_groups=True)
 
 
 def _parts_share_groups() -> bool:
@@ -78,7 +90,7 @@ def _parts_share_groups() -> bool:
     return len(found) > len(set(found))
 
 
-def _mesh_script(job: Job) -> None:
+def _mesh_script(job: Job) -> Bodies:
     key, parameters, name_of_file = job["key"], job["parameters"], job["name"]
     known = _constants(job["file"]) if parameters else []
     for name, value in parameters.items():
@@ -96,7 +108,7 @@ def _mesh_script(job: Job) -> None:
                 f"{key}.parameters.{name} = {value:g}: {name_of_file} overwrites it; "
                 "let the file set it with DefineConstant"
             )
-    _generate(job)
+    return _generate(job)
 
 
 def _constants(file: str) -> list[str]:
@@ -109,13 +121,13 @@ def _constants(file: str) -> list[str]:
     return names
 
 
-def _mesh_cad(job: Job) -> None:
+def _mesh_cad(job: Job) -> Bodies:
     _set_options(job)
     if job["unit"]:  # Gmsh converts to millimetres; the numbers of the file are wanted
         gmsh.option.setString("Geometry.OCCTargetUnit", job["unit"])
     gmsh.model.occ.importShapes(job["file"], format=job["format"])
     gmsh.model.occ.synchronize()
-    _generate(job)
+    return _generate(job)
 
 
 def _set_options(job: Job) -> None:
@@ -128,16 +140,20 @@ def _set_options(job: Job) -> None:
         gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", job["curvature"])
 
 
-def _generate(job: Job) -> None:
+def _generate(job: Job) -> Bodies:
     """Mesh, if the model has parts of the dimension asked for; the caller sees if not."""
+    bodies = Bodies(job["dimension"])
     if gmsh.model.getDimension() != job["dimension"]:
-        return
+        return bodies
+    for prepare in _PREPARATIONS:
+        prepare(job, bodies)
     if job["curved"] and _is_curved():
         gmsh.option.setNumber("Mesh.ElementOrder", 2)
     if job["sizes"]:
-        _mesh_by_sizes(job)
+        _mesh_by_sizes(job, bodies)
     else:
         gmsh.model.mesh.generate(job["dimension"])
+    return bodies
 
 
 def _is_curved() -> bool:
@@ -146,7 +162,7 @@ def _is_curved() -> bool:
     return not kinds <= {"Line", "Plane", "Plane surface"}
 
 
-def _mesh_by_sizes(job: Job) -> None:
+def _mesh_by_sizes(job: Job, bodies: Bodies) -> None:
     """Mesh with the sizes that standard input holds; numbers of cells in the file do not count.
 
     The input is an ``.npz``: ``points`` (cells, vertices, 3), and ``sizes`` at each, (cells,
@@ -158,20 +174,21 @@ def _mesh_by_sizes(job: Job) -> None:
     _lift_constraints(job)
     # Quadrilaterals are made by cutting each cell of a coarser mesh: no triangle is left then.
     is_cut = cell == "quadrilateral"
-    values = 2 * sizes if is_cut else sizes
-    rows = np.concatenate([points.transpose(0, 2, 1).reshape(len(points), -1), values], axis=1)
+    factor = 2 if is_cut else 1
+    corners = points.transpose(0, 2, 1).reshape(len(points), -1)
+    rows = np.concatenate([corners, factor * sizes], axis=1)
     view = gmsh.view.add("sizes")
     gmsh.view.addListData(view, f"S{_ON_ELEMENTS[cell]}", len(rows), rows.reshape(-1))
     field = gmsh.model.mesh.field.add("PostView")
     gmsh.model.mesh.field.setNumber(field, "ViewTag", view)
-    gmsh.model.mesh.field.setAsBackgroundMesh(field)
+    set_least([field, *limiting_fields(job, bodies, factor)])
     for name, value in {
         "MeshSizeExtendFromBoundary": 0,
         "MeshSizeFromPoints": 0,
         "MeshSizeFromCurvature": job["curvature"] or 0,
         "MeshSizeFactor": 1,
         "MeshSizeMin": 0,
-        "MeshSizeMax": (job["size"] or 1e22) * (2 if is_cut else 1),
+        "MeshSizeMax": factor * largest_size(job, bodies),
         "RecombineAll": int(is_cut),
         "SubdivisionAlgorithm": int(is_cut),
     }.items():
@@ -252,8 +269,12 @@ def _lift_constraints(job: Job) -> None:
 _READERS = {"msh": _read_mesh, "geo": _mesh_script, "cad": _mesh_cad}
 
 
-def _describe() -> dict[str, Any]:
-    """Dimension, physical groups, parts with their centres, and names of element types."""
+def _describe(bodies: Bodies) -> dict[str, Any]:
+    """Dimension, groups, parts with their centres, how bodies lie, and names of element types.
+
+    Args:
+        bodies: Of the model, as far as its groups do not name them.
+    """
     switched = bool(gmsh.option.getNumber("Mesh.SwitchElementTags"))
     groups = []
     for dimension, tag in gmsh.model.getPhysicalGroups() if not switched else []:
@@ -266,7 +287,9 @@ def _describe() -> dict[str, Any]:
     types = {int(kind) for kind in gmsh.model.mesh.getElementTypes()}
     return {
         "dimension": gmsh.model.getDimension(),
-        "groups": groups,
+        "groups": groups + bodies.groups(),
+        "whole": not bodies.are_groups,
+        "relations": bodies.relations,
         "parts": [
             {"dimension": dimension, "tag": tag, "centre": _centre(dimension, tag)}
             for dimension, tag in gmsh.model.getEntities()

@@ -261,7 +261,15 @@ def test_gmsh_process_may_not_write_nor_leave_anything(folder, monkeypatch):
     (folder / "g.geo").write_text(RECTANGLE + f'Printf("a") > "{target}"; Printf("a") > "b";')
     file = mesh_files.MeshFile("mesh.file", folder / "g.geo", "geo", "")
     job = {"key": "mesh", "kind": "geo", "name": "g.geo", "dimension": 2, "version": 0}
-    job |= {"cell": "as meshed", "order": 1, "size": None, "curvature": None, "parameters": {}}
+    job |= {
+        "cell": "as meshed",
+        "order": 1,
+        "size": None,
+        "curvature": None,
+        "parameters": {},
+        "groups": [],
+    }
+    job["body_sizes"] = {}
     job |= {"curved": False, "sizes": False, "folder": str(folder), "file": str(file.path)}
     gmsh_call.call(mesh_files.Prepared(file.path), job, b"", gmsh_call.Limits("mesh", 60))
     assert not target.exists() or target.stat().st_size == 0

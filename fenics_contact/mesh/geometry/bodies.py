@@ -1,0 +1,176 @@
+"""The bodies of a geometry: its solids, or faces in the plane, with names, and how they lie.
+
+For the process of Gmsh alone: it works on the model that is open there.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import gmsh
+import numpy as np
+
+from fenics_contact.mesh.geometry.names import label_of, unique_names
+from fenics_contact.mesh.geometry.process_room import Job, RefusedError
+from fenics_contact.mesh.geometry.step_faces import face_labels
+
+_WHOLE = "body"  # the group of all cells, which no single body may be called
+_INSIDE = 0.999  # share of the smaller body, from which on it lies in the other
+_ROUND_OFF = 1e-9  # share of the smaller body that is no overlap
+_TOUCHING = 1e-6  # distance that is none, over the size of the smaller body
+_MEASURES = {2: "area", 3: "volume"}
+
+
+@dataclass
+class Bodies:
+    """What the parts of the open model are called.
+
+    Attributes:
+        dimension: Of the model.
+        parts: Name → Gmsh's numbers of the solids, or faces, that are this body. None of them
+            shares one, unless the file's physical groups do.
+        surfaces: Name → Gmsh's numbers of the surfaces, or curves, that the file calls so.
+        relations: How bodies lie that are near each other: ``bodies``, two names; ``kind``,
+            ``glued``, ``touching`` or ``overlapping``; and ``overlap``, a volume or an area, with
+            its ``share`` of the smaller.
+        are_groups: Whether they are the file's physical groups, which are known anyway.
+    """
+
+    dimension: int
+    parts: dict[str, list[int]] = field(default_factory=dict)
+    surfaces: dict[str, list[int]] = field(default_factory=dict)
+    relations: list[dict[str, Any]] = field(default_factory=list)
+    are_groups: bool = False
+
+    def groups(self) -> list[dict[str, Any]]:
+        """As ``from_gmsh`` takes physical groups; without numbers, which are the surfaces'."""
+        kinds = [] if self.are_groups else [(self.dimension, self.parts)]
+        return [
+            {"dimension": dimension, "tag": 0, "name": name, "parts": parts}
+            for dimension, named in [*kinds, (self.dimension - 1, self.surfaces)]
+            for name, parts in named.items()
+        ]
+
+
+def name_bodies(job: Job, bodies: Bodies) -> None:
+    """Name each by the file's physical groups, else its labels, else by its number.
+
+    One body without a label needs no name: it is the whole.
+    """
+    dimension = bodies.dimension
+    groups = gmsh.model.getPhysicalGroups(dimension)
+    if groups:
+        bodies.are_groups = True
+        for group in groups:
+            name = gmsh.model.getPhysicalName(*group) or str(group[1])
+            found = gmsh.model.getEntitiesForPhysicalGroup(*group).tolist()
+            bodies.parts.setdefault(name, []).extend(found)
+        return
+    parts = [part for _, part in gmsh.model.getEntities(dimension)]
+    labels = [label_of(gmsh.model.getEntityName(dimension, part)) for part in parts]
+    if len(parts) == 1 and labels[0] in ("", _WHOLE):
+        bodies.parts[_WHOLE] = parts
+        return
+    names = unique_names(labels, _WHOLE, taken={_WHOLE, *job["groups"]})
+    bodies.parts.update({name: [part] for name, part in zip(names, parts, strict=True)})
+
+
+def name_surfaces(job: Job, bodies: Bodies) -> None:
+    """Name the surfaces that a STEP file labels, by their body and their label."""
+    if job.get("format") != "step" or bodies.dimension != 3:
+        return
+    labels = face_labels(job["file"], [part for _, part in gmsh.model.getEntities(3)])
+    owners = {part: name for name, parts in bodies.parts.items() for part in parts}
+    for part, faces in labels.items():
+        owner = "" if owners[part] == _WHOLE else f"{owners[part]}_"
+        for face, label in faces:
+            name = f"{owner}{label}"
+            if name not in bodies.parts and name not in job["groups"]:
+                bodies.surfaces.setdefault(name, []).append(face)
+
+
+def relate(job: Job, bodies: Bodies) -> None:
+    """Tell bodies apart that are glued, that touch and that overlap.
+
+    Raises:
+        RefusedError: A body lies in another.
+    """
+    if job["sizes"]:  # a further mesh of a geometry that is known
+        return
+    for pair in itertools.combinations(bodies.parts, 2):
+        if set(bodies.parts[pair[0]]) & set(bodies.parts[pair[1]]):
+            continue
+        kind, overlap, share = _relation(bodies.dimension, *(bodies.parts[name] for name in pair))
+        if share > _INSIDE:
+            _refuse_inside(job, bodies, pair)
+        if kind:
+            found = {"bodies": list(pair), "kind": kind, "overlap": overlap, "share": share}
+            bodies.relations.append(found)
+
+
+def _relation(
+    dimension: int, first: Sequence[int], second: Sequence[int]
+) -> tuple[str, float, float]:
+    """How two bodies lie; the measure of their overlap, and its share of the smaller."""
+    if _sides(dimension, first) & _sides(dimension, second):
+        return "glued", 0.0, 0.0
+    pairs = list(_near(dimension, first, second))
+    if not pairs:
+        return "", 0.0, 0.0
+    smaller = min(_measure(dimension, first), _measure(dimension, second))
+    overlap = sum(_overlap(dimension, *pair) for pair in pairs)
+    if overlap > _ROUND_OFF * smaller:
+        return "overlapping", overlap, overlap / smaller
+    most = _TOUCHING * smaller ** (1 / dimension)
+    distance = gmsh.model.occ.getDistance
+    if any(distance(dimension, a, dimension, b)[0] <= most for a, b in pairs):
+        return "touching", 0.0, 0.0
+    return "", 0.0, 0.0
+
+
+def _refuse_inside(job: Job, bodies: Bodies, pair: tuple[str, str]) -> None:
+    """A body all of which is within another."""
+    outer, inner = sorted(pair, key=lambda name: -_measure(bodies.dimension, bodies.parts[name]))
+    raise RefusedError(
+        f"{job['key']}.file = '{job['name']}': the body '{inner}' lies inside '{outer}', with all "
+        f"of its {_MEASURES[bodies.dimension]}; cut its room out of '{outer}' in the CAD program, "
+        "or leave one of them out"
+    )
+
+
+def _sides(dimension: int, parts: Sequence[int]) -> set[int]:
+    """Surfaces, or curves, around some parts."""
+    return {
+        side for part in parts for side in gmsh.model.getAdjacencies(dimension, part)[1].tolist()
+    }
+
+
+def _near(dimension: int, first: Sequence[int], second: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """Parts whose boxes meet, of those that OpenCASCADE knows: it compares no others."""
+    known = {part for _, part in gmsh.model.occ.getEntities(dimension)}
+    for pair in itertools.product(first, second):
+        if known.issuperset(pair):
+            a, b = (np.array(gmsh.model.getBoundingBox(dimension, p)).reshape(2, 3) for p in pair)
+            play = _TOUCHING * max(np.ptp(a), np.ptp(b))
+            if (a[0] <= b[1] + play).all() and (b[0] <= a[1] + play).all():
+                yield pair
+
+
+def _measure(dimension: int, parts: Sequence[int]) -> float:
+    """Volume, or area, of some parts; only of those that OpenCASCADE knows."""
+    known = {part for _, part in gmsh.model.occ.getEntities(dimension)}
+    return float(sum(gmsh.model.occ.getMass(dimension, p) for p in parts if p in known))
+
+
+def _overlap(dimension: int, first: int, second: int) -> float:
+    """Volume, or area, that two parts share; the model stays as it is."""
+    occ = gmsh.model.occ
+    copies = [occ.copy([(dimension, part)]) for part in (first, second)]
+    shared, _ = occ.intersect(*copies)
+    shared = [part for part in shared if part[0] == dimension]
+    measure = float(sum(occ.getMass(*part) for part in shared))
+    occ.remove(shared, recursive=True)
+    return measure
