@@ -105,7 +105,7 @@ class BodyDescription:
                 for each in scene.contact
             ),
             preloads=tuple(
-                PreloadedGroup(each.on, each.axis, each.label) for each in scene.preload
+                PreloadedGroup(each.group, each.axis, each.label) for each in scene.preload
             ),
         )
 

@@ -21,6 +21,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import on_root
 from fenics_contact.mesh import from_gmsh as mesh_arrays
 from fenics_contact.mesh import joining as mesh_join
+from fenics_contact.mesh.bolts import Cut, bolts_of, cuts_of
 from fenics_contact.mesh.from_gmsh import MeshArrays
 from fenics_contact.mesh.geometry import gmsh_call
 from fenics_contact.mesh.geometry.file_kinds import (
@@ -32,6 +33,7 @@ from fenics_contact.mesh.geometry.file_kinds import (
 )
 from fenics_contact.mesh.size_field import SizeField
 from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.scene.conditions import Preload
 from fenics_contact.scene.scene import MeshSource
 
 logger = logging.getLogger(__name__)
@@ -48,6 +50,7 @@ def load_body(
     comm: MPI.Comm,
     sizes: Sequence[SizeField] | None = None,
     curved: bool = False,
+    preloads: Sequence[Preload] = (),
 ) -> Body:
     """Mesh geometries, or read meshes, put them together and distribute the whole.
 
@@ -58,6 +61,7 @@ def load_body(
         sizes: Of the cells to be made, one field a source; used on rank 0 only. The sources are
             geometries then, and by default meshed as they say.
         curved: Whether cells of geometries that are not straight get a geometry of order 2.
+        preloads: Of the scene; bodies are cut for those that say where.
 
     Raises:
         InputError: A file is missing, Gmsh refuses it, or its mesh is unsound; or the meshes
@@ -68,7 +72,7 @@ def load_body(
     arrays: list[MeshArrays] = []  # stays on rank 0
 
     def prepare() -> tuple[Any, ...]:
-        made = _load_all(sources, dimension, sizes, curved)
+        made = _load_all(sources, dimension, sizes, curved, bolts_of(sources, preloads))
         arrays.append(made)
         named = made.groups, made.numbers, made.relations
         return made.cell, made.order, made.facets.shape[1], named
@@ -100,13 +104,14 @@ def _load_all(
     dimension: int,
     sizes: Sequence[SizeField] | None,
     curved: bool,
+    cuts: Sequence[Sequence[Cut]],
 ) -> MeshArrays:
     """The meshes of all files as one; on rank 0."""
     keys = [f"mesh[{number}]" for number in range(len(sources))] if len(sources) > 1 else ["mesh"]
     fields: Sequence[SizeField | None] = sizes or [None] * len(sources)
     meshes = [
-        _load(key, source, dimension, field, curved)
-        for key, source, field in zip(keys, sources, fields, strict=True)
+        _load(key, source, dimension, field, curved, of_source)
+        for key, source, field, of_source in zip(keys, sources, fields, cuts, strict=True)
     ]
     if len(sources) == 1:
         return mesh_join.with_name("mesh", sources[0], meshes[0])
@@ -119,7 +124,12 @@ def is_geometry(source: MeshSource) -> bool:
 
 
 def _load(
-    key: str, source: MeshSource, dimension: int, sizes: SizeField | None, curved: bool
+    key: str,
+    source: MeshSource,
+    dimension: int,
+    sizes: SizeField | None,
+    curved: bool,
+    cuts: Sequence[Cut],
 ) -> MeshArrays:
     """The mesh of a file, examined; on rank 0.
 
@@ -129,10 +139,11 @@ def _load(
         dimension: Of the model.
         sizes: Of its cells, if not those that it asks for.
         curved: As for ``load_body``.
+        cuts: Of its bodies.
     """
     file = mesh_file(f"{key}.file", source.file)
     _check_settings(key, source, file)
-    job = _job(key, source, file, dimension)
+    job = _job(key, source, file, dimension) | {"cuts": cuts_of(file, source, cuts)}
     if not file.is_mesh:
         job |= {"curved": curved, "sizes": sizes is not None}
     if sizes is not None:

@@ -97,8 +97,8 @@ class Preload:
     on: Annotated[
         Text,
         Field(
-            description="physical group of cells, such as a bolt's shank: its ends must be plane "
-            "and at right angles to the axis"
+            description="physical group of cells, such as a bolt's shank, whose ends must be plane "
+            "and at right angles to the axis; or with `between` a body of a CAD file"
         ),
     ]
     axis: Annotated[
@@ -128,10 +128,22 @@ class Preload:
     name: Annotated[
         Text | None, Field(description="name in the results, by default that of the group")
     ] = None
+    between: Annotated[
+        tuple[Number, Number] | None,
+        Field(
+            description="positions along the axis, from and to, at which that body is cut before "
+            "it is meshed; what is between is preloaded (length, from the origin)"
+        ),
+    ] = None
 
     def __post_init__(self) -> None:
         if not any(self.axis):
             raise ValueError("axis = 0: give the direction along the bolt")
+        if self.between is not None and self.between[0] >= self.between[1]:
+            start, end = self.between
+            raise ValueError(
+                f"between = [{start:g}, {end:g}]: the first must be less than the second"
+            )
         if self.name is not None:
             require_name(self.name)
 
@@ -139,6 +151,14 @@ class Preload:
     def label(self) -> str:
         """Name in results and messages."""
         return self.name or self.on
+
+    @property
+    def group(self) -> str:
+        """The group of cells that is preloaded; that of what is between, where a body is cut."""
+        if self.between is None:
+            return self.on
+        start, end = self.between
+        return f"{self.on} between {start:.12g} and {end:.12g}"
 
 
 @scene_class

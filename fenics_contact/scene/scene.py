@@ -285,6 +285,11 @@ def _require_bolt(scene: Scene, preload: Preload, key: str) -> None:
             f"{key}.axis has {len(axis)} entries; a {scene.kinematics} model needs "
             f"{scene.dimension}"
         )
+    if preload.between is not None and not scene.mesh:
+        raise ValueError(
+            f"{key}.between: only a body of a CAD file can be cut; of a mesh, preload a group of "
+            "its cells"
+        )
     if scene.kinematics == "axisymmetric" and axis[0] != 0:
         raise ValueError(f"{key}.axis: must be along y, the axis of revolution")
     if locked is None:

@@ -100,7 +100,9 @@ class Run:
                 raise InputError("mesh: the scene names no mesh and no body was passed")
             with self.timings.phase("mesh"):
                 curved = scene.accuracy is not None and scene.discretisation.degree > 1
-                body = load_body(scene.mesh, scene.dimension, comm, curved=curved)
+                body = load_body(
+                    scene.mesh, scene.dimension, comm, curved=curved, preloads=scene.preload
+                )
         self.problem = Problem.on_mesh(scene, body, self.timings)
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)

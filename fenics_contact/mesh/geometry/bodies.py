@@ -6,7 +6,7 @@ For the process of Gmsh alone: it works on the model that is open there.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -37,6 +37,7 @@ class Bodies:
             ``glued``, ``touching`` or ``overlapping``; and ``overlap``, a volume or an area, with
             its ``share`` of the smaller.
         are_groups: Whether they are the file's physical groups, which are known anyway.
+        preloaded: Name → Gmsh's numbers of the pieces of bodies that are preloaded.
     """
 
     dimension: int
@@ -44,10 +45,39 @@ class Bodies:
     surfaces: dict[str, list[int]] = field(default_factory=dict)
     relations: list[dict[str, Any]] = field(default_factory=list)
     are_groups: bool = False
+    preloaded: dict[str, list[int]] = field(default_factory=dict)
+    _pieces: dict[int, int] = field(default_factory=dict)
+    _sections: set[int] = field(default_factory=set)
+
+    def cut_sides(self, pieces: Mapping[int, Sequence[int]], sections: Iterable[int]) -> None:
+        """Surfaces, or curves, were cut, and sections made.
+
+        Args:
+            pieces: What has become of each that there was.
+            sections: Gmsh's numbers of the new ones inside the bodies.
+        """
+        numbers = {side: self.number(self.dimension - 1, side) for side in pieces}
+        was_section = {side for side in pieces if side in self._sections}
+        for side, found in pieces.items():
+            self._pieces.pop(side, None)
+            if side in was_section:
+                self._sections.discard(side)
+                self._sections.update(found)
+            else:
+                number = numbers[side]
+                self._pieces |= {p: number for p in found if number is not None and p != number}
+        self._sections.update(sections)
+
+    def number(self, dimension: int, part: int) -> int | None:
+        """By which users know a part: its own, that of what it was cut from, or none."""
+        if dimension != self.dimension - 1:
+            return part
+        return None if part in self._sections else self._pieces.get(part, part)
 
     def groups(self) -> list[dict[str, Any]]:
         """As ``from_gmsh`` takes physical groups; without numbers, which are the surfaces'."""
         kinds = [] if self.are_groups else [(self.dimension, self.parts)]
+        kinds.append((self.dimension, self.preloaded))
         return [
             {"dimension": dimension, "tag": 0, "name": name, "parts": parts}
             for dimension, named in [*kinds, (self.dimension - 1, self.surfaces)]

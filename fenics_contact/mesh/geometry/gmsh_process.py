@@ -22,6 +22,7 @@ import numpy as np
 
 from fenics_contact.mesh.geometry import process_room as room
 from fenics_contact.mesh.geometry.bodies import Bodies, name_bodies, name_surfaces, relate
+from fenics_contact.mesh.geometry.cuts import cut_bodies
 from fenics_contact.mesh.geometry.process_room import Arrays, Job, RefusedError
 from fenics_contact.mesh.geometry.size_limits import (
     largest_size,
@@ -32,7 +33,7 @@ from fenics_contact.mesh.geometry.size_limits import (
 
 # What is done with a geometry before it is meshed, in this order. Each takes the job and the
 # bodies, and may change both the bodies and the model that is open.
-_PREPARATIONS = (name_bodies, name_surfaces, relate, limit_sizes)
+_PREPARATIONS = (name_bodies, name_surfaces, relate, cut_bodies, limit_sizes)
 _RECOMBINE = {"triangle": 0, "quadrilateral": 1}  # Gmsh's Mesh.RecombineAll
 # Gmsh's letters for elements on which sizes are given.
 _ON_ELEMENTS = {"triangle": "T", "quadrilateral": "Q", "tetrahedron": "S"}
@@ -66,7 +67,7 @@ def _mesh(job: Job) -> tuple[dict[str, Any], Arrays]:
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # PETSc, in Gmsh, dies of what nobody reads
     gmsh.option.setNumber("General.Terminal", 1)
     bodies = _READERS[job["kind"]](job)
-    return _describe(bodies), _elements()
+    return _describe(bodies), _elements(bodies)
 
 
 def _read_mesh(job: Job) -> Bodies:
@@ -273,7 +274,7 @@ def _describe(bodies: Bodies) -> dict[str, Any]:
     """Dimension, groups, parts with their centres, how bodies lie, and names of element types.
 
     Args:
-        bodies: Of the model, as far as its groups do not name them.
+        bodies: Of the model.
     """
     switched = bool(gmsh.option.getNumber("Mesh.SwitchElementTags"))
     groups = []
@@ -291,34 +292,47 @@ def _describe(bodies: Bodies) -> dict[str, Any]:
         "whole": not bodies.are_groups,
         "relations": bodies.relations,
         "parts": [
-            {"dimension": dimension, "tag": tag, "centre": _centre(dimension, tag)}
-            for dimension, tag in gmsh.model.getEntities()
+            {"dimension": dimension, "tag": number, "centre": _centre(dimension, tags)}
+            for (dimension, number), tags in _numbered(bodies).items()
             if dimension >= 1
         ],
         "types": {kind: gmsh.model.mesh.getElementProperties(kind)[0] for kind in types},
     }
 
 
-def _centre(dimension: int, tag: int) -> list[float]:
-    """Middle of a part's bounding box."""
+def _numbered(bodies: Bodies) -> dict[tuple[int, int], list[int]]:
+    """Parts by dimension and the number that users know them by."""
+    found: dict[tuple[int, int], list[int]] = {}
+    for dimension, tag in gmsh.model.getEntities():
+        number = bodies.number(dimension, tag)
+        if number is not None:
+            found.setdefault((dimension, number), []).append(tag)
+    return found
+
+
+def _centre(dimension: int, tags: Sequence[int]) -> list[float]:
+    """Middle of the box around some parts."""
     try:
-        box = np.array(gmsh.model.getBoundingBox(dimension, tag)).reshape(2, 3)
+        boxes = np.array([gmsh.model.getBoundingBox(dimension, tag) for tag in tags])
     except Exception:  # a part without nodes has none
         return []
-    return [float(value) for value in box.mean(axis=0)]
+    return [float(x) for x in (boxes[:, :3].min(axis=0) + boxes[:, 3:].max(axis=0)) / 2]
 
 
-def _elements() -> Arrays:
+def _elements(bodies: Bodies) -> Arrays:
     """Node tags and coordinates; the nodes and the part of every element, by type."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     arrays = {"node_tags": tags, "points": coordinates.reshape(-1, 3)}
     nodes: dict[int, list[np.ndarray]] = {}
     parts: dict[int, list[np.ndarray]] = {}
     for dimension, part in gmsh.model.getEntities():
+        number = bodies.number(dimension, part)
+        if number is None:
+            continue
         kinds, elements, element_nodes = gmsh.model.mesh.getElements(dimension, part)
         for kind, found, found_nodes in zip(kinds, elements, element_nodes, strict=True):
             nodes.setdefault(int(kind), []).append(found_nodes.reshape(len(found), -1))
-            parts.setdefault(int(kind), []).append(np.full(len(found), part, dtype=np.int64))
+            parts.setdefault(int(kind), []).append(np.full(len(found), number, dtype=np.int64))
     for kind in nodes:
         arrays[f"nodes_{kind}"] = np.concatenate(nodes[kind])
         arrays[f"parts_{kind}"] = np.concatenate(parts[kind])

@@ -1,0 +1,181 @@
+"""Bolts of a CAD file that are cut for their preload: bars of ν = 0, by the joint diagram.
+
+Between the ground and a rigid head, glued on top, stand two bolts of a section of 1 and a height of
+5, and between them a sleeve of 1.5 × 1 × 4 with a washer of a height of 1 on it.
+"""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import (
+    Contact,
+    Discretisation,
+    Material,
+    MeshSource,
+    Obstacle,
+    Path,
+    Preload,
+    Run,
+    Scene,
+    SolverSettings,
+    Steps,
+    Support,
+)
+from fenics_contact.mesh.loading import load_body
+from tests import cad
+
+COMM = MPI.COMM_WORLD
+E_BOLT, E_SLEEVE, PENALTY, GLUE = 1000.0, 400.0, 5e-6, 1e-6
+PLACES = {"left": (0, 0, 1, 5), "sleeve": (1.5, 0, 1.5, 4), "washer": (1.5, 4, 1.5, 1)}
+PLACES |= {"right": (3.5, 0, 1, 5)}
+BOLT = 1 / (5 / E_BOLT + GLUE)  # stiffness of each
+PARTS = 1.5 / (5 / E_SLEEVE + PENALTY + GLUE)
+FORCES = (6.0, 4.0)
+
+
+@pytest.fixture(scope="module", params=[2, 3])
+def source(request, tmp_path_factory):
+    """The file, and its lower and upper ends by the numbers of their surfaces."""
+    dimension = request.param
+
+    def build(occ):
+        for x, y, wide, high in PLACES.values():
+            if dimension == 2:
+                occ.addRectangle(x, y, 0, wide, high)
+            else:
+                occ.addBox(x, y, 0, wide, high, 1)
+
+    folder = COMM.bcast(tmp_path_factory.mktemp("bolts"))
+    file = cad.write_shapes(folder / "bolts.brep", build)
+    found = MeshSource(file, size=1.0)
+    numbers = load_body(found, dimension, COMM).numbers
+    depth = (0.5,) if dimension == 3 else (0.0,)
+    places = {number: group.centre for number, group in numbers.items()}
+
+    def at(part, top):
+        x, y, wide, high = PLACES[part]
+        wanted = (x + wide / 2, y + high * top, *depth)
+        (number,) = [n for n, c in places.items() if np.allclose(c, wanted, atol=1e-5)]
+        return int(number)
+
+    groups = {
+        "ground": tuple(at(part, 0) for part in ("left", "sleeve", "right")),
+        "top": tuple(at(part, 1) for part in ("left", "washer", "right")),
+        "seat": (at("sleeve", 1),),
+        "under_washer": (at("washer", 0),),
+    }
+    return dimension, dataclasses.replace(found, groups=groups)
+
+
+def solved(source, solver, pulled=0.0, times=(1.0, 1.5, 2.0), **preload):
+    """Both bolts tightened by time 1, the head pulled by time 2."""
+    dimension, mesh = source
+    axes = "xyz"[:dimension]
+    head = Obstacle(force=pulled, path=Path(time=(1, 2), factor=(0, -1)))
+    bolts = tuple(
+        Preload(
+            **{"on": on, "axis": (0, 1, 0)[:dimension], "force": force, "name": name}
+            | {"between": (1, 3)}
+            | preload
+        )
+        for on, force, name in zip(("body_1", "body_4"), FORCES, ("left", "right"), strict=True)
+    )
+    moduli = (E_BOLT, E_SLEEVE, E_SLEEVE, E_BOLT)
+    scene = Scene(
+        kinematics="plane strain" if dimension == 2 else "3D",
+        mesh=(mesh,),
+        material=tuple(
+            Material(modulus, 0.0, on=f"body_{n}") for n, modulus in enumerate(moduli, 1)
+        ),
+        discretisation=Discretisation(1),
+        support=(Support("ground", dict.fromkeys(axes, 0)),),
+        contact=(
+            Contact("top", contact="bonded", obstacle=head, penalty_parameter=GLUE),
+            Contact("seat", against="under_washer", penalty_parameter=PENALTY),
+        ),
+        preload=bolts,
+        steps=Steps(times=times),
+        solver=SolverSettings(solver=solver, errors="none"),
+    )
+    result = Run(scene).solve()
+    assert result.passed, result.verdict
+    return result
+
+
+def forces(result):
+    return [[bolt.force for bolt in step.preloads.values()] for step in result.steps]
+
+
+SOLVERS = ["condensed", "full", "iterative"]
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("beyond", [False, True])
+def test_joint_diagram(source, solver, beyond):
+    """Each bolt takes k_b/(2 k_b + k_p) of the pull; beyond separation half of what is more."""
+    if solver == "iterative" and source[0] == 2:
+        pytest.skip("it is for 3D models")
+    share = BOLT / (2 * BOLT + PARTS)
+    separation = sum(FORCES) / (1 - 2 * share)
+    pulled = (1.5 if beyond else 0.9) * separation
+    result = solved(source, solver, pulled, locked_from=1.0)
+    found = forces(result)
+    assert found[0] == pytest.approx(FORCES, rel=1e-6)
+    for row, part in zip(found[1:], (0.5, 1.0), strict=True):
+        pull = part * pulled
+        below, above = min(pull, separation), max(pull - separation, 0.0)
+        expected = [force + share * below + 0.5 * above for force in FORCES]
+        assert row == pytest.approx(expected, rel=1e-6)
+    pressed = result.contacts[1].quantities["normal_force"]
+    left = max(sum(FORCES) - (1 - 2 * share) * pulled, 0.0)
+    assert pressed == pytest.approx(left, rel=1e-5, abs=1e-8)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_released(source, solver):
+    """The work comes back, and the parts touch without force."""
+    if solver == "iterative" and source[0] == 2:
+        pytest.skip("it is for 3D models")
+    path = Path(time=(0, 1, 2), factor=(0, 1, 0))
+    result = solved(source, solver, times=(1.0, 2.0), path=path)
+    assert forces(result)[0] == pytest.approx(FORCES, rel=1e-6)
+    assert forces(result)[1] == pytest.approx((0, 0), abs=1e-7)
+    before = result.steps[0].quantities
+    compliance = [1 / BOLT * force**2 for force in FORCES] + [sum(FORCES) ** 2 / PARTS]
+    assert before["external_work"] == pytest.approx(0.5 * sum(compliance), rel=1e-6)
+    assert abs(result.quantities["external_work"]) < 1e-8 * before["external_work"]
+
+
+def test_two_in_one_body(source):
+    """Two pieces of one bolt carry one force: the second takes over what the first lets go."""
+    dimension, mesh = source
+    if dimension == 3:
+        pytest.skip("the same in the plane")
+    paths = Path(time=(0, 1), factor=(0, 1)), Path(time=(1, 2), factor=(0, 1))
+    lower = Preload("body_1", (0, 1), FORCES[0], paths[0], 1.0, "lower", between=(0.5, 2))
+    upper = Preload("body_1", (0, 1), 2 * FORCES[0], paths[1], None, "upper", between=(2, 4))
+    scene = Scene(
+        kinematics="plane strain",
+        mesh=(mesh,),
+        material=Material(E_BOLT, 0.0),
+        discretisation=Discretisation(1),
+        support=(
+            Support("ground", {"x": 0, "y": 0}),
+            Support("top", {"x": 0, "y": 0}),
+            Support("seat", {"x": 0, "y": 0}),
+        ),
+        preload=(lower, upper),
+        steps=Steps(times=(1.0, 2.0)),
+        solver=SolverSettings(errors="none"),
+    )
+    result = Run(scene).solve()
+    assert result.passed, result.verdict
+    first, second = result.steps
+    assert first.preloads["lower"].force == pytest.approx(FORCES[0], rel=1e-9)
+    assert second.preloads["upper"].force == pytest.approx(2 * FORCES[0], rel=1e-9)
+    assert second.preloads["lower"].force == pytest.approx(2 * FORCES[0], rel=1e-9)  # one bar
+    elongation = second.preloads["upper"].elongation - first.preloads["upper"].elongation
+    assert elongation == pytest.approx(FORCES[0] * 5 / E_BOLT, rel=1e-9)
