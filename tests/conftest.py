@@ -148,12 +148,12 @@ def _geometries_of_the_repository(_meshes_made, monkeypatch):
     """Gmsh makes each mesh of these once: it starts slowly, and few tests are of it."""
     make, ours, made = loading._load, os.path.abspath(ROOT / "meshes"), _meshes_made
 
-    def load(key, source, dimension, sizes, curved):
+    def load(key, source, dimension, sizes, curved, cuts):
         if sizes is not None or not os.path.abspath(source.file).startswith(ours):
-            return make(key, source, dimension, sizes, curved)
-        wanted = repr((key, source, dimension, curved))
+            return make(key, source, dimension, sizes, curved, cuts)
+        wanted = repr((key, source, dimension, curved, cuts))
         if wanted not in made:
-            made[wanted] = make(key, source, dimension, None, curved)
+            made[wanted] = make(key, source, dimension, None, curved, cuts)
         return copy.deepcopy(made[wanted])
 
     monkeypatch.setattr(loading, "_load", load)

@@ -23,6 +23,8 @@ logger = logging.getLogger(__name__)
 _BEARS = 1e-3
 # Solves with held shortenings; each at least doubles those of bolts that are still loose.
 _MOST = 30
+# Of what releases a bolt between fixed ends, to see how the others follow.
+_TRIED = 0.1
 # Of the largest force of a bolt so far, below which it has none.
 _NONE = 1e-9
 
@@ -97,23 +99,53 @@ def _take_up(newton: Newton, numbers: list[int]) -> None:
 def _release(newton: Newton, numbers: list[int]) -> None:
     """Reduce shortenings until no force is left, by secants; collective.
 
+    Bolts of one joint unload each other: too long a step of one would leave gaps where the parts
+    are to touch.
+
     Raises:
         NotConvergedError: It does not come to that.
     """
     bolts = [newton.problem.preloads[number] for number in numbers]
-    stiffness = np.array([bolt.bulk.stiffness for bolt in bolts])
     steps = np.zeros(len(bolts))
     forces = _forces_after(newton, numbers, steps)
     largest = np.abs(forces).max()
+    stiffness = np.diag([bolt.bulk.stiffness for bolt in bolts])
+    if len(bolts) > 1 and largest > 0:
+        forces, stiffness = _stiffnesses(newton, numbers, forces, np.diag(stiffness))
     for _ in range(_MOST):
         if np.abs(forces).max() <= newton.problem.scene.solver.tolerance * largest:
             return
-        steps = -forces / stiffness
+        steps = np.linalg.solve(stiffness, -forces)
         before, forces = forces, _forces_after(newton, numbers, steps)
-        changed = steps != 0
-        secant = np.divide(forces - before, steps, out=stiffness.copy(), where=changed)
-        stiffness = np.where(secant > 0, secant, stiffness)
+        if not steps.any():
+            continue
+        missed = forces - before - stiffness @ steps  # C. G. Broyden, 1965
+        better = stiffness + np.outer(missed, steps) / (steps @ steps)
+        if np.linalg.eigvalsh(better + better.T).min() > 0:
+            stiffness = better
     raise NotConvergedError("a preload is not released")
+
+
+def _stiffnesses(
+    newton: Newton, numbers: list[int], forces: Array, own: Array
+) -> tuple[Array, Array]:
+    """Forces after a small release of each bolt in turn, and their derivatives; collective.
+
+    Args:
+        newton: With these bolts held.
+        numbers: Of the bolts.
+        forces: That they have.
+        own: Stiffness of each between fixed ends (force/length).
+    """
+    columns = []
+    for place in range(len(numbers)):
+        steps = np.zeros(len(numbers))
+        steps[place] = -_TRIED * (forces[place] or np.abs(forces).max()) / own[place]
+        before, forces = forces, _forces_after(newton, numbers, steps)
+        columns.append((forces - before) / steps[place])
+    found = np.array(columns).T
+    is_stable = np.linalg.eigvalsh(found + found.T).min() > 0
+    return forces, found if is_stable else np.diag(own)
 
 
 def _forces_after(newton: Newton, numbers: list[int], steps: Array) -> Array:
