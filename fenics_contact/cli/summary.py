@@ -104,7 +104,9 @@ def _conditions(scene: Scene) -> list[str]:
         locked = preload.locked_from
         kept = "" if locked is None else f", its length locked from time {locked:g}"
         along = _given(preload.axis)
-        lines.append(f"Preload '{preload.label}': force {preload.force:g} along {along}{kept}")
+        place = "" if preload.between is None else f" of '{preload.group}'"
+        force = f"force {preload.force:g} along {along}"
+        lines.append(f"Preload '{preload.label}'{place}: {force}{kept}")
     return lines
 
 

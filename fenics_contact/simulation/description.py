@@ -104,6 +104,7 @@ def _parameters_of(contact: ContactSurface) -> dict[str, Any]:
         "regularisation_parameter": regularisation_of(contact),
         "penalty_parameter": contact.penalty_parameter or None,
         "force": contact.force,
+        "interference": contact.kinematics.interference or None,
         **{name: "varies" if callable(value) else value for name, value in given.items()},
     }
     return {name: value for name, value in used.items() if value is not None}

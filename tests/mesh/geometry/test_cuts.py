@@ -1,4 +1,4 @@
-"""Bodies of CAD files that are cut for preloads: pieces, numbers of surfaces, and what is refused."""
+"""Bodies of CAD files that are cut for preloads: pieces, numbers of surfaces, refusals."""
 
 import dataclasses
 import math
