@@ -61,11 +61,25 @@ class RigidMotions:
 
         Friction of a known bound may resist it, too: whether that is enough depends on the loads.
         """
+        return self._slides(touching=False)
+
+    @property
+    def slides_where_it_touches(self) -> bool:
+        """Whether friction resists a motion that no obstacle does before it has moved; collective.
+
+        As that of a bolted plate, which its bolt stops only once the hole's clearance is used up.
+        Only points count whose gap is closed before any motion.
+        """
+        return self._slides(touching=True)
+
+    def _slides(self, touching: bool) -> bool:
         if self.count == 0:
             return False
-        weights, normal, _ = self.closings()
+        weights, normal, gap = self.closings()
+        stops = gap <= 0 if touching else np.ones(len(gap), dtype=bool)
+        weights, normal = weights[stops], normal[stops]
         loose = null_space(np.einsum("q,qi,qj->ij", weights, normal, normal))
-        w, slip = self.slips(coulomb=True)
+        w, slip = self.slips(coulomb=True, touching=touching)
         rough = total(self._problem.comm, np.einsum("q,qci,qcj->ij", w, slip, slip))
         return bool(np.trace(loose.T @ rough @ loose) > _ROUND_OFF * np.trace(rough))
 

@@ -67,22 +67,34 @@ def collect_what_ufl_keeps():
         gc.collect()
 
 
+def is_freed(scene, solve):
+    """Whether what a run made is given back with it; again where forms had to be compiled.
+
+    Compiling leaves cycles behind, on the rank that does it.
+    """
+    for _ in range(3):
+        body, held, given_back = body_and_witness(scene)
+        run = Run(scene, COMM, body)
+        solve(run)
+        del body
+        assert len(given_back) < len(held) > 1  # the run has them
+        del run
+        collect_what_ufl_keeps()
+        if COMM.allreduce(len(given_back) == len(held), MPI.LAND):
+            return True
+    return False
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_a_run_that_is_done_with_is_freed(name, no_collector):
-    body, held, given_back = body_and_witness(SCENES[name])
-    run = Run(SCENES[name], COMM, body)
-    assert run.solve().converged == (name != "not converged")
-    del body
-    assert len(given_back) < len(held) > 1  # the run has them
-    del run
-    collect_what_ufl_keeps()
-    assert len(given_back) == len(held)
+    def solve(run):
+        assert run.solve().converged == (name != "not converged")
+
+    assert is_freed(SCENES[name], solve)
 
 
 def test_one_that_wrote_files_is_freed(folder, no_collector):
-    body, held, given_back = body_and_witness(SCENES["steps"])
-    run = Run(SCENES["steps"], COMM, body)
-    assert solve_and_write(run, folder, StateFile(folder, run.problem)).converged
-    del body, run
-    collect_what_ufl_keeps()
-    assert len(given_back) == len(held)
+    def solve(run):
+        assert solve_and_write(run, folder, StateFile(folder, run.problem)).converged
+
+    assert is_freed(SCENES["steps"], solve)

@@ -248,18 +248,13 @@ class CondensedSystem(System):
     def take(self, state: PETSc.Vec) -> None:
         """A vector of unknowns into the jumps; collective."""
         values = self._values(state)
+        derived = self.variables.derived_jumps(values[: self.variables.count])
+        jumps = np.concatenate([values[: self._inner], derived])
         at_surfaces = [
-            None if jump is None or held is None else self._relative(jump, held, values)
+            None if jump is None or held is None else _relative(jump, held, jumps)
             for jump, held in zip(self._jumps, self._held_parts, strict=True)
         ]
         self.move_contacts(at_surfaces, self._scalars_of(values))
-
-    def _relative(self, jump: ContactJump, held: Array, values: Array) -> Array:
-        """Displacements relative to a body opposite, at this rank's nodes of a surface."""
-        surface = jump.surface.contact.trace.surface
-        derived = self.variables.derived_jumps(values[: self.variables.count])
-        found = jump.relative @ np.concatenate([values[: self._inner], derived]) + held
-        return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
 
     def balance(self, state: PETSc.Vec, residual: PETSc.Vec) -> None:
         """A y − b − Σ Lᵀ r_c; collective."""
@@ -363,3 +358,10 @@ class CondensedSystem(System):
             internal,
             self.stiffness.round_off(found),
         )
+
+
+def _relative(jump: ContactJump, held: Array, jumps: Array) -> Array:
+    """Displacements relative to a body opposite, at this rank's nodes of a surface."""
+    surface = jump.surface.contact.trace.surface
+    found = jump.relative @ jumps + held
+    return np.asarray(found.reshape(-1, surface.components)[surface.numbers])

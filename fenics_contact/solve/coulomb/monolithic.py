@@ -13,6 +13,8 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError
+from fenics_contact.common.parallel import largest
+from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.problem.rigid_motions import RigidMotions
 from fenics_contact.solve.coulomb.friction_scale import fits, follow_pressure
@@ -63,9 +65,12 @@ def monolithic(newton: Newton, start: Array) -> None:
 
     def is_out_of_scale() -> bool:
         """Whether some ε is much less than what the present pressures need; collective."""
-        return not all([fits(contact, np.inf, _TOO_SMALL) for contact in contacts])
+        scaled = [contact for contact in contacts if contact.friction.is_scaled]
+        return not all([fits(contact, np.inf, _TOO_SMALL) for contact in scaled])
 
-    if all(contact.friction.is_scaled for contact in contacts):
+    pressing = [_presses(contact) for contact in contacts]  # others get theirs once they touch
+    known = [one.friction.is_scaled or not p for one, p in zip(contacts, pressing, strict=True)]
+    if all(known) and any(contact.friction.is_scaled for contact in contacts):
         try:
             solve_coupled(newton, is_out_of_scale)
             return
@@ -79,16 +84,21 @@ def monolithic(newton: Newton, start: Array) -> None:
     solve_coupled(newton)
 
 
+def _presses(contact: ContactSurface) -> bool:
+    """Whether it does now, at any point; collective."""
+    return largest(contact.spaces.comm, contact.pressure()) > 0
+
+
 def _find_scale(newton: Newton) -> None:
     """Set ε from contact without friction, solved as exactly as that needs; collective."""
     rough = newton.system.scale_tolerance
     if rough is not None:
-        contact_without_friction(newton, rough, _SCALE_ACCURACY)
+        contact_without_friction(newton, rough, _SCALE_ACCURACY, holds_what_slides=True)
         contacts = newton.problem.coulomb
         limit = newton.limit
         if all([carries_more_than(contact, limit, _SCALE_ACCURACY) for contact in contacts]):
             return
-    contact_without_friction(newton, _SCALE_TOLERANCE)
+    contact_without_friction(newton, _SCALE_TOLERANCE, holds_what_slides=True)
 
 
 def continuation(newton: Newton, start: Array) -> None:

@@ -22,7 +22,10 @@ _GLUE = 1e4
 
 
 def contact_without_friction(
-    newton: Newton, tolerance: float | None = None, accuracy: float = TELLING
+    newton: Newton,
+    tolerance: float | None = None,
+    accuracy: float = TELLING,
+    holds_what_slides: bool = False,
 ) -> bool:
     """Solve without friction, with glue along contacts where friction has to hold; collective.
 
@@ -32,13 +35,15 @@ def contact_without_friction(
         newton: Goes on from its present state.
         tolerance: Of the solve, by default the scene's.
         accuracy: To which a contact's pressures are to be known if its ε is to follow from them.
+        holds_what_slides: Glue also where an obstacle would stop a motion, but only after a way:
+            what lies there tells nothing of the pressures under friction.
 
     Returns:
         Whether glue was used.
     """
     problem = newton.problem
     rigid = RigidMotions(problem)
-    is_glued = rigid.slides_on_coulomb
+    is_glued = rigid.slides_on_coulomb or (holds_what_slides and rigid.slides_where_it_touches)
     before = newton.save()
     try:
         _solve(newton, tolerance, is_glued)
@@ -56,15 +61,25 @@ def contact_without_friction(
 
 
 def _solve(newton: Newton, tolerance: float | None, is_glued: bool) -> None:
-    for contact in newton.problem.coulomb:
+    contacts = newton.problem.coulomb
+    touch = [_touches(contact) for contact in contacts]
+    for contact, touches in zip(contacts, touch, strict=True):
         contact.friction.mode = "off"
         if is_glued:
             stiffness = _GLUE * contact.moduli.combined / contact.facet_size
-            contact.friction.glue(stiffness, _to_glue(contact))
+            contact.friction.glue(stiffness, _to_glue(contact, touches or not any(touch)))
     newton.run(tolerance=tolerance)
 
 
-def _to_glue(contact: ContactSurface) -> Flags:
-    """Points that touch as a solve begins; all, where a support is yet to press any on."""
+def _touches(contact: ContactSurface) -> bool:
+    """Whether points press now, or are closed before any motion; collective."""
+    closed = RigidMotions.gap(contact) <= 0
+    return largest(contact.spaces.comm, np.where(closed, 1.0, contact.pressure())) > 0
+
+
+def _to_glue(contact: ContactSurface, all_else: bool) -> Flags:
+    """Points that press as a solve begins; where none does, all or none; collective."""
     pressure = contact.pressure()
-    return np.asarray((pressure > 0) | (largest(contact.spaces.comm, pressure) <= 0))
+    if largest(contact.spaces.comm, pressure) > 0:
+        return np.asarray(pressure > 0)
+    return np.full(len(pressure), all_else)

@@ -168,8 +168,9 @@ class IterativeSystem(BodySystem):
         self._stiffness.setDiagonal(self._inner)
 
     def destroy(self) -> None:
-        """Free PETSc's objects."""
+        """Free PETSc's objects, and what refers back to this one."""
         self.preconditioner.free()
+        del self.preconditioner
         for thing in (
             self.multigrid,
             self.zone,

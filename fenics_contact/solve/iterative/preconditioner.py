@@ -87,3 +87,4 @@ class Preconditioner:
         """Free PETSc's objects; not called ``destroy``, which PETSc calls after each solve."""
         for thing in (self._free_bodies, self._left, self._work, self._inner, self._outer):
             thing.destroy()
+        del self._free_bodies  # it refers back

@@ -10,6 +10,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Load, Material, Obstacle, Scene, SolverSettings, Support, run
 from fenics_contact.common.errors import NoEquilibriumError
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD
@@ -225,3 +226,27 @@ def test_block_between_a_brake_and_a_floor(strategy):
     brake, floor = (contact["quantities"]["friction_force"][0] for contact in result.contacts)
     assert brake + floor == pytest.approx(-1.9, rel=1e-6)
     assert abs(brake) <= 1.5 * (1 + 1e-6) and abs(floor) <= 0.6 * (1 + 1e-6)
+
+
+def test_a_clearance_is_not_used_up_to_find_the_regularisation(monkeypatch):
+    """Without friction the pushed block would slide to a wall a quarter of its length away."""
+    wall = Obstacle("plane", position=(2.5, 0.0), normal=(-1, 0))
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        load=(Load("y1", traction=(2.0, -10)),),
+        contact=(Contact("y0", friction_coefficient=0.5), Contact("x1", obstacle=wall)),
+        solver=SolverSettings(strategy="monolithic", errors="none"),
+    )
+    gone, take = [], CondensedSystem.take
+
+    def watched(self, state):
+        take(self, state)
+        gone.append(self.moved())
+
+    monkeypatch.setattr(CondensedSystem, "take", watched)
+    result = run(scene, COMM, box_body((8, 8), (2, 1)))
+    assert result.passed, result.verdict
+    assert result.quantities["friction_force"] is None  # of two contacts, each has its own
+    assert np.isclose(result.contacts[0].quantities["friction_force"][0], -4.0, rtol=1e-6)
+    assert max(gone) < 0.1
