@@ -249,7 +249,12 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
     made = {}
     for name, words, usage, description in (
         ("new", "write a scene to start from", "NAME [options]", _NEW),
-        ("look", "show a CAD or mesh file, and write a scene for it", "FILE [options]", look.DESCRIPTION),
+        (
+            "look",
+            "show a CAD or mesh file, and write a scene for it",
+            "FILE [options]",
+            look.DESCRIPTION,
+        ),
         ("check", "say what would be modelled, without solving", "SCENE.toml [options]", _CHECK),
         ("run", "solve a scene", "SCENE.toml [options] [-- PETSc options]", ""),
         ("report", "pictures and a page from the files of a run", "DIR [options]", _REPORT),

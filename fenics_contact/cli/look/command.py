@@ -84,9 +84,7 @@ def look_at(path: Path, out: Path | None, tolerance: float | None) -> str:
     return _said(look, page, scene)
 
 
-def _sides(
-    found: Survey, bodies: Sequence[int], sides: Sequence[Sequence[int]]
-) -> tuple[str, str]:
+def _sides(found: Survey, bodies: Sequence[int], sides: Sequence[Sequence[int]]) -> tuple[str, str]:
     words = [
         f"{found.bodies[body].label}: {', '.join(_called(found.surfaces[n]) for n in side)}"
         for body, side in zip(bodies, sides, strict=True)

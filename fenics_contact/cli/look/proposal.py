@@ -7,7 +7,7 @@ TOML, and in comments in one line.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 import tomlkit
@@ -15,6 +15,7 @@ import tomlkit
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.mesh.geometry.names import plain_name, unique_names
 from fenics_contact.mesh.survey.facing import Pair
+from fenics_contact.mesh.survey.loose import loose_pieces
 from fenics_contact.mesh.survey.survey import FoundSurface, Survey
 
 _REPLACE = "TO BE REPLACED"
@@ -63,6 +64,8 @@ class Proposal:
         self._found, self._file = found, file
         self._curvature, self._is_geometry = curvature, is_geometry
         self._groups: dict[str, tuple[int, ...]] = {}
+        self._is_all_held = True
+        self._bonded: set[int] = set()
         self._taken = {name for surface in found.surfaces for name in surface.names}
         self._taken |= {body.name for body in found.bodies} | {"body"}
         bodies = [
@@ -111,7 +114,10 @@ class Proposal:
         return found
 
     def _places_to_hold(self) -> list[int]:
-        """A surface of each set of pieces that contacts join: of its largest body, if it can be."""
+        """A surface of each set of pieces that contacts join, and of pieces that could come off.
+
+        Of the largest body of each, if that has one.
+        """
         found = self._found
         touched = {place for c in self.contacts for place in (*c.pair.first, *c.pair.second)}
         of_piece = {piece: piece for body in found.bodies for piece in body.pieces}
@@ -122,22 +128,37 @@ class Proposal:
             )
             of_piece = {p: one if joined == other else joined for p, joined in of_piece.items()}
 
-        def fitness(place: int) -> tuple[bool, bool, float, float]:
+        def fitness(place: int) -> tuple[bool, float, float]:
             surface = found.surfaces[place]
             largest = max(found.bodies[n].measure for n in surface.bodies)
-            return place not in touched, surface.shape.kind in _FLAT, largest, surface.measure
+            return surface.shape.kind in _FLAT, largest, surface.measure
 
-        chosen = []
-        for joined in sorted(set(of_piece.values())):
+        def best(pieces: Collection[int]) -> list[int]:
             places = [
                 n
                 for n, surface in enumerate(found.surfaces)
-                if surface.can_touch and of_piece[surface.piece] == joined
+                if surface.can_touch and surface.piece in pieces and n not in touched
             ]
-            if places:
-                chosen.append(max(places, key=fitness))
-        self._is_all_held = len(chosen) == len(set(of_piece.values()))
+            return [max(places, key=fitness)] if places else []
+
+        chosen = []
+        for joined in sorted(set(of_piece.values())):
+            places = best([p for p, other in of_piece.items() if other == joined])
+            self._is_all_held &= bool(places)
+            chosen += places
+        pairs = [contact.pair for contact in self.contacts]
+        held = {found.surfaces[n].piece for n in chosen}
+        while loose := loose_pieces(found, pairs, held):
+            piece = min(loose, key=self._measure)
+            held.add(piece)
+            places = best([piece])
+            chosen += places
+            if not places:
+                self._bonded.add(piece)
         return chosen
+
+    def _measure(self, piece: int) -> float:
+        return sum(body.measure for body in self._found.bodies if piece in body.pieces)
 
     def _head(self) -> Iterator[str]:
         yield "# A scene to complete: what is marked with REPLACE is an example."
@@ -189,7 +210,11 @@ class Proposal:
             if contact.name != contact.on:
                 yield f"name = {_quoted(contact.name)}"
             yield from (f"on = {_quoted(contact.on)}", f"against = {_quoted(contact.against)}")
-            yield from ('contact = "unilateral"', f"friction_coefficient = 0.2  # {_REPLACE}")
+            sides = (contact.pair.first, contact.pair.second)
+            if {self._found.surfaces[side[0]].piece for side in sides} & self._bonded:
+                yield f'contact = "bonded"  # {_REPLACE}: "unilateral", once a load presses on it'
+            else:
+                yield from ('contact = "unilateral"', f"friction_coefficient = 0.2  # {_REPLACE}")
 
     def _about(self, pair: Pair) -> str:
         surfaces = [

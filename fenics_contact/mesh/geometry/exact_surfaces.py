@@ -1,4 +1,4 @@
-"""Points, normals and measures of the surfaces of a geometry, free of its mesh; in Gmsh's process."""
+"""Points, normals and measures of the surfaces of a geometry, without its mesh, by Gmsh."""
 
 from __future__ import annotations
 
@@ -18,8 +18,11 @@ def exact_surfaces(dimension: int) -> Arrays:
 
     Returns:
         ``exact_points`` and ``exact_normals`` (points, 3), ``exact_parts`` (points,); and
-        ``measured_parts``, ``measures`` of the surfaces that OpenCASCADE knows.
+        ``measured_parts``, ``measures`` of the surfaces that OpenCASCADE knows, and
+        ``measured_bodies``, ``body_measures`` of its solids, or faces.
     """
+    occ = gmsh.model.occ
+    bodies = {part: occ.getMass(dimension, part) for _, part in occ.getEntities(dimension)}
     known = set(gmsh.model.occ.getEntities(dimension - 1))
     points, normals, parts, measures = [], [], [], {}
     for _, part in gmsh.model.getEntities(dimension - 1):
@@ -41,6 +44,8 @@ def exact_surfaces(dimension: int) -> Arrays:
         "exact_parts": np.concatenate([np.zeros(0, dtype=np.int64), *parts]),
         "measured_parts": np.array(list(measures), dtype=np.int64),
         "measures": np.array(list(measures.values()), dtype=float),
+        "measured_bodies": np.array(list(bodies), dtype=np.int64),
+        "body_measures": np.array(list(bodies.values()), dtype=float),
     }
 
 

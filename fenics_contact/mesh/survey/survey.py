@@ -6,7 +6,7 @@ Plane models are given a height of 1, so that their curves are surfaces as well.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import basix
@@ -22,7 +22,6 @@ from fenics_contact.mesh.tagged_mesh import Group, Relation
 _EXACT, _ROUGH = 1e-6, 0.05  # of points and normals of a geometry, and of a mesh's facets
 # Triangles of a facet by dolfinx's order of its corners.
 _TRIANGLES = {2: ((0, 1, 2), (0, 2, 3)), 3: ((0, 1, 2),), 4: ((0, 1, 3), (0, 3, 2))}
-_HULL = "(in no group)"
 
 
 @dataclass(frozen=True)
@@ -58,6 +57,8 @@ class FoundSurface:
         normals: Outward unit normals of the triangles, (triangles, 3).
         shape: What it is.
         is_outward: Whether it bulges outwards as a shaft does, and not inwards as a hole.
+        tags: Of its facets.
+        is_repeated: Whether it shares facets with smaller ones.
     """
 
     number: int | None
@@ -71,6 +72,8 @@ class FoundSurface:
     normals: Array
     shape: Shape
     is_outward: bool
+    tags: frozenset[int]
+    is_repeated: bool = False
 
     @cached_property
     def box(self) -> Array:
@@ -82,7 +85,7 @@ class FoundSurface:
     def can_touch(self) -> bool:
         """Whether a scene can name it as a side of a contact."""
         usable = self.number is not None or bool(self.name)
-        return usable and not self.is_inside and self.piece >= 0
+        return usable and not self.is_inside and not self.is_repeated and self.piece >= 0
 
 
 @dataclass(frozen=True)
@@ -143,7 +146,8 @@ class _Look:
         """The connected piece of each cell, in their order."""
         count = self._corners.shape[1]
         rows = np.repeat(self._corners[:, 0], count)
-        graph = coo_array((np.ones(rows.size), (rows, self._corners.ravel())), [len(self._points)] * 2)
+        links = (np.ones(rows.size), (rows, self._corners.ravel()))
+        graph = coo_array(links, shape=(len(self._points), len(self._points)))
         _, of_point = connected_components(graph, directed=False)
         found = of_point[self._corners[:, 0]]
         _, first, inverse = np.unique(found, return_index=True, return_inverse=True)
@@ -170,10 +174,11 @@ class _Look:
         surfaces = [
             self._surface(number, group, of_cell) for number, group in self._named_surfaces()
         ]
+        surfaces = _without_repeats([surface for surface in surfaces if surface is not None])
         return Survey(
             self._dimension,
             tuple(bodies),
-            tuple(surface for surface in surfaces if surface is not None),
+            tuple(surfaces),
             self._mesh.relations,
             len(self._corners),
             are_named,
@@ -182,7 +187,7 @@ class _Look:
 
     def _bodies(self) -> tuple[list[FoundBody], Integers, bool]:
         """Groups of cells that make up the whole, else its connected pieces; that of each cell."""
-        measures = self._measures()
+        measures, exact = self._measures(), self._known("measured_bodies", "body_measures")
         groups = {
             name: np.isin(self._mesh.cell_tags, group.tags)
             for name, group in self._mesh.groups.items()
@@ -197,18 +202,28 @@ class _Look:
         for number, (name, cells) in enumerate(every.items()):
             of_cell[cells] = number
             pieces = frozenset(np.unique(self._pieces[cells]).tolist())
-            volume = float(measures[cells].sum())
-            found.append(FoundBody(name if named else "", name, volume, pieces))
+            tags = np.unique(self._mesh.cell_tags[cells]).tolist()
+            known = exact.keys() >= set(tags) and bool(named)
+            volume = sum(exact[tag] for tag in tags) if known else measures[cells].sum()
+            found.append(FoundBody(name if named else "", name, float(volume), pieces))
         return found, of_cell, bool(named)
 
+    def _known(self, parts: str, measures: str) -> dict[int, float]:
+        """Measures that OpenCASCADE knows, by number."""
+        found = (self._exact.get(key, np.zeros(0)).tolist() for key in (parts, measures))
+        return dict(zip(*found, strict=True))
+
     def _partition(self, groups: Mapping[str, Flags]) -> dict[str, Flags]:
-        """The groups that hold every cell once; the whole if there are no others."""
-        parts = {name: cells for name, cells in groups.items() if not cells.all()}
-        total = sum((cells.astype(int) for cells in parts.values()), np.zeros(len(self._corners)))
-        if parts and (np.asarray(total) == 1).all():
-            return parts
-        whole = {name: cells for name, cells in groups.items() if cells.all()}
-        return dict([next(iter(whole.items()))]) if whole else {}
+        """Groups that hold every cell once, the first of several ways; else that of the whole."""
+        chosen: dict[str, Flags] = {}
+        left = np.ones(len(self._corners), dtype=bool)
+        for name, cells in groups.items():
+            if cells.any() and left[cells].all() and not cells.all():
+                chosen[name] = cells
+                left &= ~cells
+        if not left.any():
+            return chosen
+        return dict([item for item in groups.items() if item[1].all()][:1])
 
     def _measures(self) -> Array:
         """Volume, or area, of each cell with straight edges."""
@@ -238,7 +253,7 @@ class _Look:
         per_facet = len(triangles) // len(chosen)
         normals, areas = _normals(triangles, np.repeat(self._middles[first], per_facet, axis=0))
         shape = self._shape(number, triangles, normals)
-        exact = dict(zip(*(self._exact.get(k, ()) for k in ("measured_parts", "measures")), strict=True))
+        exact = self._known("measured_parts", "measures")
         names = [
             name
             for name, other in self._mesh.groups.items()
@@ -252,11 +267,12 @@ class _Look:
             tuple(bodies.tolist()),
             int(pieces[0]) if len(pieces) == 1 else -1,
             bool((first != second).any()),
-            float(exact.get(number, areas.sum())),
+            float(areas.sum() if number is None else exact.get(number, areas.sum())),
             triangles,
             normals,
             shape,
             _is_outward(shape, triangles, normals),
+            frozenset(group.tags),
         )
 
     def _shape(self, number: int | None, triangles: Array, normals: Array) -> Shape:
@@ -278,14 +294,24 @@ class _Look:
         """Corners of the triangles that facets are cut into."""
         if len(facets) == 0:
             return np.zeros((0, 3, 3))
-        count = self._dimension if self._dimension == 2 else {3: 3, 4: 4}.get(
-            len(basix.topology(getattr(basix.CellType, self._mesh.cell))[2][0]), 3
-        )
+        kind = getattr(basix.CellType, self._mesh.cell)
+        count = len(basix.topology(kind)[self._dimension - 1][0])
         corners = self._points[facets[:, :count]]
         if self._dimension == 2:
             top = corners[:, ::-1] + np.array([0.0, 0.0, 1.0])
             corners = np.concatenate([corners, top], axis=1)
         return np.asarray(corners[:, np.array(_TRIANGLES[count])].reshape(-1, 3, 3))
+
+
+def _without_repeats(surfaces: list[FoundSurface]) -> list[FoundSurface]:
+    """The same, those marked that share facets with smaller ones: groups may overlap."""
+    seen: set[int] = set()
+    repeated = set()
+    for surface in sorted(surfaces, key=lambda surface: surface.measure):
+        if surface.tags & seen:
+            repeated.add(id(surface))
+        seen |= surface.tags
+    return [replace(surface, is_repeated=id(surface) in repeated) for surface in surfaces]
 
 
 def _normals(triangles: Array, inside: Array) -> tuple[Array, Array]:

@@ -81,7 +81,29 @@
       });
     });
   }
+  // Numbers at the middle of the triangle nearest to the middle of its surface.
+  function middle(values) {
+    const axes = [0, 1, 2];
+    const mean = axes.map((axis) =>
+      column(values, axis).reduce((sum, x) => sum + x, 0) / (values.length / 3));
+    let best = null, least = Infinity;
+    for (let t = 0; t < values.length / 9; t++) {
+      const at = axes.map((axis) =>
+        (values[9 * t + axis] + values[9 * t + 3 + axis] + values[9 * t + 6 + axis]) / 3);
+      const far = axes.reduce((sum, axis) => sum + (at[axis] - mean[axis]) ** 2, 0);
+      if (far < least) { least = far; best = at; }
+    }
+    return best;
+  }
+  const middles = points.map(middle);
+  const numbers = {
+    type: data.flat ? "scatter" : "scatter3d", mode: "text", hoverinfo: "skip", visible: false,
+    text: data.surfaces.map((surface) => surface.called), textfont: { size: 14, color: "#111" },
+    x: middles.map((at) => at[0]), y: middles.map((at) => at[1]), z: middles.map((at) => at[2]),
+  };
+  if (data.flat) delete numbers.z;
   const firstEdge = traces.length - data.surfaces.length;
+  traces.push(numbers);
   const dark = window.matchMedia("(prefers-color-scheme: dark)").matches;
   const ink = dark ? "#e4e9ee" : "#1c2733";
   const layout = {
@@ -90,6 +112,7 @@
     scene: {
       aspectmode: "data", camera: { projection: { type: "orthographic" } },
     },
+    modebar: { bgcolor: "rgba(0,0,0,0)", color: "#8a97a3", activecolor: ink },
     xaxis: { title: { text: "x" } }, yaxis: { scaleanchor: "x", title: { text: "y" } },
   };
   if (data.flat) layout.margin = { l: 50, r: 10, t: 10, b: 40 };
@@ -141,6 +164,10 @@
     });
     document.querySelectorAll("[data-body]").forEach((box) => {
       box.addEventListener("change", show);
+    });
+    const labels = document.getElementById("numbers");
+    labels.addEventListener("change", () => {
+      Plotly.restyle(place, { visible: labels.checked }, [traces.length - 1]);
     });
     place.dataset.ready = "true";
   });
