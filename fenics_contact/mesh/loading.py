@@ -141,7 +141,7 @@ def _load(
         curved: As for ``load_body``.
         cuts: Of its bodies.
     """
-    description, read = _read(key, source, dimension, sizes, curved)
+    description, read = _read(key, source, dimension, sizes, curved, cuts)
     made = mesh_arrays.build(read, description, source, dimension, key)
     for relation in made.relations:
         if relation.kind == "overlapping":
@@ -161,13 +161,18 @@ def load_to_look(source: MeshSource) -> tuple[MeshArrays, dict[str, Any]]:
     Raises:
         InputError: As ``load_body``; or the file is neither plane nor of space.
     """
-    description, read = _read("mesh", source, 0, None, curved=False)
+    description, read = _read("mesh", source, 0, None, curved=False, cuts=())
     dimension = max(description["dimension"], 2)
     return mesh_arrays.build(read, description, source, dimension, "mesh"), read
 
 
 def _read(
-    key: str, source: MeshSource, dimension: int, sizes: SizeField | None, curved: bool
+    key: str,
+    source: MeshSource,
+    dimension: int,
+    sizes: SizeField | None,
+    curved: bool,
+    cuts: Sequence[Cut],
 ) -> gmsh_call.Answer:
     """The description and the arrays of a file; dimension 0 is that of the file."""
     file = mesh_file(f"{key}.file", source.file)
