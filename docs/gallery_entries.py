@@ -6,7 +6,7 @@ program; each row says which. None is what the demo once gave.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from math import log, pi, sqrt
 
@@ -220,6 +220,32 @@ def _cycle(solved: Solved) -> Iterator[Finding]:
     yield Finding("area of the second loop", area, work, 0.02)
 
 
+def _joint(solved: Solved) -> Iterator[Finding]:
+    first, last = solved.result.steps[0], solved.result.steps[-1]
+    bolt = first.preloads["bolt"]
+    yield Finding("force of the bolt when it is tightened, $F_V$", bolt.force, 10e3, 1e-9)
+    yield Finding("its elongation, $q$", bolt.elongation, _handbook(10e3), 0.15)
+    forces = {row.name: row.quantities for row in last.contacts}
+    held = last.preloads["bolt"].force
+    yield Finding(
+        "force under the head at the end, over the bolt's", _over(forces, held), 1.0, 1e-6
+    )
+    carried = forces["lap"]["friction_force"][0] - forces["head"]["friction_force"][0]
+    yield Finding("friction on the left bar, $Q$", carried, 1500, 1e-6)
+
+
+def _over(forces: Mapping[str, Quantities], held: float) -> float:
+    return float(forces["head"]["normal_force"] / held)
+
+
+def _handbook(force: float) -> float:
+    """Elongation of the joint's bolt by the formulas on its page."""
+    diameter, length = 8.0, 10.0
+    bolt = 210e3 * pi * diameter**2 / 4 / (length + 0.8 * diameter)
+    cone = 5 * (0.5774 * length + 0.5 * diameter) / (0.5774 * length + 2.5 * diameter)
+    return force / bolt + force * 2 * log(cone) / (0.5774 * pi * 70e3 * diameter)
+
+
 ENTRIES: dict[str, Entry] = {
     "slab": Entry(
         source=f"{PAPER}, example 1; parts of its data are lost and reconstructed, {PROTOTYPE}",
@@ -267,6 +293,10 @@ ENTRIES: dict[str, Entry] = {
     "incline": Entry(
         source="balance of forces and Coulomb's law",
         findings=_incline,
+    ),
+    "joint": Entry(
+        source="balance of forces; J. E. Shigley, Mechanical Engineering Design, (8-22)",
+        findings=_joint,
     ),
     "cycle": Entry(
         source=f"{JOHNSON}, sections 7.2 and 7.4, for the largest force that came out",

@@ -35,9 +35,13 @@ def _bar(side: int) -> None:
     """A bar that goes to the left (-1), its lap above, or to the right (1), its lap below."""
     occ, half = gmsh.model.occ, LAP / 2
     start = side * (half + CLEARANCE)
-    full = occ.addBox(min(start, start + side * BAR), -WIDTH / 2, -THICKNESS / 2, BAR, WIDTH, THICKNESS)
+    full = occ.addBox(
+        min(start, start + side * BAR), -WIDTH / 2, -THICKNESS / 2, BAR, WIDTH, THICKNESS
+    )
     bottom = 0 if side < 0 else -THICKNESS / 2
-    lap = occ.addBox(-half if side > 0 else start, -WIDTH / 2, bottom, LAP + CLEARANCE, WIDTH, THICKNESS / 2)
+    lap = occ.addBox(
+        -half if side > 0 else start, -WIDTH / 2, bottom, LAP + CLEARANCE, WIDTH, THICKNESS / 2
+    )
     (body,), _ = occ.fuse([(3, full)], [(3, lap)])
     hole = occ.addCylinder(0, 0, -THICKNESS / 2, 0, 0, THICKNESS, HOLE)
     occ.cut([body], [(3, hole)])
@@ -55,7 +59,9 @@ def _bolt() -> None:
 def _named(text: str) -> str:
     """The file with names of parts, as CAD programs write them; Gmsh gives each a number."""
     for number, name in enumerate(NAMES, start=1):
-        text, count = re.subn(rf"'Open CASCADE STEP translator [\d.]+ 1\.{number}'", f"'{name}'", text)
+        text, count = re.subn(
+            rf"'Open CASCADE STEP translator [\d.]+ 1\.{number}'", f"'{name}'", text
+        )
         if not count:
             raise ValueError(f"no part {number} in the file")
     return re.sub(r"'Open CASCADE STEP translator [\d.]+ 1'", "'joint'", text)

@@ -28,6 +28,12 @@ NO_ERRORS = 'solver.errors="none"'  # where only answers are looked at
 LONG = {
     "cycle": ["mesh.parameters.size=0.14", "steps.number=26", "steps.end=26"],
     "cattaneo": ["mesh.parameters.size=0.3", "mesh.parameters.cells_outside=3"],
+    "joint": [
+        "mesh.size=9",
+        "mesh.sizes.bolt_M8=4",
+        "mesh.curvature=8",
+        "steps.times=[1, 1.5, 2, 3, 4, 6]",
+    ],
 }
 WEIGHT, SLOPE, FRICTION = 10, 0.1, 0.3  # of the block on an incline
 # Quantity of a demo → value and relative tolerance; of the specification, Section 3.
@@ -263,6 +269,27 @@ def test_sheared_sphere_sticks_on_cattaneos_circle(tmp_path):
     assert len(frames) == len(steps)
     assert all((one != other).any() for one, other in pairwise(frames))
     assert "animation_0.gif" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_bolted_joint_carries_its_load_by_friction(tmp_path):
+    """By balance of forces on each part, on any mesh; as an engineer checks such a joint."""
+    run_demo("joint", tmp_path, *LONG["joint"])
+    result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    steps = result["steps"]
+    assert len(steps) == 6
+    for step in steps:
+        forces = {row["name"]: row["quantities"] for row in step["contacts"]}
+        bolt = step["preloads"]["bolt"]
+        for name in ("head", "nut"):
+            assert forces[name]["normal_force"] == pytest.approx(bolt["force"], rel=1e-6)
+        pull = np.interp(step["load_factor"], (1, 2, 4, 6), (0, 1500, -1500, 1500))
+        on_left_bar = forces["lap"]["friction_force"][0] - forces["head"]["friction_force"][0]
+        assert on_left_bar == pytest.approx(pull, abs=1e-3)
+        assert forces["lap"]["max_slip"] < 0.01  # far from the clearance of .5
+        assert forces["hole above"]["contact_area"] == 0
+    assert steps[0]["preloads"]["bolt"]["force"] == pytest.approx(10e3, rel=1e-9)
+    work = [step["quantities"]["friction_work"] for step in steps]
+    assert all(more - less > 0 for less, more in pairwise(work))
 
 
 def test_block_slides_up_the_incline(of_script):
