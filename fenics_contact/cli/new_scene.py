@@ -14,7 +14,7 @@ from fenics_contact.common.errors import InputError, MachineError
 from fenics_contact.common.program import mesh_file, templates
 from fenics_contact.common.wording.suggestions import did_you_mean
 
-_GEOMETRY = re.compile(r'^file = "([^"]+\.geo)"', re.MULTILINE)
+_GEOMETRY = re.compile(r'^file = "([^"]+\.(?:geo|step))"', re.MULTILINE)
 
 
 def listed() -> str:
@@ -49,11 +49,11 @@ def write(name: str | None, out: Path | None = None) -> str:
     if scene.suffix != ".toml":
         raise InputError(f"--out '{scene}': must end in .toml")
     text = _read(known[name])
-    geometry = scene.with_suffix(".geo")
+    (source,) = geometries(text)
+    geometry = scene.with_suffix(Path(source).suffix)
     for path in (scene, geometry):
         if path.exists():
             raise InputError(f"new: '{path}' exists, and is left as it is; give another --out")
-    (source,) = geometries(text)
     text = _GEOMETRY.sub(lambda _: f"file = {tomlkit.string(geometry.name).as_string()}", text)
     try:
         make_folder(scene.parent)

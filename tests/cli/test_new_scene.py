@@ -5,6 +5,7 @@ import re
 import tomllib
 from math import log, pi, sqrt
 
+import numpy as np
 import pytest
 from mpi4py import MPI
 
@@ -18,7 +19,10 @@ from tests.scenes import ROOT
 
 COMM = MPI.COMM_WORLD
 MODULUS = formulas.plane_strain_modulus(1000, 0.3)
-NAMES = ("cycle", "cylinders", "hertz", "own", "pin", "pressfit", "punch", "slab", "winkler")
+NAMES = (
+    *("cycle", "cylinders", "hertz", "joint", "own", "part", "pin", "pressfit", "punch", "slab"),
+    "winkler",
+)
 
 
 @pytest.fixture
@@ -125,6 +129,31 @@ def test_pin(found):
     assert f"{exact.radius:.2f}" == "1.55" and f"{exact.peak:.1f}" == "41.0"
     assert quantities["max_contact_pressure"] == pytest.approx(exact.peak, rel=1e-2)
     assert quantities["contact_area"] == pytest.approx(exact.radius, rel=5e-2)
+
+
+@pytest.mark.parametrize("found", ["joint"], indirect=True)
+def test_joint(found):
+    """Balance of forces on each part."""
+    assert found["steps"][0]["preloads"]["bolt"]["force"] == pytest.approx(10e3, rel=1e-9)
+    forces = {contact["name"]: contact["quantities"] for contact in found["contacts"]}
+    for name in ("head", "nut"):
+        bolt = found["preloads"]["bolt"]["force"]
+        assert forces[name]["normal_force"] == pytest.approx(bolt, rel=1e-6)
+    lap, head = (forces[name]["friction_force"][0] for name in ("lap", "head"))
+    assert lap - head == pytest.approx(1500, rel=1e-6)
+    assert forces["lap"]["normal_force"] == pytest.approx(9750, rel=5e-3)
+    assert forces["hole above"]["contact_area"] == forces["hole below"]["contact_area"] == 0
+
+
+@pytest.mark.parametrize("found", ["part"], indirect=True)
+def test_part(found):
+    """Balance of forces; friction of each pad within its limit, which the smooth one reaches."""
+    pads = [contact["quantities"] for contact in found["contacts"]]
+    assert [pad["normal_force"] for pad in pads] == pytest.approx([16e3, 16e3], rel=1e-9)
+    held = np.sum([pad["friction_force"] for pad in pads], axis=0) + found["quantities"]["reaction"]
+    assert held[:2] == pytest.approx([-9600, -2400], rel=1e-6)
+    sizes = [np.linalg.norm(pad["friction_force"]) for pad in pads]
+    assert sizes[0] < 9600 and 0.9 * 3200 < sizes[1] <= 3200
 
 
 @pytest.mark.parametrize("found", ["own"], indirect=True)
