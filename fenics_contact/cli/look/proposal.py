@@ -270,8 +270,9 @@ def _called(surface: FoundSurface) -> str:
 
 
 def _quoted(text: str) -> str:
-    """A string of TOML, whatever is in the text."""
-    return tomlkit.string(text).as_string()
+    """A string of TOML, whatever is in the text; what cannot be seen in it is written out."""
+    quoted = tomlkit.string(text).as_string()
+    return "".join(c if c.isprintable() else f"\\U{ord(c):08X}" for c in quoted)
 
 
 def _figures(value: float) -> str:

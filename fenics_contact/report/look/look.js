@@ -117,7 +117,7 @@
   };
   if (data.flat) layout.margin = { l: 50, r: 10, t: 10, b: 40 };
 
-  let chosen = [];
+  let chosen = [], clicked = null;
   function paint(numbers, colour) {
     numbers.forEach((n) => {
       const wanted = colour || colourOf(data.surfaces[n]);
@@ -136,6 +136,7 @@
   function choose(numbers) {
     paint(chosen, null);
     chosen = numbers;
+    clicked = numbers.length === 1 ? numbers[0] : null;
     paint(chosen, chosenColour);
     said.textContent = chosen.map(describe).join("\n");
     document.querySelectorAll("[data-surface]").forEach((button) => {
@@ -152,9 +153,12 @@
   }
 
   Plotly.newPlot(place, traces, layout, { responsive: true, displaylogo: false }).then(() => {
+    // While the button is down every drawing is a click again: not from within the event.
     place.on("plotly_click", (event) => {
       const number = event.points[0].curveNumber;
-      if (number < data.surfaces.length) choose([number]);
+      if (number >= data.surfaces.length || clicked === number) return;
+      clicked = number;
+      setTimeout(() => choose([number]), 0);
     });
     document.querySelectorAll("[data-surface]").forEach((button) => {
       button.addEventListener("click", () => choose([Number(button.dataset.surface)]));
