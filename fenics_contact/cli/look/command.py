@@ -8,6 +8,8 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from fenics_contact.cli.look.proposal import Proposal, gap_words
 from fenics_contact.common.atomic_files import make_folder, replace_file
 from fenics_contact.common.errors import InputError, MachineError
@@ -15,12 +17,14 @@ from fenics_contact.common.plain_text import one_line
 from fenics_contact.mesh.loading import is_geometry, load_to_look
 from fenics_contact.mesh.survey.facing import facing_pairs
 from fenics_contact.mesh.survey.survey import FoundSurface, Survey, survey
+from fenics_contact.report.gallery import require
 from fenics_contact.report.look.page import BodyRow, Look, PairRow, SurfaceRow, look_page
 from fenics_contact.scene.scene import MeshSource
 
 logger = logging.getLogger(__name__)
 
 PAGE, SCENE = "look.html", "scene.toml"
+_BEFORE = 0.04  # of the diagonal of all: how far numbers stand before their surfaces
 _CURVATURE = 12  # cells around a full circle of a CAD file
 
 
@@ -38,6 +42,7 @@ def look_at(path: Path, out: Path | None, tolerance: float | None) -> str:
     Raises:
         InputError: The file cannot be read, or there is a scene in the folder already.
     """
+    require("plotly")
     folder = out or Path("results") / f"{path.stem}_look"
     scene, page = folder / SCENE, folder / PAGE
     if scene.exists():
@@ -59,7 +64,7 @@ def look_at(path: Path, out: Path | None, tolerance: float | None) -> str:
             BodyRow(number, body.label, f"{body.measure:.5g}")
             for number, body in enumerate(found.bodies, start=1)
         ],
-        surfaces=[_row(surface, found.dimension) for surface in found.surfaces],
+        surfaces=[_row(surface, found) for surface in found.surfaces],
         pairs=[
             PairRow(
                 contact.name,
@@ -80,7 +85,7 @@ def look_at(path: Path, out: Path | None, tolerance: float | None) -> str:
         replace_file(page, drawn.encode())
         replace_file(scene, text.encode())
     except MachineError as error:
-        raise InputError(f"look: {error}") from None
+        raise InputError(f"look: the page cannot be written: {error}") from None
     return _said(look, page, scene)
 
 
@@ -96,7 +101,7 @@ def _called(surface: FoundSurface) -> str:
     return str(surface.number) if surface.number is not None else surface.name
 
 
-def _row(surface: FoundSurface, dimension: int) -> SurfaceRow:
+def _row(surface: FoundSurface, found: Survey) -> SurfaceRow:
     shape = surface.shape
     kind = shape.kind if surface.is_outward or not shape.radius else f"{shape.kind} (hole)"
     return SurfaceRow(
@@ -105,8 +110,16 @@ def _row(surface: FoundSurface, dimension: int) -> SurfaceRow:
         bodies=surface.bodies,
         kind=f"{kind}, inside" if surface.is_inside else kind,
         measure=f"{surface.measure:.5g}",
-        place=_place(surface, dimension),
+        place=_place(surface, found.dimension),
+        at=_before(surface, _BEFORE * found.size),
     )
+
+
+def _before(surface: FoundSurface, distance: float) -> tuple[float, ...]:
+    """A place before the middle of a surface."""
+    middles = surface.triangles.mean(axis=1)
+    nearest = int(np.argmin(np.linalg.norm(middles - middles.mean(axis=0), axis=1)))
+    return tuple((middles[nearest] + distance * surface.normals[nearest]).tolist())
 
 
 def _place(surface: FoundSurface, dimension: int) -> str:
@@ -135,10 +148,10 @@ def _vector(values: Sequence[float], dimension: int) -> str:
 def _said(look: Look, page: Path, scene: Path) -> str:
     kind = "curves" if look.dimension == 2 else "surfaces"
     lines = [
-        f"{look.title}: {len(look.bodies)} bodies, {len(look.surfaces)} {kind}",
+        f"{look.title}: {_count(look.bodies, 'bodies')}, {_count(look.surfaces, kind)}",
         *(f"  {body.number} {body.name} ({body.measure})" for body in look.bodies),
         *(f"  {words}" for words in look.relations),
-        f"{len(look.pairs)} pairs for contacts" + (":" if look.pairs else ""),
+        f"{_count(look.pairs, 'pairs')} for contacts" + (":" if look.pairs else ""),
         *(f"  {p.name}: {p.sides[0]}; {p.sides[1]}; they {p.words}" for p in look.pairs),
         f"Wrote {page} and {scene}",
         "Next:",
@@ -146,3 +159,8 @@ def _said(look: Look, page: Path, scene: Path) -> str:
         *(f"  {command}" for command in look.commands),
     ]
     return "\n".join(map(one_line, lines))
+
+
+def _count(things: Sequence[object], word: str) -> str:
+    one = {"bodies": "body"}.get(word, word.removesuffix("s"))
+    return f"{len(things)} {one if len(things) == 1 else word}"

@@ -10,8 +10,10 @@ import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import tomlkit
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.mesh.geometry.names import plain_name, unique_names
 from fenics_contact.mesh.survey.facing import Pair
@@ -128,10 +130,11 @@ class Proposal:
             )
             of_piece = {p: one if joined == other else joined for p, joined in of_piece.items()}
 
-        def fitness(place: int) -> tuple[bool, float, float]:
+        def fitness(place: int) -> tuple[bool, float, float, float]:
             surface = found.surfaces[place]
             largest = max(found.bodies[n].measure for n in surface.bodies)
-            return surface.shape.kind in _FLAT, largest, surface.measure
+            opposite = -float(surface.normals[0] @ self._contact_normal(surface.piece))
+            return surface.shape.kind in _FLAT, largest, round(opposite, 3), surface.measure
 
         def best(pieces: Collection[int]) -> list[int]:
             places = [
@@ -157,6 +160,16 @@ class Proposal:
                 self._bonded.add(piece)
         return chosen
 
+    def _contact_normal(self, piece: int) -> Array:
+        """Mean outward normal of a piece's surfaces in contacts, at most of length 1."""
+        places = {n for c in self.contacts for n in (*c.pair.first, *c.pair.second)}
+        normals = [
+            surface.normals.mean(axis=0)
+            for surface in (self._found.surfaces[n] for n in places)
+            if surface.piece == piece
+        ]
+        return np.asarray(np.mean(normals, axis=0)) if normals else np.zeros(3)
+
     def _measure(self, piece: int) -> float:
         return sum(body.measure for body in self._found.bodies if piece in body.pieces)
 
@@ -173,6 +186,8 @@ class Proposal:
         yield from ("", "[mesh]", f"file = {_quoted(self._file)}")
         if self._curvature is not None:
             yield f"curvature = {self._curvature}  # cells around a full circle"
+        if self._is_geometry and self._is_round():
+            yield "order = 2  # curved cells: round surfaces in contact keep their shape"
         if self._is_geometry:
             size = _figures(self._found.size / 10)
             yield f"# size = {size}  # largest cell"
@@ -188,6 +203,11 @@ class Proposal:
         if not self._is_all_held:
             yield from ("", "[solver]")
             yield f"stabilisation = true  # {_REPLACE}: some bodies have no surface to hold"
+
+    def _is_round(self) -> bool:
+        """Whether a surface of a contact is not plane."""
+        places = {n for c in self.contacts for n in (*c.pair.first, *c.pair.second)}
+        return any(self._found.surfaces[n].shape.kind not in _FLAT for n in places)
 
     def _materials(self) -> Iterator[str]:
         steel = ("youngs_modulus = 210e3  # in N and mm: steel", "poissons_ratio = 0.3")
@@ -250,8 +270,9 @@ def _called(surface: FoundSurface) -> str:
 
 
 def _quoted(text: str) -> str:
-    """A string of TOML, whatever is in the text."""
-    return tomlkit.string(text).as_string()
+    """A string of TOML, whatever is in the text; what cannot be seen in it is written out."""
+    quoted = tomlkit.string(text).as_string()
+    return "".join(c if c.isprintable() else f"\\U{ord(c):08X}" for c in quoted)
 
 
 def _figures(value: float) -> str:

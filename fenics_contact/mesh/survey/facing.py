@@ -140,11 +140,11 @@ def _inside(points: Array, triangles: Array) -> Flags:
 def _samples(surface: FoundSurface) -> tuple[Array, Array, Array]:
     """Points all over a surface, with normals and the area of each."""
     count = int(np.ceil(np.sqrt(_SAMPLES / len(surface.triangles))))
-    at = (np.arange(count) + 1 / 3) / count
-    lower = np.array([(x, y) for x in at for y in at if x + y < 1])
-    upper = np.array([(1 - x, 1 - y) for x, y in lower if x + y < 1 - 0.5 / count])
-    weights = np.concatenate([lower, upper.reshape(-1, 2)])
-    weights = np.column_stack([1 - weights.sum(axis=1), weights])
+    # The middles of the small triangles that a triangle is cut into.
+    corners = np.array([(x, y) for x in range(count) for y in range(count - x)])
+    turned = corners[corners.sum(axis=1) < count - 1]
+    places = np.concatenate([corners + 1 / 3, turned + 2 / 3]) / count
+    weights = np.column_stack([1 - places.sum(axis=1), places])
     points = np.einsum("pw,twd->tpd", weights, surface.triangles)
     edges = surface.triangles[:, 1:] - surface.triangles[:, :1]
     areas = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1) / 2

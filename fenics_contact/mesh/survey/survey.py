@@ -171,10 +171,8 @@ class _Look:
 
     def survey(self) -> Survey:
         bodies, of_cell, are_named = self._bodies()
-        surfaces = [
-            self._surface(number, group, of_cell) for number, group in self._named_surfaces()
-        ]
-        surfaces = _without_repeats([surface for surface in surfaces if surface is not None])
+        found = [self._surface(number, group, of_cell) for number, group in self._named_surfaces()]
+        surfaces = _without_repeats([surface for surface in found if surface is not None])
         return Survey(
             self._dimension,
             tuple(bodies),

@@ -81,27 +81,17 @@
       });
     });
   }
-  // Numbers at the middle of the triangle nearest to the middle of its surface.
-  function middle(values) {
-    const axes = [0, 1, 2];
-    const mean = axes.map((axis) =>
-      column(values, axis).reduce((sum, x) => sum + x, 0) / (values.length / 3));
-    let best = null, least = Infinity;
-    for (let t = 0; t < values.length / 9; t++) {
-      const at = axes.map((axis) =>
-        (values[9 * t + axis] + values[9 * t + 3 + axis] + values[9 * t + 6 + axis]) / 3);
-      const far = axes.reduce((sum, axis) => sum + (at[axis] - mean[axis]) ** 2, 0);
-      if (far < least) { least = far; best = at; }
-    }
-    return best;
-  }
-  const middles = points.map(middle);
+  // Numbers stand a little before their surfaces; those behind bodies are hidden.
   const numbers = {
     type: data.flat ? "scatter" : "scatter3d", mode: "text", hoverinfo: "skip", visible: false,
-    text: data.surfaces.map((surface) => surface.called), textfont: { size: 14, color: "#111" },
-    x: middles.map((at) => at[0]), y: middles.map((at) => at[1]), z: middles.map((at) => at[2]),
+    text: data.surfaces.map((surface) => surface.called), textfont: { size: 15 },
+    x: data.surfaces.map((surface) => surface.at[0]),
+    y: data.surfaces.map((surface) => surface.at[1]),
   };
-  if (data.flat) delete numbers.z;
+  if (!data.flat) {
+    numbers.z = data.surfaces.map((surface) => surface.at[2]);
+    numbers.textfont.color = "#111";
+  }
   const firstEdge = traces.length - data.surfaces.length;
   traces.push(numbers);
   const dark = window.matchMedia("(prefers-color-scheme: dark)").matches;
@@ -117,7 +107,7 @@
   };
   if (data.flat) layout.margin = { l: 50, r: 10, t: 10, b: 40 };
 
-  let chosen = [];
+  let chosen = [], clicked = null;
   function paint(numbers, colour) {
     numbers.forEach((n) => {
       const wanted = colour || colourOf(data.surfaces[n]);
@@ -136,6 +126,7 @@
   function choose(numbers) {
     paint(chosen, null);
     chosen = numbers;
+    clicked = numbers.length === 1 ? numbers[0] : null;
     paint(chosen, chosenColour);
     said.textContent = chosen.map(describe).join("\n");
     document.querySelectorAll("[data-surface]").forEach((button) => {
@@ -147,14 +138,19 @@
     const shown = new Set(Array.from(document.querySelectorAll("[data-body]"))
       .filter((box) => box.checked).map((box) => Number(box.dataset.body)));
     const visible = data.surfaces.map((surface) => surface.bodies.some((b) => shown.has(b)));
+    const text = data.surfaces.map((surface, n) => (visible[n] ? surface.called : ""));
+    Plotly.restyle(place, { text: [text] }, [traces.length - 1]);
     Plotly.restyle(place, { visible }, data.surfaces.map((_, n) => n));
     if (!data.flat) Plotly.restyle(place, { visible }, data.surfaces.map((_, n) => firstEdge + n));
   }
 
   Plotly.newPlot(place, traces, layout, { responsive: true, displaylogo: false }).then(() => {
+    // While the button is down every drawing is a click again: not from within the event.
     place.on("plotly_click", (event) => {
       const number = event.points[0].curveNumber;
-      if (number < data.surfaces.length) choose([number]);
+      if (number >= data.surfaces.length || clicked === number) return;
+      clicked = number;
+      setTimeout(() => choose([number]), 0);
     });
     document.querySelectorAll("[data-surface]").forEach((button) => {
       button.addEventListener("click", () => choose([Number(button.dataset.surface)]));

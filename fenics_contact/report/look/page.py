@@ -43,6 +43,7 @@ class SurfaceRow:
         kind: What it is, such as a cylinder.
         measure: Its area or length.
         place: Where it is.
+        at: Where its number stands, a little before it (length).
     """
 
     called: str
@@ -51,6 +52,7 @@ class SurfaceRow:
     kind: str
     measure: str
     place: str
+    at: tuple[float, ...]
 
 
 @dataclass(frozen=True)
