@@ -130,6 +130,15 @@ def test_fitted_then_drawn_apart():
     np.testing.assert_allclose(result.points.gap, FIT, rtol=1e-9)
 
 
+def test_single_step_has_the_work_of_the_final_forces():
+    result = stack(steps=Steps()).solve()
+    assert result.passed, result.verdict
+    pressure = result.quantities["max_contact_pressure"]
+    assert result.quantities["external_work"] == pytest.approx(pressure * FIT, rel=1e-6)
+    stored = result.quantities["strain_energy"] + result.quantities["penalty_energy"]
+    assert result.quantities["external_work"] == pytest.approx(2 * stored, rel=1e-6)
+
+
 def test_clearance():
     """A gap by value closes before anything presses."""
     prepared = stack(interference=-2 * FIT, interference_path=Path((0,), (1,)))
