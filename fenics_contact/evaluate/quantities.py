@@ -159,11 +159,14 @@ def global_quantities(
     owned = slice(0, problem.spaces.owned_nodes)
     u = solution.displacement[owned]
     work = total(problem.comm, np.sum(u * (problem.load + reactions)[owned]))
-    for surface, force in zip(problem.contacts, solution.contact_force, strict=True):
+    acting = zip(problem.contacts, solution.contact_force, solution.states, strict=True)
+    for surface, force, state in acting:
         pushed = total(problem.comm, force[surface.owned_nodes].sum(axis=0))
         driven = surface.kinematics.brought_up + surface.kinematics.indentation
         work += pushed @ surface.kinematics.direction * driven
         work += pushed @ surface.kinematics.displacement
+        pressure = float(surface.trace.integral(state.contact_pressure))
+        work += pressure * surface.kinematics.interference
     work += sum(state.force * state.shortening for state in solution.preloads)
     summed = ("contact_area", "stick_area", "slip_area", "friction_work", "penalty_energy")
     greatest = ("max_contact_pressure", "max_penetration", "max_slip")

@@ -132,8 +132,8 @@ ALL = (
     Quantity(
         "external_work",
         "energy",
-        "work of loads, supports and obstacles along the load steps; of a single step that of the "
-        "final forces on the final displacements",
+        "work of loads, supports, obstacles, preloads and interferences along the load steps; of a "
+        "single step that of the final forces on the final displacements",
     ),
     Quantity(
         "friction_work",

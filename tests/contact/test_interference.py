@@ -19,43 +19,14 @@ from fenics_contact import (
     Steps,
     Support,
 )
+from fenics_contact.analytic.press_fit import Tube, pressure
 from fenics_contact.common.errors import SceneError
 from fenics_contact.simulation.restart.state_file import StateFile
 from fenics_contact.verification.boxes import Box, boxes
-from tests.contact.test_press_fit import balances
+from fenics_contact.verification.rings import quarter_rings
+from tests.contact.fits import CONFINED, FIT, RATIO, STIFFNESS, balances, stack
 
 COMM = MPI.COMM_WORLD
-STIFFNESS, RATIO = 1000.0, 0.3
-CONFINED = STIFFNESS * (1 - RATIO) / (1 + RATIO) / (1 - 2 * RATIO)
-FIT = 1e-3
-
-
-def stack(dimension=2, drawn=0.0, steps=None, solver="condensed", **contact):
-    """Blocks of height 1 in a rigid frame, the upper one drawn into the lower one."""
-    flat, low, up = (1,) * (dimension - 1), (0,) * (dimension - 1), "xyz"[dimension - 1]
-    parts = (
-        Box("lower", (*low, -1), (*flat, 0), (3,) * dimension),
-        Box("upper", (*low, -drawn), (*flat, 1 - drawn), (2,) * dimension),
-    )
-    rollers = [
-        Support(f"{box.name}.{axis}{end}", {axis: 0})
-        for box in parts
-        for axis in "xy"[: dimension - 1]
-        for end in (0, 1)
-    ]
-    ends = [Support(f"lower.{up}0", {up: 0}), Support(f"upper.{up}1", {up: 0})]
-    given = {"against": f"lower.{up}1", "interference": FIT} | contact
-    scene = Scene(
-        kinematics="plane strain" if dimension == 2 else "3D",
-        material=Material(STIFFNESS, RATIO),
-        support=(*rollers, *ends),
-        contact=(Contact(f"upper.{up}0", **given),),
-        steps=steps or Steps(2),
-        solver=SolverSettings(solver=solver),
-    )
-    return Run(scene, COMM, boxes(parts, "quadrilateral" if dimension == 2 else "hexahedron"))
-
-
 ROUGH = {"law": "incremental", "friction_coefficient": 0.3}
 
 
@@ -115,6 +86,37 @@ def test_an_obstacle_that_is_too_large(law, depth):
         assert result.quantities["max_contact_pressure"] == pytest.approx(3 * expected, rel=1e-6)
 
 
+@pytest.mark.parametrize("solver", ["condensed", "full", "iterative"])
+@pytest.mark.parametrize("drawn", [False, True])
+def test_long_rings_in_space(drawn, solver):
+    """A quarter of a slice, held between planes: Lamé's pressure in the mean."""
+    radius, angles = 20.0 + (FIT if drawn else 0.0), (16, 20)
+    parts = (
+        Box("shaft", (10, 0, 0), (radius, 1, 5), (2, angles[0], 1)),
+        Box("hub", (20, 0, 0), (30, 1, 5), (2, angles[1], 1)),
+    )
+    scene = Scene(
+        kinematics="3D",
+        material=Material(STIFFNESS, RATIO),
+        symmetry=tuple(
+            f"{box.name}.{side}{end}" for box in parts for side in "yz" for end in (0, 1)
+        ),
+        contact=(
+            Contact("shaft.x1", against="hub.x0", interference=0.0 if drawn else FIT, **ROUGH),
+        ),
+        steps=Steps(2),
+        solver=SolverSettings(solver=solver, errors="none"),
+    )
+    prepared = Run(scene, COMM, quarter_rings(parts))
+    result = prepared.solve()
+    balances(prepared, result)
+    tubes = Tube(10, 20, STIFFNESS, RATIO), Tube(20, 30, STIFFNESS, RATIO)
+    exact, area = pressure(*tubes, FIT, is_long=True), 5 * np.pi / 2 * 20
+    found = result.quantities
+    assert found["pressure_integral"] / area == pytest.approx(exact, rel=5e-3)
+    assert found["external_work"] == pytest.approx(0.5 * exact * FIT * area, rel=5e-3)
+
+
 def test_fitted_then_drawn_apart():
     """Its path goes back to 0 and beyond: no pressure is left, and all of the work comes back."""
     path = Path(time=(0, 1, 2, 3), factor=(0, 1, 0, -1))
@@ -126,6 +128,15 @@ def test_fitted_then_drawn_apart():
         abs(result.quantities["external_work"]) < 1e-9 * result.steps[0].quantities["external_work"]
     )
     np.testing.assert_allclose(result.points.gap, FIT, rtol=1e-9)
+
+
+def test_single_step_has_the_work_of_the_final_forces():
+    result = stack(steps=Steps()).solve()
+    assert result.passed, result.verdict
+    pressure = result.quantities["max_contact_pressure"]
+    assert result.quantities["external_work"] == pytest.approx(pressure * FIT, rel=1e-6)
+    stored = result.quantities["strain_energy"] + result.quantities["penalty_energy"]
+    assert result.quantities["external_work"] == pytest.approx(2 * stored, rel=1e-6)
 
 
 def test_clearance():

@@ -13,6 +13,7 @@ from fenics_contact import main, verification
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.analytic.airy import AiryField
 from fenics_contact.analytic.half_space import cerruti
+from fenics_contact.analytic.press_fit import Tube
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.verification import Case, Finding
@@ -229,6 +230,29 @@ def test_pressing_and_taking_back():
     (case,) = (case for case in verification.CASES if case.name == "pressing")
     findings = list(case.run(True))
     assert [finding.passed for finding in findings] == [True] * 3
+
+
+def test_lame_by_the_equation_of_equilibrium():
+    """Displacements A r + B/r with no pressure on one side of a wall and 1 on the other."""
+    inner, outer, modulus, ratio = 2.0, 3.0, 7.0, 0.3
+    lame, shear = modulus * ratio / (1 + ratio) / (1 - 2 * ratio), modulus / (2 + 2 * ratio)
+    rows = np.array([[2 * (lame + shear), -2 * shear / r**2] for r in (inner, outer)])
+    tube = Tube(inner, outer, modulus, ratio)
+    for at, side, pushed in ((inner, "inside", (-1, 0)), (outer, "outside", (0, -1))):
+        a, b = np.linalg.solve(rows, pushed)
+        assert tube.compliance(at, side, is_long=True) == pytest.approx(abs(a * at + b / at))
+    soft = 2 * lame * shear / (lame + 2 * shear)  # in place of λ, where ends are free
+    rows[:, 0] = 2 * (soft + shear)
+    a, b = np.linalg.solve(rows, (-1, 0))
+    assert tube.compliance(inner, "inside", is_long=False) == pytest.approx(a * inner + b / inner)
+
+
+@pytest.mark.parametrize("name", ["press_fit", pytest.param("joint", marks=pytest.mark.errors)])
+def test_fits_and_joints(name):
+    (case,) = (case for case in verification.CASES if case.name == name)
+    findings = list(case.run(True))
+    assert len(findings) > 10
+    assert [finding for finding in findings if not finding.passed] == []
 
 
 @pytest.mark.parametrize(
