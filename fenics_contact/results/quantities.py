@@ -196,6 +196,13 @@ def has_true_value(name: str) -> bool:
     return name in QUANTITIES or name.startswith(_OF_POINTS)
 
 
+def measured_by(name: str) -> str:
+    """What a quantity measures, such as ``stress``; empty of a pure number, or one not known."""
+    if name.startswith(_OF_POINTS):
+        return "length"
+    return next((one.unit for one in ALL if one.name == name), "")
+
+
 def idle_quantities(contacts: Sequence[ContactRecord]) -> set[str]:
     """Names of the quantities that say nothing about some contacts, and are not shown."""
     missing = set()

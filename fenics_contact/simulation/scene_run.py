@@ -29,7 +29,7 @@ from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check, Result
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation import verdict
-from fenics_contact.simulation.description import model_of, record_of
+from fenics_contact.simulation.description import model_of, record_of, units_of
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
@@ -261,6 +261,7 @@ class Run:
             error_notes=self.budget.notes,
             timings=Seconds(**self.timings.summary(problem.comm)),
             versions=compat.versions(),
+            units=units_of(self.scene, quantities),
             points=points,
         )
 
@@ -292,6 +293,7 @@ class Run:
             checks={},
             timings=Seconds(**self.timings.summary(self.problem.comm)),
             versions=compat.versions(),
+            units=units_of(self.scene, ()),
         )
 
     def _unconverged(self, error: NotConvergedError, tried: float) -> Result:
