@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 from fenics_contact.results.records.contacts import ContactRecord, SupportRecord
 from fenics_contact.results.records.record import Quantities
+from fenics_contact.scene.contact import Contact, Obstacle
+from fenics_contact.scene.normal_laws import NormalLawTable
+from fenics_contact.scene.reference import measured_by as measured_by_key
 
 # Of a quantity: a number, or the components of a vector.
 QuantityValue = float | Sequence[float]
@@ -187,6 +190,8 @@ QUANTITIES = tuple(
 )
 
 
+#: What quantities of preloads measure.
+MEASURED_BY_PRELOADS = {"force": "force", "elongation": "length"}
 # Resultants.
 FORCES = frozenset(one.name for one in ALL if one.unit == "force")
 
@@ -201,6 +206,11 @@ def measured_by(name: str) -> str:
     if name.startswith(_OF_POINTS):
         return "length"
     return next((one.unit for one in ALL if one.name == name), "")
+
+
+def measured_by_parameter(name: str) -> str:
+    """What a parameter of a contact measures, as the scene's key of its name does."""
+    return measured_by_key(name, Contact, Obstacle, *NormalLawTable.__subclasses__())
 
 
 def idle_quantities(contacts: Sequence[ContactRecord]) -> set[str]:

@@ -16,7 +16,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic.fields import FieldInfo
 
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.units.dimensions import description_of
+from fenics_contact.scene.units.dimensions import description_of, dimension_of
 from fenics_contact.scene.values import PathFunction, PositionFunction, Profile
 
 
@@ -37,6 +37,18 @@ def keys_of(table: type) -> list[Key]:
     hints = typing.get_type_hints(table, include_extras=True)
     said = {name: description_of(field) for name, field in _fields(table).items()}
     return [_key(field, hints[field.name], said) for field in dataclasses.fields(table)]
+
+
+def measured_by(key: str, *tables: type) -> str:
+    """What a key measures, such as ``stress``; empty of a pure number.
+
+    Args:
+        key: Of one of the tables.
+        tables: Scene classes, the first of which that has the key says it.
+    """
+    fields = next((found for table in tables if key in (found := _fields(table))), {})
+    dimension = dimension_of(fields[key]) if fields else None
+    return "" if dimension is None else dimension.words
 
 
 def _fields(table: Any) -> dict[str, FieldInfo]:

@@ -101,7 +101,7 @@ def page(content: Content) -> str:
         headlines=headlines(result),
         failures=tables.failures(result),
         attempts=last.attempts if last else [],
-        branches=branch_rows(result.branches),
+        branches=branch_rows(result.branches, result.units),
         levels=level_rows(result),
         last_imbalances=", ".join(imbalances) or "none",
         ranks=result.model.ranks,

@@ -11,8 +11,11 @@ from fenics_contact.report.page.templates import bar, table, verdict
 from fenics_contact.results.check_messages import WORDS, compares, failure
 from fenics_contact.results.quantities import (
     FORCES,
+    MEASURED_BY_PRELOADS,
     has_true_value,
     idle_quantities,
+    measured_by,
+    measured_by_parameter,
     reactions_by_name,
     without_value,
 )
@@ -21,10 +24,12 @@ from fenics_contact.results.records.model import Model, Seconds
 from fenics_contact.results.records.record import ErrorRow
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.steps import CheckRecord, StepRecord
+from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.result import check_of
 from fenics_contact.results.words.rounding import rounded, size_of_forces
 from fenics_contact.results.words.tables import (
     error_rows,
+    headed,
     motion_words,
     share_words,
 )
@@ -71,7 +76,10 @@ def _failure(name: str, check: CheckRecord) -> str:
 
 
 def quantities_table(
-    found: Outcome | ContactRecord, contacts: list[ContactRecord], caption: str
+    found: Outcome | ContactRecord,
+    contacts: list[ContactRecord],
+    caption: str,
+    units: UnitsRecord | None,
 ) -> Markup:
     """Quantities with their error bars where there are some, without those that say nothing.
 
@@ -79,24 +87,25 @@ def quantities_table(
         found: A result or a contact.
         contacts: That it is of.
         caption: Of the table.
+        units: Of the run, if any.
     """
     idle, errors = idle_quantities(contacts), found.errors
     quantities = found.quantities
     forces = size_of_forces(quantities, contacts)
     if len(contacts) > 1:  # each has its own table
         idle |= set(OF_ONE_CONTACT)
-    rows: list[list[str]] = [["quantity", "value", *(_BARS if errors else ())]]
+    head = ["value", *(["unit"] if units else []), *(_BARS if errors else ())]
+    rows: list[list[str]] = [["quantity", *head]]
     for name in [name for name in quantities if name not in idle]:
         value = quantities[name]
-        if value is None:
-            rows.append(
-                [words(name), without_value(name, quantities), *["", ""][: 2 * bool(errors)]]
-            )
-        elif not errors or not has_true_value(name):
-            rows.append([words(name), written(value), *["", ""][: 2 * bool(errors)]])
-        else:
-            size = forces if name in FORCES else 0.0
-            rows.append([words(name), *_with_bar(value, errors.get(name), size)])
+        cells = [without_value(name, quantities)]
+        if value is not None and errors and has_true_value(name):
+            cells = _with_bar(value, errors.get(name), forces if name in FORCES else 0.0)
+        elif value is not None:
+            cells = [written(value)]
+        if units:
+            cells.insert(1, "" if value is None else units.of(measured_by(name)))
+        rows.append([words(name), *cells, *[""] * (len(head) - len(cells))])
     return table(rows, caption)
 
 
@@ -125,13 +134,18 @@ def errors_table(result: Outcome) -> Markup:
     With those of each contact and each support where there are several.
     """
     idle = idle_quantities(result.contacts)
-    errors = {words(key): row for key, row in result.errors.items() if key not in idle}
+    units = result.units
+
+    def named(key: str, of: str = "") -> str:
+        return headed(words(key) + of, measured_by(key), units)
+
+    errors = {named(key): row for key, row in result.errors.items() if key not in idle}
     for contact in result.contacts if len(result.contacts) > 1 else ():
         of_contact = contact.errors
         forces = [key for key in OF_ONE_CONTACT if key in of_contact and key not in idle]
-        errors |= {f"{words(key)} of {contact.name}": of_contact[key] for key in forces}
+        errors |= {named(key, f" of {contact.name}"): of_contact[key] for key in forces}
     for name, found in result.reactions.items() if len(result.reactions) > 1 else ():
-        errors |= {f"reaction of {name}": row for row in found.errors.values()}
+        errors |= {named("reaction", f" of {name}"): row for row in found.errors.values()}
     rows = error_rows(errors)
     return table(rows, "Estimated errors by source") if rows else Markup()
 
@@ -143,7 +157,8 @@ def reactions_table(result: Outcome) -> Markup:
     errors = {name: of.errors.get("reaction") for name, of in result.reactions.items()}
     has_bars = any(row is not None for row in errors.values())
     forces = size_of_forces(result.quantities, result.contacts)
-    rows: list[list[str]] = [["support", "reaction", *(_BARS if has_bars else ())]]
+    head = headed("reaction", "force", result.units)
+    rows: list[list[str]] = [["support", head, *(_BARS if has_bars else ())]]
     for name, force in found.items():
         rows.append([name, *_with_bar(force, errors.get(name), forces)[: 3 if has_bars else 1]])
     return table(rows, "Reactions of supports") if found else Markup()
@@ -152,7 +167,8 @@ def reactions_table(result: Outcome) -> Markup:
 def preloads_table(result: Outcome) -> Markup:
     """Force and elongation of every preload, with error bars; nothing without any."""
     has_bars = any(preload.errors for preload in result.preloads.values())
-    bars = [cell for name in OF_PRELOADS for cell in (name, *(_BARS[:1] if has_bars else ()))]
+    names = [headed(name, MEASURED_BY_PRELOADS[name], result.units) for name in OF_PRELOADS]
+    bars = [cell for name in names for cell in (name, *(_BARS[:1] if has_bars else ()))]
     rows: list[list[str]] = [["preload", *bars, "locked"]]
     for name, preload in result.preloads.items():
         row = [name]
@@ -174,11 +190,20 @@ def model_table(model: Model) -> Markup:
     return plain_table(said, "The model")
 
 
-def contact_table(contact: ContactRecord) -> Markup:
-    """A contact's own parameters."""
+def contact_table(contact: ContactRecord, units: UnitsRecord | None) -> Markup:
+    """A contact's own parameters.
+
+    Args:
+        contact: The contact.
+        units: Of the run, if any.
+    """
     kind = {"contact": contact.contact, "friction law": contact.law}
     kind |= {key: contact[key] for key in _OF_A_CONTACT if key in contact}
-    return plain_table({**kind, **contact.parameters}, f"Contact '{contact.name}'")
+    used = {
+        headed(words(name), measured_by_parameter(name), units): value
+        for name, value in contact.parameters.items()
+    }
+    return plain_table({**kind, **used}, f"Contact '{contact.name}'")
 
 
 def steps_table(steps: list[StepRecord]) -> Markup:

@@ -32,6 +32,8 @@ class UnitsRecord(Record):
 
     def of(self, words: str) -> str:
         """The unit of what is measured, such as ``stress/length``; empty of a pure number."""
+        if not self.length:
+            return ""
         names = UnitNames(
             self.length, self.force, self.stress, self.energy, self.per_unit_thickness
         )
@@ -39,4 +41,4 @@ class UnitsRecord(Record):
 
 
 #: Where a scene has none: nothing is said.
-NONE = UnitsRecord(length="", force="", stress="", energy="")
+NO_UNITS = UnitsRecord(length="", force="", stress="", energy="")

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from fenics_contact.results.quantities import measured_by
 from fenics_contact.results.records.model import RigidMotion
 from fenics_contact.results.records.record import ErrorRow, Errors
 from fenics_contact.results.records.steps import BranchRecord
+from fenics_contact.results.records.units import NO_UNITS, UnitsRecord
 from fenics_contact.results.words.rounding import UNKNOWN
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 
@@ -14,11 +16,21 @@ from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 _OF_BRANCHES = ("normal_force", "friction_force", "stick_area", "slip_area")
 
 
-def branch_rows(branches: Sequence[BranchRecord]) -> list[list[object]]:
-    """A table of all answers that were found, its head first; empty where there is but one."""
+def branch_rows(
+    branches: Sequence[BranchRecord], units: UnitsRecord | None = None
+) -> list[list[object]]:
+    """A table of all answers that were found, its head first; empty where there is but one.
+
+    Args:
+        branches: The answers.
+        units: Of their numbers, if any.
+    """
     if len(branches) < 2:
         return []
-    names = [name.replace("_", " ") for name, _ in _of_branch(branches[0])]
+    names = [
+        headed(name.replace("_", " "), measured_by(name.partition(" ")[0]), units)
+        for name, _ in _of_branch(branches[0])
+    ]
     rows: list[list[object]] = [["answer from the start", *names, "checks"]]
     for branch in branches:
         numbers = [value for _, value in _of_branch(branch)]
@@ -34,6 +46,18 @@ def _of_branch(branch: BranchRecord) -> Iterator[tuple[str, object]]:
                 yield f"{key} of '{contact.name}'", contact.quantities[key]
         else:
             yield key, branch.quantities[key]
+
+
+def headed(words: str, measured: str, units: UnitsRecord | None) -> str:
+    """A column's or a row's name, with the unit of its numbers in brackets, if there is one.
+
+    Args:
+        words: The name.
+        measured: What the numbers measure.
+        units: Of the run, if any.
+    """
+    unit = (units or NO_UNITS).of(measured)
+    return f"{words} ({unit})" if unit else words
 
 
 def motion_words(motion: RigidMotion) -> str:
