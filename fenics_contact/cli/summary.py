@@ -13,6 +13,7 @@ from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.results.accuracy_messages import level_rows
 from fenics_contact.results.check_messages import compares
+from fenics_contact.results.load_history import newton_steps
 from fenics_contact.results.quantities import QUANTITIES, idle_quantities, measured_by_parameter
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, RigidMotion
@@ -154,7 +155,8 @@ def print_result(result: Result, folder: Path) -> None:
     console.print(one_line(result.verdict), markup=False, highlight=False)
     took = f"{result.timings['total']:.2f} s"
     if result.steps:  # it may have been interrupted before the first
-        took += f", {sum(step['newton_iterations'] for step in result.steps)} Newton steps"
+        took += f", {newton_steps(sum(step.newton_iterations for step in result.steps))}"
+        took += " on the last mesh" if len(result.levels) > 1 else ""
     console.print(
         f"{took}. Files in {folder}/",
         markup=False,

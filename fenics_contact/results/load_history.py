@@ -133,6 +133,11 @@ def _varies(values: Array) -> bool:
     return bool(np.ptp(values, axis=0).max() > _STILL * np.abs(values).max())
 
 
+def newton_steps(number: int) -> str:
+    """So many Newton steps, in words."""
+    return f"{number} Newton step{'' if number == 1 else 's'}"
+
+
 def step_line(number: int, step: StepRecord) -> str:
     """A load step in one line.
 
@@ -143,6 +148,6 @@ def step_line(number: int, step: StepRecord) -> str:
     found, passes = step.quantities, step.outer_iterations
     counted = f", {passes} pass{'es' if passes > 1 else ''}" if passes else ""
     return (
-        f"step {number}: time {step.load_factor:.6g}, {step.newton_iterations} Newton steps"
+        f"step {number}: time {step.load_factor:.6g}, {newton_steps(step.newton_iterations)}"
         f"{counted}, contact area {found['contact_area']:.4g}, sticking {found['stick_area']:.4g}"
     )

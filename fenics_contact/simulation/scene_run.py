@@ -211,7 +211,7 @@ class Run:
         try:
             solve(self.problem, self.timings, record, self.choice, begin, keep, stopped, end)
         except NotConvergedError as error:
-            return self._unconverged(error, begun[0].tried)
+            return self._unconverged(error, begun[0].tried, begun[0].spent)
         except StoppedError:
             return self._interrupted()
         return self._evaluate()
@@ -296,11 +296,11 @@ class Run:
             units=units_of(self.scene, ()),
         )
 
-    def _unconverged(self, error: NotConvergedError, tried: float) -> Result:
+    def _unconverged(self, error: NotConvergedError, tried: float, spent: int) -> Result:
         """The last step that converged, if any, and the history of the one that did not."""
         step = StepRecord(
             load_factor=tried,
-            newton_iterations=max(len(error.residual_history) - 1, 0),
+            newton_iterations=spent,
             outer_iterations=0,
             attempts=list(error.attempts),
             residual_history=list(error.residual_history),
