@@ -92,6 +92,7 @@ class LoadSteps:
             while (time := self.pace.next(self.time)) is not None:
                 self.newton.require_going_on()
                 self.tried = time
+                logger.debug("  time %g of %g", time, self.problem.scene.steps.last)
                 self._take(time)
         except (NotConvergedError, StoppedError):
             self.go_back()
