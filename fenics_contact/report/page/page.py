@@ -61,7 +61,6 @@ SECTIONS = (
     Section("advice", "What to try", lambda content: not content.result.converged),
     Section("pictures", "Pictures", lambda content: bool(content.pictures)),
     Section("view-3d", "Interactive view", lambda content: bool(content.view)),
-    Section("quantities", "Quantities and errors", lambda content: bool(content.result.quantities)),
     Section(
         "checks",
         "Checks",
@@ -71,6 +70,7 @@ SECTIONS = (
             or level_rows(content.result)
         ),
     ),
+    Section("quantities", "Quantities and errors", lambda content: bool(content.result.quantities)),
     Section("scene", "Scene"),
     Section("model", "Model"),
     Section("contacts", "Contacts", lambda content: bool(content.result.contacts)),

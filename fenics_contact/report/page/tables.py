@@ -12,6 +12,7 @@ from fenics_contact.results.check_messages import WORDS, compares, failure
 from fenics_contact.results.quantities import (
     FORCES,
     MEASURED_BY_PRELOADS,
+    QuantityValue,
     has_true_value,
     idle_quantities,
     measured_by,
@@ -131,21 +132,32 @@ def _percent(share: float) -> str:
 def errors_table(result: Outcome) -> Markup:
     """Where the errors come from; nothing where none were estimated.
 
-    With those of each contact and each support where there are several.
+    With those of each contact and each support where there are several; without what was given, or
+    is 0 by symmetry, which has no error but round-off.
     """
-    idle = idle_quantities(result.contacts)
-    units = result.units
+    idle, units = idle_quantities(result.contacts), result.units
+    size = size_of_forces(result.quantities, result.contacts)
 
     def named(key: str, of: str = "") -> str:
         return headed(words(key) + of, measured_by(key), units)
 
-    errors = {named(key): row for key, row in result.errors.items() if key not in idle}
+    found: list[tuple[str, str, QuantityValue | None, ErrorRow]] = [
+        (key, "", result.quantities.get(key), row)
+        for key, row in result.errors.items()
+        if key not in idle
+    ]
     for contact in result.contacts if len(result.contacts) > 1 else ():
-        of_contact = contact.errors
-        forces = [key for key in OF_ONE_CONTACT if key in of_contact and key not in idle]
-        errors |= {named(key, f" of {contact.name}"): of_contact[key] for key in forces}
-    for name, found in result.reactions.items() if len(result.reactions) > 1 else ():
-        errors |= {named("reaction", f" of {name}"): row for row in found.errors.values()}
+        of = f" of {contact.name}"
+        for key in (key for key in OF_ONE_CONTACT if key in contact.errors and key not in idle):
+            found.append((key, of, contact.quantities.get(key), contact.errors[key]))
+    for name, reaction in result.reactions.items() if len(result.reactions) > 1 else ():
+        for key, row in reaction.errors.items():
+            found.append((key, f" of {name}", reaction.reaction, row))
+    errors = {
+        named(key, of): row
+        for key, of, value, row in found
+        if value is None or rounded(value, row, size if key in FORCES else 0.0)[1]
+    }
     rows = error_rows(errors)
     return table(rows, "Estimated errors by source") if rows else Markup()
 

@@ -48,6 +48,20 @@ def rounded(value: QuantityValue, row: ErrorRow | None, size: float = 0.0) -> tu
     return _joined(_written(part, place, largest) for part in parts), _written(bar, place, largest)
 
 
+def bar_in_words(error: float | None) -> str:
+    """An error alone, rounded up to one figure or two; ``?`` where it was not estimated.
+
+    >>> bar_in_words(4.66), bar_in_words(0.00123), bar_in_words(0.0), bar_in_words(None)
+    ('5', '0.0013', '0', '?')
+    """
+    if error is None or not math.isfinite(error):
+        return UNKNOWN
+    if error == 0:
+        return "0"
+    place, bar = _rounded_up(abs(error))
+    return _written(bar, place, bar)
+
+
 def size_of_forces(quantities: Quantities, contacts: Iterable[ContactRecord]) -> float:
     """The largest component of all resultants.
 

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 
 from fenics_contact.results.quantities import measured_by
 from fenics_contact.results.records.model import RigidMotion
-from fenics_contact.results.records.record import ErrorRow, Errors
+from fenics_contact.results.records.record import Errors
 from fenics_contact.results.records.steps import BranchRecord
 from fenics_contact.results.records.units import NO_UNITS, UnitsRecord
-from fenics_contact.results.words.rounding import UNKNOWN
+from fenics_contact.results.words.rounding import bar_in_words
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 
 # What answers of one scene are told apart by.
@@ -71,16 +71,6 @@ def share_words(share: float) -> str:
     return "just below 1, the limit" if words == "1" else words
 
 
-def error_bar(row: ErrorRow | None) -> str:
-    """The total of a row of ``errors``; ``?`` where it was not estimated, or not in full.
-
-    Args:
-        row: Source → error, and ``total``; None for a quantity that has none.
-    """
-    total = None if row is None else row["total"]
-    return UNKNOWN if total is None else f"{total:.1e}"
-
-
 def error_rows(errors: Errors) -> list[list[str]]:
     """A table of estimated errors by source, its head first; empty where there are none.
 
@@ -92,6 +82,5 @@ def error_rows(errors: Errors) -> list[list[str]]:
     sources = list(next(iter(errors.values())))
     rows = [["quantity", *sources]]
     for name, row in errors.items():
-        cells = [UNKNOWN if value is None else f"{value:.1e}" for value in row.values()]
-        rows.append([name, *cells])
+        rows.append([name, *map(bar_in_words, row.values())])
     return rows
