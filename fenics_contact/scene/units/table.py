@@ -70,6 +70,8 @@ def convert_texts(scene: Any, units: Units | None, per_unit_thickness: bool) -> 
     Raises:
         ValueError: A text has none of these units, or there are none; names the key.
     """
+    if units is not None:
+        _require_mm_of_step_files(scene, units)
     conversion = _Conversion(units, per_unit_thickness)
     for field in dataclasses.fields(scene):
         value = getattr(scene, field.name)
@@ -77,6 +79,18 @@ def convert_texts(scene: Any, units: Units | None, per_unit_thickness: bool) -> 
         found = conversion.of(value, path, dimension_of(scene.__pydantic_fields__[field.name]))
         if found is not value:
             object.__setattr__(scene, field.name, found)
+
+
+def _require_mm_of_step_files(scene: Any, units: Units) -> None:
+    """Whatever unit is in a STEP file, Gmsh reads it in mm."""
+    from fenics_contact.scene.units.registry import factor
+
+    files = [mesh.file for mesh in scene.mesh if mesh.file.lower().endswith((".step", ".stp"))]
+    if files and factor(units.length, "mm", "N", (1, 0)) != 1:
+        raise ValueError(
+            f"units.length = {units.length!r}: '{files[0]}' is read in mm, as every STEP file is, "
+            "so that length must be 'mm'"
+        )
 
 
 @dataclasses.dataclass(frozen=True)
