@@ -4,7 +4,6 @@ import json
 import re
 
 import numpy as np
-import pytest
 from mpi4py import MPI
 
 from fenics_contact import Contact, Load, Material, Obstacle, Run, Scene, Support, Units

@@ -125,9 +125,9 @@ def test_pressures_of_pounds_and_inches():
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('"210 GPa"', '"210 mm"', "material.youngs_modulus = '210 mm': 'mm' measures something else; "
-         "accepted here is a stress, as a number (in MPa) or as one number and one unit in quotes, "
-         "such as '1 MPa'"),
+        ('"210 GPa"', '"210 mm"', "material.youngs_modulus = '210 mm': 'mm' measures something "
+         "else; accepted here is a stress, as a number (in MPa) or as one number and one unit in "
+         "quotes, such as '1 MPa'"),
         ('"1.5 kN"', '"1.5 kN/mm"', "contact[0].obstacle.force = '1.5 kN/mm': 'kN/mm' measures"),
         ('"210 GPa"', '"210 Gpa"', "'Gpa' is no unit that is known"),
         ('"210 GPa"', '"2*105 GPa"', "must be one number and one unit"),
@@ -139,7 +139,7 @@ def test_pressures_of_pounds_and_inches():
         ('"210 GPa"', '"210 °C"', "must be one number and one unit"),
         ('"210 GPa"', '"210 degC"', "'degC' measures something else"),
         ("0.3\n", '"0.3 mm"\n', "material.poissons_ratio = '0.3 mm': must be a number"),
-        ('length = "mm"', 'length = "kg"', "units: length = 'kg': must be a unit of length, such as 'mm'"),
+        ('length = "mm"', 'length = "kg"', "length = 'kg': must be a unit of length, such as 'mm'"),
         ('length = "mm"', 'length = "2 mm"', "units: length = '2 mm': must be a unit of length"),
         ('force = "N"\n', "", "the key 'units.force' is missing"),
     ],
