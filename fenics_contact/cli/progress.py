@@ -18,6 +18,7 @@ from fenics_contact.common.terminal import Terminal
 from fenics_contact.results.load_history import Announce, step_line
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.scene import Steps
+from fenics_contact.scene.units.names import UnitNames
 
 if TYPE_CHECKING:
     from rich.progress import ProgressColumn
@@ -33,7 +34,9 @@ _BESIDE = _BAR + len("  0:00:00 ")
 
 
 @contextmanager
-def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Announce | None]:
+def activity(
+    steps: Steps, comm: MPI.Comm, quiet: bool = False, units: UnitNames | None = None
+) -> Iterator[Announce | None]:
     """What a run is doing, on the terminal of rank 0; collective.
 
     How far the load steps are, phases, and Newton steps; it vanishes at the end. Without a
@@ -44,6 +47,7 @@ def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Anno
         steps: Of the scene.
         comm: Communicator.
         quiet: Whether to show nothing.
+        units: Of the scene, if any.
 
     Yields:
         What to call with number and record of every load step, or None where they are logged.
@@ -66,7 +70,7 @@ def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Anno
         def announce(number: int, step: StepRecord) -> None:
             nonlocal where
             if steps.several:
-                line = step_line(number, step)
+                line = step_line(number, step, units)
                 where = line.partition(", ")[0] + ", "
                 progress.update(task, completed=step.load_factor, description=cut(line))
 

@@ -30,6 +30,7 @@ from fenics_contact.results.words.tables import branch_rows, motion_words, share
 from fenics_contact.scene.reference import measured_by
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.table import names_of
 
 # Keys of the model whose names alone say little.
 _IN_WORDS = {
@@ -86,20 +87,15 @@ def print_model(
     _print_motions(console, model.rigid_motions)
     for line in _conditions(scene):
         console.print(one_line(line), markup=False, highlight=False, soft_wrap=True)
-    _print_contacts(console, contacts, _names(scene))
+    _print_contacts(console, contacts, names_of(scene))
     if plan:
         console.print(plan, markup=False, highlight=False, soft_wrap=True)
     console.print("The scene can be run: supports and contacts can hold the loads.")
 
 
-def _names(scene: Scene) -> UnitNames | None:
-    """What the units of a scene are called, if it has some."""
-    return None if scene.units is None else scene.units.names(scene.is_per_unit_thickness)
-
-
 def _conditions(scene: Scene) -> list[str]:
     """A line for each support, load and preload, as they were understood."""
-    lines, names = [], _names(scene)
+    lines, names = [], names_of(scene)
 
     def unit(of: object, key: str) -> str:
         found = "" if names is None else names.of(measured_by(key, type(of)))

@@ -15,6 +15,7 @@ from fenics_contact.results.records.contacts import ContactRecord, LawAnswers, a
 from fenics_contact.results.records.model import Model, RigidMotion
 from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.units.table import names_of
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice
 
@@ -76,17 +77,16 @@ def units_of(scene: Scene, quantities: Iterable[str]) -> UnitsRecord | None:
         scene: What was solved.
         quantities: Names of those that the run has.
     """
-    if scene.units is None:
+    names = names_of(scene)
+    if names is None:
         return None
-    per_unit_thickness = scene.is_per_unit_thickness
-    names = scene.units.names(per_unit_thickness)
     measured = {name: names.of(measured_by(name)) for name in quantities}
     return UnitsRecord(
         length=names.length,
         force=names.force,
         stress=names.stress,
         energy=names.energy,
-        per_unit_thickness=per_unit_thickness,
+        per_unit_thickness=names.per_unit_thickness,
         quantities={name: unit for name, unit in measured.items() if unit},
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import logging
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from mpi4py import MPI
 
@@ -28,6 +29,8 @@ from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check, Result
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.table import names_of
 from fenics_contact.simulation import verdict
 from fenics_contact.simulation.description import model_of, record_of, units_of
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
@@ -88,7 +91,7 @@ class Run:
         self.last: Unknowns | None = None
         self.others = OtherAnswers()
         self.budget = ErrorBudget()
-        self._announce: Announce = _log_step
+        self._announce: Announce = _say_nothing
         self.timings = Timings()
         with failing_together(comm):
             self._make_ready(scene, comm, body)
@@ -178,7 +181,8 @@ class Run:
         self.others = OtherAnswers()
         self.budget = ErrorBudget()
         self._checks: dict[str, Check] = {}
-        self._announce = announce or (_log_step if self.scene.steps.several else _say_nothing)
+        lines = partial(_log_step, names_of(self.scene))
+        self._announce = announce or (lines if self.scene.steps.several else _say_nothing)
 
         begun: list[LoadSteps] = []  # not the run's own: it refers to it, and would not be freed
 
@@ -315,8 +319,8 @@ class Run:
         return dataclasses.replace(self._stopped_short(words, self.steps), interrupted=True)
 
 
-def _log_step(number: int, step: StepRecord) -> None:
-    logger.info(step_line(number, step))
+def _log_step(units: UnitNames | None, number: int, step: StepRecord) -> None:
+    logger.info(step_line(number, step, units))
 
 
 def _say_nothing(number: int, step: StepRecord) -> None:

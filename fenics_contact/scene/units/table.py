@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
@@ -13,6 +13,9 @@ from fenics_contact.scene.messages import written
 from fenics_contact.scene.units.dimensions import Dimension, WithUnit, dimension_of
 from fenics_contact.scene.units.names import UnitNames
 from fenics_contact.scene.values import Text, scene_class
+
+if TYPE_CHECKING:
+    from fenics_contact.scene.scene import Scene
 
 _SMALLEST, _LARGEST = 1e-100, 1e100  # sizes of numbers that a scene may hold
 # Keys that one table of a list is given by, without a number.
@@ -57,6 +60,15 @@ class Units:
         length, force = symbol(self.length), symbol(self.force)
         stress, energy = (derived(length, force, powers) for powers in ((-2, 1), (1, 1)))
         return UnitNames(length, force, stress, energy, per_unit_thickness)
+
+
+def names_of(scene: Scene) -> UnitNames | None:
+    """What the units of a scene are called; None where it has none.
+
+    Args:
+        scene: The scene.
+    """
+    return None if scene.units is None else scene.units.names(scene.is_per_unit_thickness)
 
 
 def convert_texts(scene: Any, units: Units | None, per_unit_thickness: bool) -> None:
