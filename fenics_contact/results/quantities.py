@@ -192,8 +192,6 @@ QUANTITIES = tuple(
 
 #: What quantities of preloads measure.
 MEASURED_BY_PRELOADS = {"force": "force", "elongation": "length"}
-# Resultants.
-FORCES = frozenset(one.name for one in ALL if one.unit == "force")
 
 
 def has_true_value(name: str) -> bool:

@@ -78,7 +78,7 @@ def test_notebooks_show_units():
 def test_tables_of_the_report_have_units():
     run = made_run(content())
     (contact,) = run.contacts
-    every = quantities_table(run, run.contacts, "Quantities", run.units)
+    every = quantities_table(run, run.contacts, "Quantities", run)
     assert re.search(r"max contact pressure</th><td>12</td><td>MPa</td>", every)
     assert "penalty parameter (mm/MPa)" in contact_table(contact, run.units)
     assert "reaction (N)" in reactions_table(run)

@@ -10,7 +10,6 @@ from markupsafe import Markup
 from fenics_contact.report.page.templates import bar, table, verdict
 from fenics_contact.results.check_messages import WORDS, compares, failure
 from fenics_contact.results.quantities import (
-    FORCES,
     MEASURED_BY_PRELOADS,
     QuantityValue,
     has_true_value,
@@ -27,7 +26,7 @@ from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.steps import CheckRecord, StepRecord
 from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.result import check_of
-from fenics_contact.results.words.rounding import rounded, size_of_forces
+from fenics_contact.results.words.rounding import rounded, sizes_of
 from fenics_contact.results.words.tables import (
     error_rows,
     headed,
@@ -80,7 +79,7 @@ def quantities_table(
     found: Outcome | ContactRecord,
     contacts: list[ContactRecord],
     caption: str,
-    units: UnitsRecord | None,
+    run: Outcome,
 ) -> Markup:
     """Quantities with their error bars where there are some, without those that say nothing.
 
@@ -88,11 +87,11 @@ def quantities_table(
         found: A result or a contact.
         contacts: That it is of.
         caption: Of the table.
-        units: Of the run, if any.
+        run: That all is of.
     """
     idle, errors = idle_quantities(contacts), found.errors
     quantities = found.quantities
-    forces = size_of_forces(quantities, contacts)
+    units, sizes = run.units, sizes_of(run.quantities, run.contacts)
     if len(contacts) > 1:  # each has its own table
         idle |= set(OF_ONE_CONTACT)
     head = ["value", *(["unit"] if units else []), *(_BARS if errors else ())]
@@ -101,7 +100,7 @@ def quantities_table(
         value = quantities[name]
         cells = [without_value(name, quantities)]
         if value is not None and errors and has_true_value(name):
-            cells = _with_bar(value, errors.get(name), forces if name in FORCES else 0.0)
+            cells = _with_bar(value, errors.get(name), sizes[measured_by(name)])
         elif value is not None:
             cells = [written(value)]
         if units:
@@ -136,7 +135,7 @@ def errors_table(result: Outcome) -> Markup:
     is 0 by symmetry, which has no error but round-off.
     """
     idle, units = idle_quantities(result.contacts), result.units
-    size = size_of_forces(result.quantities, result.contacts)
+    sizes = sizes_of(result.quantities, result.contacts)
 
     def named(key: str, of: str = "") -> str:
         return headed(words(key) + of, measured_by(key), units)
@@ -156,7 +155,7 @@ def errors_table(result: Outcome) -> Markup:
     errors = {
         named(key, of): row
         for key, of, value, row in found
-        if value is None or rounded(value, row, size if key in FORCES else 0.0)[1]
+        if value is None or rounded(value, row, sizes[measured_by(key)])[1]
     }
     rows = error_rows(errors)
     return table(rows, "Estimated errors by source") if rows else Markup()
@@ -168,7 +167,7 @@ def reactions_table(result: Outcome) -> Markup:
     # Files of earlier versions have no ``reactions``.
     errors = {name: of.errors.get("reaction") for name, of in result.reactions.items()}
     has_bars = any(row is not None for row in errors.values())
-    forces = size_of_forces(result.quantities, result.contacts)
+    forces = sizes_of(result.quantities, result.contacts)["force"]
     head = headed("reaction", "force", result.units)
     rows: list[list[str]] = [["support", head, *(_BARS if has_bars else ())]]
     for name, force in found.items():

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from fenics_contact.common.plain_text import one_line
-from fenics_contact.results.quantities import FORCES, QuantityValue, idle_quantities, measured_by
+from fenics_contact.results.quantities import QuantityValue, idle_quantities, measured_by
 from fenics_contact.results.records.contacts import ContactRecord, PreloadRecord
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.units import NO_UNITS, UnitsRecord
-from fenics_contact.results.words.rounding import rounded, size_of_forces
+from fenics_contact.results.words.rounding import is_none, rounded, sizes_of
 
 
 def headlines(result: Outcome) -> list[str]:
@@ -22,8 +23,7 @@ def headlines(result: Outcome) -> list[str]:
     """
     if not result.converged:
         return []
-    size = size_of_forces(result.quantities, result.contacts)
-    words = _Words(result.units or NO_UNITS, size)
+    words = _Words(result.units or NO_UNITS, sizes_of(result.quantities, result.contacts))
     lines = [words.of_preload(name, preload) for name, preload in result.preloads.items()]
     lines += [words.of_contact(contact) for contact in result.contacts if contact.quantities]
     if result.contacts and "friction_work" not in idle_quantities(result.contacts):
@@ -37,11 +37,11 @@ class _Words:
 
     Attributes:
         units: Its own; without names where it has none.
-        size: Of its forces.
+        sizes: Of its forces, pressures and so on.
     """
 
     units: UnitsRecord
-    size: float
+    sizes: Mapping[str, float]
 
     def of_preload(self, name: str, preload: PreloadRecord) -> str:
         """Its force, and whether it is still tightened."""
@@ -57,16 +57,18 @@ class _Words:
         if found.get(pressing) is not None:
             words.append(f"presses with {self.estimate(pressing, contact)}")
         friction = found.get("friction_force")
-        # Around an axis they cancel.
-        if isinstance(friction, list) and any(friction) and "friction_force" not in idle:
+        if isinstance(friction, list) and "friction_force" not in idle:
             force = math.hypot(*friction)
             said = self._with_bar(force, contact.errors, "friction_force", "force")
-            words.append(f"friction {said}{_share(contact, force)}")
+            if not is_none(force, self.sizes["force"]):  # around an axis they cancel
+                words.append(f"friction {said}{_share(contact, force)}")
         for key, said in (
             ("max_contact_pressure", "peak pressure"),
             ("max_slip", "slips by up to"),
         ):
-            if found.get(key) is not None and key not in idle:
+            if found.get(key) is None or key in idle:
+                continue
+            if not is_none(found[key], self.sizes[measured_by(key)]):
                 words.append(f"{said} {self.estimate(key, contact)}")
         return f"Contact '{one_line(contact.name)}': {', '.join(words)}."
 
@@ -78,8 +80,7 @@ class _Words:
 
     def _with_bar(self, value: QuantityValue, errors: Errors, key: str, measured: str) -> str:
         """Without a bar where the run estimated none at all, and where none is needed."""
-        size = self.size if key in FORCES else 0.0
-        said, bar = rounded(value, errors.get(key), size)
+        said, bar = rounded(value, errors.get(key), self.sizes[measured])
         unit = self.units.of(measured)
         return f"{said}{f' ± {bar}' if errors and bar else ''}{f' {unit}' if unit else ''}"
 

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.results.quantities import (
-    FORCES,
     MEASURED_BY_PRELOADS,
     idle_quantities,
     measured_by,
@@ -18,7 +17,7 @@ from fenics_contact.results.records.record import Errors, Quantities
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.units import NO_UNITS
 from fenics_contact.results.result import Result
-from fenics_contact.results.words.rounding import rounded, size_of_forces
+from fenics_contact.results.words.rounding import rounded, sizes_of
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, OF_PRELOADS
 
 _MAIN = (
@@ -59,7 +58,7 @@ def quantity_rows(result: Result, key: str) -> list[Shown]:
     places: list[tuple[str, Quantities, Errors]] = [(words, result.quantities, result.errors)]
     if key in OF_ONE_CONTACT and len(result.contacts) > 1:
         places = [(f"{words} of {one.name}", one.quantities, one.errors) for one in result.contacts]
-    size = size_of_forces(result.quantities, result.contacts) if key in FORCES else 0.0
+    size = sizes_of(result.quantities, result.contacts)[measured_by(key)]
     unit = (result.units or NO_UNITS).of(measured_by(key))
     rows = []
     for name, found, errors in places:
@@ -87,7 +86,7 @@ def reaction_rows(result: Outcome) -> list[Shown]:
     """Reactions of the supports of each name, in words."""
     # Files of earlier versions have no ``reactions``.
     errors = {name: of.errors.get("reaction") for name, of in result.reactions.items()}
-    size = size_of_forces(result.quantities, result.contacts)
+    size = sizes_of(result.quantities, result.contacts)["force"]
     unit = (result.units or NO_UNITS).of("force")
     return [
         Shown(one_line(name), *rounded(force, errors.get(name), size), unit)
