@@ -217,10 +217,16 @@ def contact_table(contact: ContactRecord, units: UnitsRecord | None) -> Markup:
     return plain_table({**kind, **used}, f"Contact '{contact.name}'")
 
 
-def steps_table(steps: list[StepRecord]) -> Markup:
-    """Load steps with their iterations and the imbalance that was left."""
+def steps_table(steps: list[StepRecord], units: UnitsRecord | None) -> Markup:
+    """Load steps with their iterations and the imbalance that was left.
+
+    Args:
+        steps: All of them.
+        units: Of the run, if any.
+    """
     rows = [["step", "time", "Newton steps", "passes of the loop on the pressure"]]
-    rows[0] += ["contraction", "imbalance before", "at the end", "accepted"]
+    imbalances = ("imbalance before", "at the end", "accepted")
+    rows[0] += ["contraction", *(headed(name, "force", units) for name in imbalances)]
     rows += [row for _, row in _shown(steps)]
     return table(rows, "Load steps")
 
