@@ -22,7 +22,7 @@ from fenics_contact.report.report import write_report
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.results.result_file import read_result
-from fenics_contact.results.words.tables import error_bar
+from fenics_contact.results.words.rounding import rounded
 from fenics_contact.verification.case import Finding
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -240,11 +240,9 @@ def _table(findings: Iterable[Finding], said_of: str) -> str:
                 f"{found.reference:g} within {found.tolerance:g}"
             )
         error = f"{found.error:.2g}" if found.absolute else f"{100 * found.error:.2g} %"
-        bar = error_bar({"total": found.bar})
-        rows.append(
-            f"| {found.quantity} | {found.reference:.6g} | {found.value:.6g} | {error} | "
-            f"{bar if found.bar is None else '± ' + bar} |"
-        )
+        value, bar = rounded(found.value, {"total": found.bar})
+        bar = bar if found.bar is None or not bar else f"± {bar}"
+        rows.append(f"| {found.quantity} | {found.reference:.6g} | {value} | {error} | {bar} |")
     return "\n".join(rows)
 
 

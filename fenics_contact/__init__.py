@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
     from fenics_contact.scene.steps import SolverSettings, Steps
+    from fenics_contact.scene.units.table import Units
     from fenics_contact.scene.values import Path, Profile
     from fenics_contact.simulation.adaptive.levels import run
     from fenics_contact.simulation.scene_run import Run
@@ -65,6 +66,7 @@ __all__ = [
     "SolverSettings",
     "Steps",
     "Support",
+    "Units",
     "load_scene",
     "main",
     "run",
@@ -92,6 +94,7 @@ _MODULES = {
     "scene.reading": ("load_scene",),
     "scene.material": ("Material",),
     "scene.steps": ("SolverSettings", "Steps"),
+    "scene.units.table": ("Units",),
     "scene.values": ("Path", "Profile"),
     "simulation.scene_run": ("Run",),
 }

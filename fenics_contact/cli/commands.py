@@ -25,6 +25,7 @@ from fenics_contact.results.load_history import Announce
 from fenics_contact.results.result import Result
 from fenics_contact.scene.reading import load_scene
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.units.table import names_of
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.simulation.restart.state_file import StateFile
 from fenics_contact.simulation.scene_run import Run
@@ -121,7 +122,7 @@ def _solve(scene: Scene, folder: Path, options: argparse.Namespace, pictures: bo
     settings = petsc_options.parse(options.petsc)
     files.require_writable(folder, comm)
     with petsc_options.given(settings, comm):
-        with activity(scene.steps, comm, options.quiet) as announce:
+        with activity(scene.steps, comm, options.quiet, names_of(scene)) as announce:
             prepared = Run(scene, comm)
             solve = _solve_steps if scene.accuracy is None else _solve_levels
             result = solve(prepared, folder, options.resume, announce)

@@ -1,11 +1,13 @@
-"""How far a run is: a line that changes on a terminal, a line a load step elsewhere."""
+"""How far a run is: a line that changes on a terminal, elsewhere a line now and then."""
 
 from __future__ import annotations
 
 import logging
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING
 
 from mpi4py import MPI
@@ -16,27 +18,36 @@ from fenics_contact.common.terminal import Terminal
 from fenics_contact.results.load_history import Announce, step_line
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.scene import Steps
+from fenics_contact.scene.units.names import UnitNames
 
 if TYPE_CHECKING:
     from rich.progress import ProgressColumn
 
+logger = logging.getLogger(__name__)
+
+# Seconds without a line before the first one now and then; each wait is twice the one before, up to
+# the longest.
+_FIRST, _LONGEST = 10.0, 60.0
 # Characters of the bar; and of all that stands beside the words.
 _BAR = 20
 _BESIDE = _BAR + len("  0:00:00 ")
 
 
 @contextmanager
-def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Announce | None]:
+def activity(
+    steps: Steps, comm: MPI.Comm, quiet: bool = False, units: UnitNames | None = None
+) -> Iterator[Announce | None]:
     """What a run is doing, on the terminal of rank 0; collective.
 
     How far the load steps are, phases, and Newton steps; it vanishes at the end. Without a
-    terminal, or on one that cannot move its cursor, there is nothing but lines for load steps,
-    which are logged.
+    terminal, or on one that cannot move its cursor, lines are logged: one for every load step, and
+    one now and then of what is being done meanwhile.
 
     Args:
         steps: Of the scene.
         comm: Communicator.
         quiet: Whether to show nothing.
+        units: Of the scene, if any.
 
     Yields:
         What to call with number and record of every load step, or None where they are logged.
@@ -44,7 +55,8 @@ def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Anno
     console = Terminal(stderr=True)
     shows = console.is_terminal and not console.is_dumb_terminal and not quiet
     if not from_root(comm, shows):
-        yield None
+        with nullcontext() if quiet or comm.rank > 0 else _lines_now_and_then():
+            yield None
         return
     if comm.rank > 0:
         yield lambda number, step: None
@@ -58,7 +70,7 @@ def activity(steps: Steps, comm: MPI.Comm, quiet: bool = False) -> Iterator[Anno
         def announce(number: int, step: StepRecord) -> None:
             nonlocal where
             if steps.several:
-                line = step_line(number, step)
+                line = step_line(number, step, units)
                 where = line.partition(", ")[0] + ", "
                 progress.update(task, completed=step.load_factor, description=cut(line))
 
@@ -84,25 +96,81 @@ def _columns(steps: Steps) -> tuple[ProgressColumn, ...]:
 class _Listener(logging.Handler):
     """Passes messages of all levels on; those of solves for estimates say what they are for."""
 
-    def __init__(self, tell: Callable[[str], None]) -> None:
+    def __init__(self, tell: Callable[[str], None], said: Callable[[], None]) -> None:
         super().__init__(logging.DEBUG)
-        self._tell = tell
+        self._tell, self._said = tell, said
         self._phase = ""
 
     def emit(self, record: logging.LogRecord) -> None:
+        if record.levelno > logging.DEBUG:
+            self._said()
+        if record.name == __name__:
+            return
         words = record.getMessage().strip()
         if record.name == timings.__name__:
             self._phase = words
-        elif self._phase == timings.ESTIMATING:
+        elif self._phase.startswith(timings.ESTIMATING):
             words = f"{self._phase}: {words}"
         self._tell(words)
 
 
+class _NowAndThen:
+    """Logs what is being done when nothing has been logged for a while.
+
+    It does so from a thread of its own, as what takes long may say nothing meanwhile.
+    """
+
+    def __init__(self) -> None:
+        self._start = self._last = time.monotonic()
+        self._words, self._wait = "making ready", _FIRST
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._watch, daemon=True)
+
+    def __enter__(self) -> _NowAndThen:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self._ended.set()
+        self._thread.join()
+
+    def tell(self, message: str) -> None:
+        """Note what is being done."""
+        self._words = message
+
+    def said(self) -> None:
+        """Note that a line was logged by others."""
+        self._last = time.monotonic()
+
+    def _watch(self) -> None:
+        while not self._ended.wait(self._last + self._wait - time.monotonic()):
+            now = time.monotonic()
+            if now < self._last + self._wait:
+                continue
+            minutes, seconds = divmod(round(now - self._start), 60)
+            self._last, self._wait = now, min(2 * self._wait, _LONGEST)
+            logger.info("  after %d:%02d: %s", minutes, seconds, self._words)
+
+
 @contextmanager
-def _listening(tell: Callable[[str], None]) -> Iterator[None]:
-    """Have all messages of the program told, whatever its other handlers leave out."""
+def _lines_now_and_then() -> Iterator[None]:
+    """Have a line logged where a run says nothing for long."""
+    with _NowAndThen() as watch, _listening(watch.tell, watch.said):
+        yield
+
+
+@contextmanager
+def _listening(
+    tell: Callable[[str], None], said: Callable[[], None] = lambda: None
+) -> Iterator[None]:
+    """Have all messages of the program told, whatever its other handlers leave out.
+
+    Args:
+        tell: Called with each.
+        said: Called when one is for everyone to read.
+    """
     logger = logging.getLogger("fenics_contact")
-    listener, level = _Listener(tell), logger.level
+    listener, level = _Listener(tell, said), logger.level
     logger.addHandler(listener)
     logger.setLevel(logging.DEBUG)
     try:

@@ -13,15 +13,24 @@ from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.results.accuracy_messages import level_rows
 from fenics_contact.results.check_messages import compares
-from fenics_contact.results.quantities import QUANTITIES, idle_quantities
+from fenics_contact.results.load_history import newton_steps
+from fenics_contact.results.quantities import QUANTITIES, idle_quantities, measured_by_parameter
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, RigidMotion
+from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.result import Check, Result
 from fenics_contact.results.words.headlines import headlines
-from fenics_contact.results.words.rounding import rounded, size_of_forces
-from fenics_contact.results.words.short_forms import in_figures, preload_rows, quantity_rows
+from fenics_contact.results.words.short_forms import (
+    in_figures,
+    preload_rows,
+    quantity_rows,
+    reaction_rows,
+)
 from fenics_contact.results.words.tables import branch_rows, motion_words, share_words
+from fenics_contact.scene.reference import measured_by
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.table import names_of
 
 # Keys of the model whose names alone say little.
 _IN_WORDS = {
@@ -84,7 +93,7 @@ def print_model(
     _print_motions(console, model.rigid_motions)
     for line in _conditions(scene):
         console.print(one_line(line), markup=False, highlight=False, soft_wrap=True)
-    _print_contacts(console, contacts)
+    _print_contacts(console, contacts, names_of(scene))
     if plan:
         console.print(plan, markup=False, highlight=False, soft_wrap=True)
     console.print("The scene can be run: supports and contacts can hold the loads.")
@@ -92,21 +101,27 @@ def print_model(
 
 def _conditions(scene: Scene) -> list[str]:
     """A line for each support, load and preload, as they were understood."""
-    lines = []
+    lines, names = [], names_of(scene)
+
+    def unit(of: object, key: str) -> str:
+        found = "" if names is None else names.of(measured_by(key, type(of)))
+        return f" {found}" if found else ""
+
     for support in scene.support:
-        held = [f"{axis} = {_given(value)}" for axis, value in support.displacement.items()]
+        length = unit(support, "displacement")
+        held = [f"{axis} = {_given(value)}{length}" for axis, value in support.displacement.items()]
         on = f" on '{support.on}'" if support.label != support.on else ""
         lines.append(f"Support '{support.label}'{on}: {', '.join(held)}")
     for load in scene.load:
-        value = _given(getattr(load, load.kind))
+        value = _given(getattr(load, load.kind)) + unit(load, load.kind)
         lines.append(f"Load '{load.on}': {load.kind.replace('_', ' ')} {value}")
     for preload in scene.preload:
         locked = preload.locked_from
         kept = "" if locked is None else f", its length locked from time {locked:g}"
+        force = f"{preload.force:g}{unit(preload, 'force')}"
         along = _given(preload.axis)
         place = "" if preload.between is None else f" of '{preload.group}'"
-        force = f"force {preload.force:g} along {along}"
-        lines.append(f"Preload '{preload.label}'{place}: {force}{kept}")
+        lines.append(f"Preload '{preload.label}'{place}: force {force} along {along}{kept}")
     return lines
 
 
@@ -133,30 +148,38 @@ def print_result(result: Result, folder: Path) -> None:
     for line in headlines(result):
         console.print(line, markup=False, highlight=False, soft_wrap=True)
     if result.converged:
-        bars = ("±",) if result.errors else ()
-        quantities = _table("quantity", "value", *bars)
-        for key in _shown(result):
-            _add_quantity(quantities, result, key)
-            if key == "reaction":
-                _add_reactions(quantities, result)
-        for name, value, bar in preload_rows(result):
-            quantities.add_row(escape(name), value, *([bar] if result.errors else []))
-        console.print(quantities)
+        _print_quantities(console, result)
         for note in result.error_notes:
             console.print(one_line(note), markup=False, highlight=False, soft_wrap=True)
-        _print_contacts(console, result.contacts)
+        _print_contacts(console, result.contacts, result.units)
         _print_checks(console, result.checks)
         _print_branches(console, result)
         _print_levels(console, result)
     console.print(one_line(result.verdict), markup=False, highlight=False)
     took = f"{result.timings['total']:.2f} s"
     if result.steps:  # it may have been interrupted before the first
-        took += f", {sum(step['newton_iterations'] for step in result.steps)} Newton steps"
+        took += f", {newton_steps(sum(step.newton_iterations for step in result.steps))}"
+        took += " on the last mesh" if len(result.levels) > 1 else ""
     console.print(
         f"{took}. Files in {folder}/",
         markup=False,
         highlight=False,
     )
+
+
+def _print_quantities(console: Terminal, result: Result) -> None:
+    """Values, with bars and units where there are some."""
+    bars, units = ["±"] * bool(result.errors), ["unit"] * bool(result.units)
+    quantities = _table("quantity", "value", *bars, *units)
+    rows = []
+    for key in _shown(result):
+        rows += quantity_rows(result, key)  # of a resultant, contact by contact
+        if key == "reaction" and len(result.reactions) > 1:
+            rows += [row._replace(name=f"  of {row.name}") for row in reaction_rows(result)]
+    for row in [*rows, *preload_rows(result)]:
+        shown = [row.bar] * len(bars) + [row.unit] * len(units)
+        quantities.add_row(escape(row.name), row.value, *shown)
+    console.print(quantities)
 
 
 def _print_checks(console: Terminal, checks: Mapping[str, Check]) -> None:
@@ -178,7 +201,7 @@ def _print_checks(console: Terminal, checks: Mapping[str, Check]) -> None:
 
 def _print_branches(console: Terminal, result: Result) -> None:
     """All answers that were found, where there are several."""
-    rows = branch_rows(result.branches)
+    rows = branch_rows(result.branches, result.units)
     if rows:
         table = _table(*map(in_figures, rows[0]))
         for row in rows[1:]:
@@ -196,21 +219,6 @@ def _print_levels(console: Terminal, result: Result) -> None:
         console.print(table)
 
 
-def _add_quantity(quantities: Table, result: Result, key: str) -> None:
-    """A row with its error bar; of a resultant, a row of each contact where there are several."""
-    for name, value, bar in quantity_rows(result, key):
-        quantities.add_row(escape(name), value, *([bar] if result.errors else []))
-
-
-def _add_reactions(quantities: Table, result: Result) -> None:
-    """Those of each name, where there are several."""
-    size = size_of_forces(result.quantities, result.contacts)
-    for name, found in result.reactions.items() if len(result.reactions) > 1 else ():
-        value, bar = rounded(found.reaction, found.errors.get("reaction"), size)
-        bars = [bar] if result.errors else []
-        quantities.add_row(f"  of {escape(one_line(name))}", value, *bars)
-
-
 def _shown(result: Result) -> list[str]:
     """The quantities that say something about the contacts of a result."""
     hidden = idle_quantities(result.contacts)
@@ -221,7 +229,9 @@ def _shown(result: Result) -> list[str]:
     return shown + points
 
 
-def _print_contacts(console: Terminal, contacts: list[ContactRecord]) -> None:
+def _print_contacts(
+    console: Terminal, contacts: list[ContactRecord], units: UnitNames | UnitsRecord | None
+) -> None:
     """A line a contact: its kind, its law, and the parameters that apply."""
     for contact in contacts:
         words = [contact.contact]
@@ -231,7 +241,8 @@ def _print_contacts(console: Terminal, contacts: list[ContactRecord]) -> None:
             value = parameters.get(name)
             if value:
                 written = f"{value:.3g}" if isinstance(value, float) else str(value)
-                words.append(f"{name.replace('_', ' ')} {written}")
+                unit = "" if units is None else units.of(measured_by_parameter(name))
+                words.append(f"{name.replace('_', ' ')} {written} {unit}".rstrip())
         if contact.slave is not None:
             words.append(
                 f"slave '{contact.slave}' ({contact.slave_reason}), master '{contact.master}'"

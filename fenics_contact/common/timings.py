@@ -24,6 +24,15 @@ _SAID = {
 _WHOLE = "errors"
 
 
+def doing(words: str) -> None:
+    """Say what is being done, for who watches how far a run is.
+
+    Args:
+        words: In a few words, as of a phase.
+    """
+    logger.debug("%s", words)
+
+
 class Timings:
     """Seconds spent in each phase; a phase inside another is not counted twice.
 
@@ -41,7 +50,7 @@ class Timings:
         """Count the time of a block to a phase."""
         self._switch()
         if name in _SAID and not {name, _WHOLE} & set(self._running):
-            logger.debug("%s", _SAID[name])
+            doing(_SAID[name])
         self._running.append(_WHOLE if _WHOLE in self._running else name)
         try:
             yield

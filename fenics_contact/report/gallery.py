@@ -22,6 +22,7 @@ from fenics_contact.report.contacts.section_stress import draw_section
 from fenics_contact.report.drawing.fields import read_body, read_series, times_of_fields
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.drawing.units import in_units
 from fenics_contact.report.formulas.recognition import AnalyticContact, recognise
 from fenics_contact.report.histories.load_steps import draw_history
 from fenics_contact.results.contact_table import ContactTable
@@ -100,7 +101,7 @@ def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
     table, body = ContactTable.read(folder / "contact.csv"), read_body(folder)
     scene = _scene(folder, result)
     run = _Run(folder, result, table, body, scene, recognise(scene, result, table, body))
-    with style():
+    with style(), in_units(result.units):
         return [
             draw_body(body, result, table, folder / "deformed.png"),
             *_of_contacts(run),

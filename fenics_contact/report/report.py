@@ -12,6 +12,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.report.drawing.field_files import whole_body
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.drawing.units import in_units
 from fenics_contact.report.gallery import draw_pictures, require
 from fenics_contact.report.histories.convergence import draw_convergence
 from fenics_contact.report.page.page import Content, page
@@ -40,14 +41,15 @@ def write_report(folder: Path) -> list[Picture]:
     result = read_result(folder)
     require("matplotlib", "pyvista", "plotly")
     view, pictures = Markup(), []
-    if (folder / "fields.pvd").exists() and result.quantities:
-        # what was done, without a load step that was not
-        done = replace(result, steps=[step for step in result.steps if step.quantities])
-        body, table = whole_body(folder), _points(folder, result.model.contact_points)
-        view = view_html(make_view(body, done, table))
-        pictures = draw_pictures(folder, done)
-    with style():
-        convergence = draw_convergence(folder, result)
+    with in_units(result.units):
+        if (folder / "fields.pvd").exists() and result.quantities:
+            # what was done, without a load step that was not
+            done = replace(result, steps=[step for step in result.steps if step.quantities])
+            body, table = whole_body(folder), _points(folder, result.model.contact_points)
+            view = view_html(make_view(body, done, table))
+            pictures = draw_pictures(folder, done)
+        with style():
+            convergence = draw_convergence(folder, result)
     kept = _is_in(folder, result.scene)
     content = Content(folder.resolve().name, result, kept, pictures, convergence, view)
     replace_file(folder / PAGE, page(content).encode())

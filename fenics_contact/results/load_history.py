@@ -11,6 +11,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.steps import StepRecord
+from fenics_contact.scene.units.names import UnitNames
 
 _AXES = "xyz"
 # What varies by less than this share of the largest stands still: a pressed obstacle that is moved
@@ -133,16 +134,24 @@ def _varies(values: Array) -> bool:
     return bool(np.ptp(values, axis=0).max() > _STILL * np.abs(values).max())
 
 
-def step_line(number: int, step: StepRecord) -> str:
+def newton_steps(number: int) -> str:
+    """So many Newton steps, in words."""
+    return f"{number} Newton step{'' if number == 1 else 's'}"
+
+
+def step_line(number: int, step: StepRecord, units: UnitNames | None = None) -> str:
     """A load step in one line.
 
     Args:
         number: Counted from 1.
         step: Its record.
+        units: Of the scene, if any.
     """
+    area = "" if units is None else f" {units.of('area')}"
     found, passes = step.quantities, step.outer_iterations
     counted = f", {passes} pass{'es' if passes > 1 else ''}" if passes else ""
     return (
-        f"step {number}: time {step.load_factor:.6g}, {step.newton_iterations} Newton steps"
-        f"{counted}, contact area {found['contact_area']:.4g}, sticking {found['stick_area']:.4g}"
+        f"step {number}: time {step.load_factor:.6g}, {newton_steps(step.newton_iterations)}"
+        f"{counted}, contact area {found['contact_area']:.4g}{area}, "
+        f"sticking {found['stick_area']:.4g}{area}"
     )

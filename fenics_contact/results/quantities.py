@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 from fenics_contact.results.records.contacts import ContactRecord, SupportRecord
 from fenics_contact.results.records.record import Quantities
+from fenics_contact.scene.contact import Contact, Obstacle
+from fenics_contact.scene.normal_laws import NormalLawTable
+from fenics_contact.scene.reference import measured_by as measured_by_key
 
 # Of a quantity: a number, or the components of a vector.
 QuantityValue = float | Sequence[float]
@@ -187,13 +190,25 @@ QUANTITIES = tuple(
 )
 
 
-# Resultants.
-FORCES = frozenset(one.name for one in ALL if one.unit == "force")
+#: What quantities of preloads measure.
+MEASURED_BY_PRELOADS = {"force": "force", "elongation": "length"}
 
 
 def has_true_value(name: str) -> bool:
     """Whether a quantity has a true value to be apart from: then an error bar, or a ``?``."""
     return name in QUANTITIES or name.startswith(_OF_POINTS)
+
+
+def measured_by(name: str) -> str:
+    """What a quantity measures, such as ``stress``; empty of a pure number, or one not known."""
+    if name.startswith(_OF_POINTS):
+        return "length"
+    return next((one.unit for one in ALL if one.name == name), "")
+
+
+def measured_by_parameter(name: str) -> str:
+    """What a parameter of a contact measures, as the scene's key of its name does."""
+    return measured_by_key(name, Contact, Obstacle, *NormalLawTable.__subclasses__())
 
 
 def idle_quantities(contacts: Sequence[ContactRecord]) -> set[str]:

@@ -9,7 +9,9 @@ from typing import Annotated
 from pydantic import Field
 
 from fenics_contact.scene.quantity_names import require_name
+from fenics_contact.scene.units.dimensions import BODY_FORCE, FORCE, LENGTH, STRESS
 from fenics_contact.scene.values import (
+    PER_AXIS,
     RAMP,
     AxisName,
     LoadPath,
@@ -17,7 +19,6 @@ from fenics_contact.scene.values import (
     Positive,
     Text,
     Value,
-    Vector,
     scene_class,
 )
 
@@ -32,8 +33,8 @@ class Support:
 
     on: Annotated[Text, Field(description="physical group: a boundary, or the whole body")]
     displacement: Annotated[
-        Mapping[AxisName, Value],
-        Field(min_length=1, description="component → value (length), such as `{ x = 0 }`"),
+        Mapping[AxisName, Annotated[Value, LENGTH]],
+        Field(min_length=1, description="component → value; such as `{ x = 0 }`"),
     ]
     path: Annotated[LoadPath, Field(description="of the displacement over the load steps")] = RAMP
     name: Annotated[
@@ -65,13 +66,15 @@ class Load:
 
     on: Annotated[Text, Field(description="physical group: boundary, or body for a body force")]
     traction: Annotated[
-        Vector | None, Field(description="force per area, one entry per axis (stress)")
+        Annotated[tuple[Annotated[Value, STRESS], ...], PER_AXIS] | None,
+        Field(description="force per area, one entry per axis"),
     ] = None
     pressure: Annotated[
-        Value | None, Field(description="pressure, > 0 pushes on the body (stress)")
+        Value | None, STRESS, Field(description="pressure, > 0 pushes on the body")
     ] = None
     body_force: Annotated[
-        Vector | None, Field(description="force per volume, one entry per axis")
+        Annotated[tuple[Annotated[Value, BODY_FORCE], ...], PER_AXIS] | None,
+        Field(description="force per volume, one entry per axis"),
     ] = None
     path: Annotated[LoadPath, Field(description="of the load over the load steps")] = RAMP
 
@@ -112,9 +115,10 @@ class Preload:
     ]
     force: Annotated[
         Number,
+        FORCE,
         Field(
-            description="along the axis, > 0 pulls at the bolt (force; of the part that is "
-            "modelled, per unit thickness in plane models without a thickness)"
+            description="along the axis, > 0 pulls at the bolt; of the part that is modelled, "
+            "per unit thickness in plane models without a thickness"
         ),
     ]
     path: Annotated[LoadPath, Field(description="of the force over the load steps")] = RAMP
@@ -175,12 +179,12 @@ class Point:
         ),
     ]
     at: Annotated[
-        tuple[Number, ...],
+        tuple[Annotated[Number, LENGTH], ...],
         Field(
             min_length=2,
             max_length=3,
-            description="its place in the undeformed body, one entry per axis (length); where "
-            "two bodies touch it belongs to the first mesh",
+            description="its place in the undeformed body, one entry per axis; where two bodies "
+            "touch it belongs to the first mesh",
         ),
     ]
 

@@ -8,8 +8,10 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from fenics_contact.scene.normal_laws import AnyNormalLaw
+from fenics_contact.scene.units.dimensions import COMPLIANCE, FORCE, LENGTH, STIFFNESS, STRESS
 from fenics_contact.scene.values import (
     CONSTANT,
+    PER_AXIS,
     RAMP,
     LoadPath,
     Number,
@@ -20,7 +22,8 @@ from fenics_contact.scene.values import (
     scene_class,
 )
 
-Direction = Annotated[tuple[Number, ...], Field(min_length=2, max_length=3)]
+Direction = Annotated[tuple[Number, ...], PER_AXIS]
+Place = Annotated[tuple[Annotated[Number, LENGTH], ...], PER_AXIS]
 Kind = Literal["prescribed", "unilateral", "winkler", "bonded"]
 Shape = Literal[
     "plane", "parabola", "paraboloid", "cylinder", "sphere", "flat punch", "annular punch"
@@ -48,26 +51,28 @@ class Obstacle:
     ] = None
     radius: Annotated[
         Positive | None,
+        LENGTH,
         Field(
             description="of a sphere or cylinder, of curvature at the apex of a parabola or "
-            "paraboloid, or outer radius (half width in plane models) of a punch (length)"
+            "paraboloid, or outer radius (half width in plane models) of a punch"
         ),
     ] = None
-    inner_radius: Annotated[Positive | None, Field(description="of an annular punch (length)")] = (
+    inner_radius: Annotated[Positive | None, LENGTH, Field(description="of an annular punch")] = (
         None
     )
     gap: Annotated[
         Value | None,
+        LENGTH,
         Field(
             description="instead of a shape: gap along the surface's normal, negative where they "
-            "overlap (length); in Python a function of x that returns UFL"
+            "overlap; in Python a function of x that returns UFL"
         ),
     ] = None
     position: Annotated[
-        Direction | None,
+        Place | None,
         Field(
-            description="apex, a point of a plane, or where a gap's force acts on a half-space "
-            "(length); by default the origin"
+            description="apex, a point of a plane, or where a gap's force acts on a half-space; "
+            "by default the origin"
         ),
     ] = None
     normal: Annotated[
@@ -87,16 +92,18 @@ class Obstacle:
     ] = None
     indentation: Annotated[
         Number | None,
-        Field(description="how far it is driven (length); by default 0, unless by a force"),
+        LENGTH,
+        Field(description="how far it is driven; by default 0, unless by a force"),
     ] = None
     force: Annotated[
         Annotated[Number, Field(ge=0)] | None,
-        Field(description="drives it instead; on the part that is modelled (force)"),
+        FORCE,
+        Field(description="drives it instead; on the part that is modelled"),
     ] = None
     displacement: Annotated[
-        Direction | None,
+        Place | None,
         Field(
-            description="how far it moves besides, one entry an axis (length); along a half-space "
+            description="how far it moves besides, one entry an axis; along a half-space "
             "in plane strain relative to what lies straight below, at the far end of the mesh"
         ),
     ] = None
@@ -146,7 +153,8 @@ class Contact:
     on: Annotated[Text, Field(description="physical group of the contact surface")]
     pressure: Annotated[
         Value | None,
-        Field(description="of `prescribed` contact, ≥ 0, which also loads the body (stress)"),
+        STRESS,
+        Field(description="of `prescribed` contact, ≥ 0, which also loads the body"),
     ] = None
     pressure_path: Annotated[
         LoadPath,
@@ -187,14 +195,16 @@ class Contact:
     ] = "auto"
     penalty_parameter: Annotated[
         Positive | Literal["auto"],
+        COMPLIANCE,
         Field(
             description="the paper's ε₁ of `unilateral` and `bonded` contact: penetration over "
-            "pressure (length/stress); `auto` keeps its bias below .1 %"
+            "pressure; `auto` keeps its bias below .1 %"
         ),
     ] = "auto"
     foundation_stiffness: Annotated[
         Value | None,
-        Field(description="of a `winkler` foundation, ≥ 0: pressure over depth (stress/length)"),
+        STIFFNESS,
+        Field(description="of a `winkler` foundation, ≥ 0: pressure over depth"),
     ] = None
     normal_law: Annotated[
         AnyNormalLaw | None,
@@ -222,7 +232,8 @@ class Contact:
     ] = 0.0
     regularisation_parameter: Annotated[
         Positive | Literal["auto"],
-        Field(description="the paper's ε, a slip (length); `auto` keeps its bias below .1 %"),
+        LENGTH,
+        Field(description="the paper's ε, a slip; `auto` keeps its bias below .1 %"),
     ] = "auto"
 
     def __post_init__(self) -> None:

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, Field
 
+from fenics_contact.scene.units.dimensions import STRESS
 from fenics_contact.scene.values import VOIGT, Number, Value, scene_class
 
 
@@ -30,7 +31,7 @@ def _depth(value: object) -> int:
     return depth
 
 
-_Row = Annotated[tuple[Value, ...], Field(min_length=6, max_length=6)]
+_Row = Annotated[tuple[Annotated[Value, STRESS], ...], Field(min_length=6, max_length=6)]
 _Matrix = Annotated[tuple[_Row, ...], Field(min_length=6, max_length=6)]
 _Three = Field(min_length=3, max_length=3)
 _Square = Annotated[tuple[Annotated[tuple[Number, ...], _Three], ...], _Three]
@@ -61,7 +62,7 @@ class Material:
     fenics_contact.common.errors.SceneError: Material: poissons_ratio = 0.5 must lie between -1 and 0.5
     """  # noqa: E501
 
-    youngs_modulus: Annotated[Value | None, Field(description="Young's modulus, > 0 (stress)")] = (
+    youngs_modulus: Annotated[Value | None, STRESS, Field(description="Young's modulus, > 0")] = (
         None
     )
     poissons_ratio: Annotated[
@@ -72,7 +73,7 @@ class Material:
         Stiffness | None,
         Field(
             description="instead of the two: 6 × 6 matrix of E_ijkl in the mesh's axes, ordered "
-            "xx, yy, zz, yz, xz, xy (no factors 2); symmetric, positive definite (stress)"
+            "xx, yy, zz, yz, xz, xy; no factors 2, symmetric, positive definite"
         ),
     ] = None
     on: Annotated[

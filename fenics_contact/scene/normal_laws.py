@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Union
 
 from pydantic import Field
 
+from fenics_contact.scene.units.dimensions import STIFFNESS_OF_POWER
 from fenics_contact.scene.values import Number, Value, scene_class
 
 
@@ -27,7 +28,7 @@ class NormalCompliance(NormalLawTable):
     """
 
     kind: Annotated[Literal["normal compliance"], Field(description="which law it is")]
-    coefficient: Annotated[Value, Field(description="c ≥ 0 (stress/length^m)")]
+    coefficient: Annotated[Value, STIFFNESS_OF_POWER, Field(description="c ≥ 0")]
     exponent: Annotated[
         Number, Field(ge=1, description="m ≥ 1; 1 is a `winkler` foundation of stiffness c")
     ]

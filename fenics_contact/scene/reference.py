@@ -16,6 +16,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic.fields import FieldInfo
 
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.units.dimensions import description_of, dimension_of
 from fenics_contact.scene.values import PathFunction, PositionFunction, Profile
 
 
@@ -34,25 +35,38 @@ class Key:
 def keys_of(table: type) -> list[Key]:
     """The keys that a scene class accepts, in order."""
     hints = typing.get_type_hints(table, include_extras=True)
-    return [_key(field, hints[field.name]) for field in dataclasses.fields(table)]
+    said = {name: description_of(field) for name, field in _fields(table).items()}
+    return [_key(field, hints[field.name], said) for field in dataclasses.fields(table)]
 
 
-def _key(field: Any, hint: Any) -> Key:
-    plain, information = _unwrap(hint)
-    description = next((i.description for i in information if _is_described(i)), "")
+def measured_by(key: str, *tables: type) -> str:
+    """What a key measures, such as ``stress``; empty of a pure number.
+
+    Args:
+        key: Of one of the tables.
+        tables: Scene classes, the first of which that has the key says it.
+    """
+    fields = next((found for table in tables if key in (found := _fields(table))), {})
+    dimension = dimension_of(fields[key]) if fields else None
+    return "" if dimension is None else dimension.words
+
+
+def _fields(table: Any) -> dict[str, FieldInfo]:
+    fields: dict[str, FieldInfo] = table.__pydantic_fields__
+    return fields
+
+
+def _key(field: Any, hint: Any, said: Mapping[str, str]) -> Key:
+    plain, _ = _unwrap(hint)
     tables = tuple(c for c in _classes(plain) if c is not Profile)
     return Key(
         name=field.name,
         accepts=_accepted(hint),
         default=_default(field),
-        description=description or "",
+        description=said[field.name],
         tables=tables,
         is_list=typing.get_origin(plain) is tuple,
     )
-
-
-def _is_described(information: Any) -> bool:
-    return isinstance(information, FieldInfo) and information.description is not None
 
 
 def _unwrap(hint: Any) -> tuple[Any, list[Any]]:
@@ -129,10 +143,12 @@ def render() -> str:
         "Generated from the code by `python docs/make_scene.py`; do not edit.",
         "",
         "A scene is a TOML file, or the same frozen dataclasses in Python. Unknown keys are",
-        "errors. Units are yours, consistent; nothing is converted. Where a *profile* is",
-        "accepted, a table varies the value along an axis, and Python also takes a function of",
-        "the points (array of shape (3, n) in, n values out). In place of a load path, a table,",
-        "Python also takes a function of the pseudo-time (a number in, its factor out).",
+        "errors. Units are yours, consistent; nothing is converted, unless the scene has `[units]`",
+        "(see [Units](howto/units.md)): then a number may also be a text with a unit of what its",
+        "key measures, which stands in brackets. Where a *profile* is accepted, a table varies the",
+        "value along an axis, and Python also takes a function of the points (array of shape",
+        "(3, n) in, n values out). In place of a load path, a table, Python also takes a function",
+        "of the pseudo-time (a number in, its factor out).",
     ]
     text += _section("The scene", "top level", Scene)
     for key in keys_of(Scene):

@@ -6,10 +6,9 @@ scene file (``fenics_contact.scene.reading``). Units are the user's, consistent.
 
 from __future__ import annotations
 
-import dataclasses
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field
 
@@ -20,15 +19,19 @@ from fenics_contact.scene.material import Material
 from fenics_contact.scene.quantity_names import QuantityNames
 from fenics_contact.scene.steps import SolverSettings as SolverSettings
 from fenics_contact.scene.steps import Steps as Steps
+from fenics_contact.scene.units.dimensions import LENGTH, LENGTH_OR_NUMBER
+from fenics_contact.scene.units.table import Units, convert_texts
 from fenics_contact.scene.values import (
     AXES,
+    HasUnits,
     Integer,
     Kinematics,
     Number,
     Positive,
-    Profile,
     Text,
     Value,
+    as_list,
+    profiles_of,
     scene_class,
 )
 
@@ -53,8 +56,11 @@ class MeshSource:
         ),
     ]
     parameters: Annotated[
-        Mapping[str, Number],
-        Field(description="values for the `DefineConstant` names of a `.geo` file"),
+        Mapping[str, Annotated[Number, LENGTH_OR_NUMBER]],
+        Field(
+            description="values for the `DefineConstant` names of a `.geo` file; those with a "
+            "unit are lengths"
+        ),
     ] = Field(default_factory=dict)
     cell: Annotated[
         Literal["as meshed", "triangle", "quadrilateral"],
@@ -65,7 +71,8 @@ class MeshSource:
     ] = 1
     size: Annotated[
         Positive | None,
-        Field(description="largest cell made from a geometry (length); by default Gmsh's choice"),
+        LENGTH,
+        Field(description="largest cell made from a geometry; by default Gmsh's choice"),
     ] = None
     sizes: Annotated[
         Mapping[str, Positive],
@@ -111,13 +118,8 @@ class Discretisation:
     ] = 2
 
 
-def _as_list(value: Any) -> Any:
-    """One table as a list of one."""
-    return value if isinstance(value, list | tuple) else (value,)
-
-
 @scene_class
-class Scene:
+class Scene(HasUnits):
     """Everything a run needs to know.
 
     A block on a rough floor is pressed down by 10 and pulled by 3, both per area. It stands on
@@ -145,7 +147,7 @@ class Scene:
     ]
     material: Annotated[
         tuple[Material, ...],
-        BeforeValidator(_as_list, json_schema_input_type=Material | tuple[Material, ...]),
+        BeforeValidator(as_list, json_schema_input_type=Material | tuple[Material, ...]),
         Field(
             min_length=1,
             max_length=_MOST,
@@ -155,7 +157,7 @@ class Scene:
     ]
     mesh: Annotated[
         tuple[MeshSource, ...],
-        BeforeValidator(_as_list, json_schema_input_type=MeshSource | tuple[MeshSource, ...]),
+        BeforeValidator(as_list, json_schema_input_type=MeshSource | tuple[MeshSource, ...]),
         Field(
             max_length=_MOST,
             description="one `[mesh]`, or several `[[mesh]]`, each with a `name`; in Python it may "
@@ -165,7 +167,8 @@ class Scene:
     title: Annotated[str, Field(description="one line for results and pictures")] = ""
     thickness: Annotated[
         Value | None,
-        Field(description="of a plane stress model, > 0 (length); without it, all is per unit"),
+        LENGTH,
+        Field(description="of a plane stress model, > 0; without it, all is per unit"),
     ] = None
     discretisation: Annotated[Discretisation, Field(description="the finite element space")] = (
         Field(default_factory=Discretisation)
@@ -211,6 +214,17 @@ class Scene:
     solver: Annotated[SolverSettings, Field(description="the nonlinear solver")] = Field(
         default_factory=SolverSettings
     )
+    units: Annotated[
+        Units | None,
+        Field(
+            description="of all numbers of the scene and of its results, which are then named "
+            'with them; values may then also be texts with a unit, such as `"210 GPa"`'
+        ),
+    ] = None
+
+    def use_units(self) -> None:
+        """Put numbers where there are texts with a unit."""
+        convert_texts(self, self.units, self.is_per_unit_thickness)
 
     def __post_init__(self) -> None:
         dimension = self.dimension
@@ -233,7 +247,7 @@ class Scene:
             raise ValueError(f"thickness is for plane stress, not for {self.kinematics}")
         if isinstance(self.thickness, float | int) and self.thickness <= 0:
             raise ValueError(f"thickness = {self.thickness:g} must be greater than 0")
-        if dimension == 2 and any(profile.along == "z" for profile in _profiles(self)):
+        if dimension == 2 and any(profile.along == "z" for profile in profiles_of(self)):
             raise ValueError(f"a profile along z: a {self.kinematics} model has only x and y")
         for number, contact in enumerate(self.contact):
             _require_axes(contact.obstacle, dimension, f"contact[{number}].obstacle")
@@ -261,6 +275,11 @@ class Scene:
     def dimension(self) -> int:
         """Number of displacement components, 3 in 3D, else 2."""
         return 3 if self.kinematics == "3D" else 2
+
+    @property
+    def is_per_unit_thickness(self) -> bool:
+        """Whether forces, areas and energies of the model are per length."""
+        return self.dimension == 2 and self.kinematics != "axisymmetric" and self.thickness is None
 
     @property
     def names(self) -> QuantityNames:
@@ -340,18 +359,3 @@ def _require_axes(obstacle: Obstacle | None, dimension: int, key: str) -> None:
         vector = getattr(obstacle, name, None)
         if vector is not None and len(vector) != dimension:
             raise ValueError(f"{key}.{name} has {len(vector)} entries; it needs {dimension}")
-
-
-def _profiles(part: object) -> Iterator[Profile]:
-    """All profiles inside a scene or a part of it."""
-    if isinstance(part, Profile):
-        yield part
-    elif dataclasses.is_dataclass(part):
-        for field in dataclasses.fields(part):
-            yield from _profiles(getattr(part, field.name))
-    elif isinstance(part, Mapping):
-        for value in part.values():
-            yield from _profiles(value)
-    elif isinstance(part, tuple):
-        for value in part:
-            yield from _profiles(value)

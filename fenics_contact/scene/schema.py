@@ -14,7 +14,9 @@ from pydantic_core import PydanticOmit
 
 from fenics_contact.common.program import VERSION
 from fenics_contact.scene.quantity_names import LOOKS_LIKE_QUANTITY
+from fenics_contact.scene.reference import keys_of
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.values import Profile
 
 # The newest that editors of TOML know.
 _DIALECT = "http://json-schema.org/draft-07/schema#"
@@ -24,9 +26,10 @@ _NAMED = "NamedShares"
 def scene_schema() -> dict[str, Any]:
     """The schema, as a dictionary for ``json.dumps``."""
     schema = TypeAdapter(Scene).json_schema(schema_generator=_OfFiles)
-    for table in schema["$defs"].values():
-        _describe(table)
-    _describe(schema)
+    said = _descriptions(Scene)
+    for name, table in schema["$defs"].items():
+        _describe(table, said[name])
+    _describe(schema, said[Scene.__name__])
     schema["title"] = f"Scene of fenics_contact {VERSION}"
     schema["required"] = [*schema["required"], "mesh"]  # which only Python may leave out
     _take_names(schema["$defs"])
@@ -52,12 +55,21 @@ class _OfFiles(GenerateJsonSchema):
         return False  # the key says as much
 
 
-def _describe(table: dict[str, Any]) -> None:
+def _descriptions(table: type) -> dict[str, dict[str, str]]:
+    """What keys are, by the class of a table and their names, from a class on."""
+    keys = keys_of(table)
+    found = {table.__name__: {key.name: key.description for key in keys}}
+    for inner in {inner for key in keys for inner in key.tables} | {Profile}:
+        found |= _descriptions(inner) if inner is not table else {}
+    return found
+
+
+def _describe(table: dict[str, Any], said: dict[str, str]) -> None:
     """The first paragraph of a class and sentences of its keys, instead of all its docstring."""
     paragraph = table.get("description", "").partition("\n\n")[0]
     table["description"] = " ".join(paragraph.split())
-    for key in table.get("properties", {}).values():
-        words = key.get("description", "")
+    for name, key in table.get("properties", {}).items():
+        words = said[name]
         if words:
             key["description"] = f"{words[0].upper()}{words[1:]}."
         for limit in ("min", "max"):  # of one table, or a list of them

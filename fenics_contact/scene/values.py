@@ -6,7 +6,7 @@ import dataclasses
 import functools
 import inspect
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, Any, Literal, TypeVar, cast, dataclass_transform
 
 import numpy as np
@@ -16,6 +16,7 @@ from pydantic.dataclasses import dataclass
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import SceneError
 from fenics_contact.scene.messages import sentence
+from fenics_contact.scene.units.dimensions import LENGTH, OF_KEY, description_of, has_unit
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Positive = Annotated[Number, Field(gt=0)]
@@ -37,6 +38,7 @@ def scene_class(plain: Class) -> Class:
     What it refuses in Python is a ``SceneError`` of one sentence; in a file, ``load_scene`` says
     where.
     """
+    _check_only_numbers(plain)
     made: Any = dataclass(frozen=True, config=ConfigDict(extra="forbid"))(plain)
     validate = made.__init__
 
@@ -55,11 +57,36 @@ def scene_class(plain: Class) -> Class:
     return cast(Class, made)
 
 
+def _check_only_numbers(plain: Any) -> None:
+    """Have the checks of a class wait where it has texts with a unit, until they are numbers."""
+    check = getattr(plain, "__post_init__", None)
+    if check is None:
+        return
+
+    @functools.wraps(check)
+    def with_numbers(self: Any) -> None:
+        if isinstance(self, HasUnits):
+            self.use_units()
+        if not any(has_unit(value) for value in vars(self).values()):
+            check(self)
+
+    plain.__post_init__ = with_numbers
+
+
+class HasUnits:
+    """What knows the units of all its values, and of those of its parts."""
+
+    def use_units(self) -> None:
+        """Put numbers where there are texts with a unit."""
+        raise NotImplementedError
+
+
 def _attributes(made: Any) -> str:
     """The part of a docstring that says what the keys are, as their fields describe them."""
     lines = ["Attributes:"]
     for name, field in made.__pydantic_fields__.items():
-        text = f"{name}: {field.description[0].upper()}{field.description[1:]}."
+        said = description_of(field)
+        text = f"{name}: {said[0].upper()}{said[1:]}."
         lines += textwrap.wrap(text, 92, initial_indent=" " * 4, subsequent_indent=" " * 8)
     return "\n".join(
         [
@@ -69,6 +96,11 @@ def _attributes(made: Any) -> str:
             "    SceneError: A value is none that is accepted, or keys contradict each other.",
         ]
     )
+
+
+def as_list(value: Any) -> Any:
+    """One table as a list of one."""
+    return value if isinstance(value, list | tuple) else (value,)
 
 
 @scene_class
@@ -83,10 +115,11 @@ class Profile:
 
     along: Annotated[AxisName, Field(description="axis of the mesh along which it varies")]
     at: Annotated[
-        tuple[Number, ...], Field(min_length=2, description="increasing coordinates (length)")
+        tuple[Annotated[Number, LENGTH], ...],
+        Field(min_length=2, description="increasing coordinates"),
     ]
     values: Annotated[
-        tuple[Number, ...],
+        tuple[Annotated[Number, OF_KEY], ...],
         Field(min_length=2, description="the value at each; constant beyond the ends"),
     ]
 
@@ -110,7 +143,8 @@ class Profile:
 
 PositionFunction = Callable[[Array], Any]
 Value = Number | Profile | PositionFunction
-Vector = Annotated[tuple[Value, ...], Field(min_length=2, max_length=3)]
+# Of a list with an entry per axis.
+PER_AXIS = Field(min_length=2, max_length=3)
 
 
 @scene_class
@@ -185,3 +219,18 @@ LoadPath = Path | PathFunction
 RAMP = Path(time=(0.0, 1.0), factor=(0.0, 1.0))
 # All from the start.
 CONSTANT = Path(time=(0.0,), factor=(1.0,))
+
+
+def profiles_of(part: object) -> Iterator[Profile]:
+    """All profiles inside a scene or a part of it."""
+    if isinstance(part, Profile):
+        yield part
+    elif dataclasses.is_dataclass(part):
+        for field in dataclasses.fields(part):
+            yield from profiles_of(getattr(part, field.name))
+    elif isinstance(part, Mapping):
+        for value in part.values():
+            yield from profiles_of(value)
+    elif isinstance(part, tuple):
+        for value in part:
+            yield from profiles_of(value)

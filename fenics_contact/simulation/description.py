@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from fenics_contact.common.parallel import total
@@ -9,8 +10,12 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.laws.normal import law_of
 from fenics_contact.problem.existence.condition import FreeMotion
 from fenics_contact.problem.problem import Problem
+from fenics_contact.results.quantities import measured_by
 from fenics_contact.results.records.contacts import ContactRecord, LawAnswers, array_record
 from fenics_contact.results.records.model import Model, RigidMotion
+from fenics_contact.results.records.units import UnitsRecord
+from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.units.table import names_of
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice
 
@@ -63,6 +68,27 @@ def _strategy_of(problem: Problem, solution: Solution | None) -> str:
     if problem.frictional:
         return "prescribed pressure: one Newton solve, no outer loop"
     return "linear: one Newton step"
+
+
+def units_of(scene: Scene, quantities: Iterable[str]) -> UnitsRecord | None:
+    """``units`` of ``result.json``; None where the scene has none.
+
+    Args:
+        scene: What was solved.
+        quantities: Names of those that the run has.
+    """
+    names = names_of(scene)
+    if names is None:
+        return None
+    measured = {name: names.of(measured_by(name)) for name in quantities}
+    return UnitsRecord(
+        length=names.length,
+        force=names.force,
+        stress=names.stress,
+        energy=names.energy,
+        per_unit_thickness=names.per_unit_thickness,
+        quantities={name: unit for name, unit in measured.items() if unit},
+    )
 
 
 def record_of(contact: ContactSurface) -> ContactRecord:

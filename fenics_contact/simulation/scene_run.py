@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import logging
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from mpi4py import MPI
 
@@ -28,8 +29,10 @@ from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check, Result
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.table import names_of
 from fenics_contact.simulation import verdict
-from fenics_contact.simulation.description import model_of, record_of
+from fenics_contact.simulation.description import model_of, record_of, units_of
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
@@ -88,7 +91,7 @@ class Run:
         self.last: Unknowns | None = None
         self.others = OtherAnswers()
         self.budget = ErrorBudget()
-        self._announce: Announce = _log_step
+        self._announce: Announce = _say_nothing
         self.timings = Timings()
         with failing_together(comm):
             self._make_ready(scene, comm, body)
@@ -180,7 +183,8 @@ class Run:
         self.others = OtherAnswers()
         self.budget = ErrorBudget()
         self._checks: dict[str, Check] = {}
-        self._announce = announce or (_log_step if self.scene.steps.several else _say_nothing)
+        lines = partial(_log_step, names_of(self.scene))
+        self._announce = announce or (lines if self.scene.steps.several else _say_nothing)
 
         begun: list[LoadSteps] = []  # not the run's own: it refers to it, and would not be freed
 
@@ -213,7 +217,7 @@ class Run:
         try:
             solve(self.problem, self.timings, record, self.choice, begin, keep, stopped, end)
         except NotConvergedError as error:
-            return self._unconverged(error, begun[0].tried)
+            return self._unconverged(error, begun[0].tried, begun[0].spent)
         except StoppedError:
             return self._interrupted()
         return self._evaluate()
@@ -263,6 +267,7 @@ class Run:
             error_notes=self.budget.notes,
             timings=Seconds(**self.timings.summary(problem.comm)),
             versions=compat.versions(),
+            units=units_of(self.scene, quantities),
             points=points,
         )
 
@@ -294,13 +299,14 @@ class Run:
             checks={},
             timings=Seconds(**self.timings.summary(self.problem.comm)),
             versions=compat.versions(),
+            units=units_of(self.scene, ()),
         )
 
-    def _unconverged(self, error: NotConvergedError, tried: float) -> Result:
+    def _unconverged(self, error: NotConvergedError, tried: float, spent: int) -> Result:
         """The last step that converged, if any, and the history of the one that did not."""
         step = StepRecord(
             load_factor=tried,
-            newton_iterations=max(len(error.residual_history) - 1, 0),
+            newton_iterations=spent,
             outer_iterations=0,
             attempts=list(error.attempts),
             residual_history=list(error.residual_history),
@@ -315,8 +321,8 @@ class Run:
         return dataclasses.replace(self._stopped_short(words, self.steps), interrupted=True)
 
 
-def _log_step(number: int, step: StepRecord) -> None:
-    logger.info(step_line(number, step))
+def _log_step(units: UnitNames | None, number: int, step: StepRecord) -> None:
+    logger.info(step_line(number, step, units))
 
 
 def _say_nothing(number: int, step: StepRecord) -> None:

@@ -21,6 +21,7 @@ NOT_OF_A_RUN = PICTURES | {
     *("fenics_contact.verification", "fenics_contact.cli.new_scene"),
     *("fenics_contact.cli.completion", "fenics_contact.scene.schema"),
     "fenics_contact.scene.messages.toml_slips",
+    "pint",
 }
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fenics_contact.results.words.headlines import headlines
-from fenics_contact.results.words.rounding import rounded, size_of_forces
+from fenics_contact.results.words.rounding import rounded, sizes_of
 from tests.records import made_result
 
 
@@ -41,7 +41,7 @@ def test_a_rounded_bar_is_never_shorter_and_covers_the_rounded_value():
     random = np.random.default_rng(5)
     for value, total in 10.0 ** random.uniform(-8, 8, (2000, 2)):
         said, bar = (float(words or 0) for words in rounded(value, row(total)))
-        if total <= 1e-9 * value:
+        if total <= 1e-8 * value:
             continue
         assert total * (1 - 1e-6) <= bar <= 1.3 * total
         assert abs(said - value) <= 0.51 * bar
@@ -100,4 +100,21 @@ def test_what_does_not_apply_is_left_out():
 
 def test_the_largest_force_of_all_contacts_counts():
     found = result(contact(), contact(name="other", quantities={"contact_force": [0.0, -900.0]}))
-    assert size_of_forces(found.quantities, found.contacts) == 900.0
+    assert sizes_of(found.quantities, found.contacts)["force"] == 900.0
+
+
+def test_what_is_zero_by_symmetry_is_no_estimate():
+    """Beside what else is there: forces, energies, and what these move."""
+    found = QUANTITIES | {"friction_force": [8e-10, 0.0], "max_slip": 1e-18, "friction_work": 1e-16}
+    errors = {"friction_force": row(4e-9), "max_slip": row(6e-18), "friction_work": row(4e-15)}
+    every = found | {"strain_energy": 0.5, "normal_force": 3.0, "pressure_integral": 3.0}
+    given = {"quantities": every, "errors": errors}
+    stuck = result(contact(**given), **given)
+    assert headlines(stuck) == [
+        "Contact 'lug': presses with 3 ± ?, peak pressure 12.3457 ± ?.",
+        "Friction dissipated 0.",
+    ]
+    assert "friction force: 0, 0\n" in f"{stuck!r}\n"
+    assert sizes_of(every, [])["length"] == pytest.approx(0.5 / 3)
+    slipping = every | {"max_slip": 1e-6}
+    assert "slips by up to 1e-06" in headlines(result(contact(quantities=slipping)))[0]

@@ -11,6 +11,7 @@ from fenics_contact.report.drawing.fields import flat_sides
 from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import DOUBLE, marks, neighbourhood
+from fenics_contact.report.drawing.units import labelled
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.run import Outcome
 
@@ -55,8 +56,8 @@ def draw_mesh(body: UnstructuredGrid, result: Outcome, table: ContactTable, path
     panels[1].legend(loc="lower right", frameon=True, framealpha=0.9, edgecolor="none")
     axes = "rz" if model.kinematics == "axisymmetric" else "xy"
     for panel in panels:
-        panel.set_xlabel(f"${axes[0]}$")
-    panels[0].set_ylabel(f"${axes[1]}$")
+        panel.set_xlabel(labelled(f"${axes[0]}$", "length"))
+    panels[0].set_ylabel(labelled(f"${axes[1]}$", "length"))
     save(figure, path, tight=True)
     caption = (
         f"The mesh that the estimated errors led to, the last of {len(result.levels)}: all of "

@@ -16,6 +16,7 @@ from fenics_contact.report.bodies.view import View, choose_view
 from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, WIDE
+from fenics_contact.report.drawing.units import labelled, with_unit
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
@@ -71,7 +72,7 @@ def times(factor: float) -> str:
 def _caption(view: View, contacts: list[tuple[ContactTable, ContactRecord]], beyond: float) -> str:
     said = "The deformed body, coloured by the von Mises stress σ_VM"
     if beyond:
-        said += f" (at single points up to {beyond:.3g})"
+        said += f" (at single points up to {with_unit(f'{beyond:.3g}', 'stress')})"
     if view.factor == 1:
         said += ", displacements to scale"
     else:
@@ -95,8 +96,8 @@ def flat_figure(view: View) -> tuple[Figure, Axes]:
     height = float(np.clip(0.8 * WIDE * up / across, *_HEIGHTS))
     figure, (panel,) = new_figure("", (WIDE, height + margin))
     axes = "rz" if view.axisymmetric else "xy"
-    panel.set_xlabel(f"${axes[0]}$")
-    panel.set_ylabel(f"${axes[1]}$")
+    panel.set_xlabel(labelled(f"${axes[0]}$", "length"))
+    panel.set_ylabel(labelled(f"${axes[1]}$", "length"))
     return figure, panel
 
 
@@ -108,7 +109,8 @@ def add_bar(figure: Figure, panel: Axes, colours: ScalarMappable, beyond: bool) 
     if up < _FLAT * across:
         look = {"location": "bottom", "shrink": 0.6}
     extend = "max" if beyond else "neither"
-    figure.colorbar(colours, ax=panel, label=_STRESS, extend=extend, aspect=28, **look)
+    label = labelled(_STRESS, "stress")
+    figure.colorbar(colours, ax=panel, label=label, extend=extend, aspect=28, **look)
 
 
 def framed(

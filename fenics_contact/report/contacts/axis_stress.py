@@ -10,7 +10,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.report.contacts.curves import formula_words
-from fenics_contact.report.drawing.figures import new_figure, save
+from fenics_contact.report.drawing.figures import new_figure, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLUMN, FORMULA, LINES
 from fenics_contact.report.formulas.recognition import AnalyticContact
@@ -107,7 +107,7 @@ def draw_axis_stress(
     radius = contact_radius(rows, contact)
     unit, symbol = _unit(contact.quantities)
     shown = stress.depth <= _DEPTH * radius
-    title = f"Stresses on the axis below '{contact.slave or contact.name}'"
+    title = f"Stresses on the axis below {surface_of(contact)}"
     figure, (panel,) = new_figure(title, (COLUMN, 3.4))
     labels = (
         r"$\sigma_{zz}$",

@@ -15,6 +15,7 @@ from fenics_contact.report.contacts.own_arrays import label, shown_arrays, sizes
 from fenics_contact.report.drawing.figures import in_words, new_figure, save, surface_of, title_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import FORMULA, WIDE
+from fenics_contact.report.drawing.units import labelled, with_unit
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.point_arrays import PointArray
@@ -75,7 +76,7 @@ def draw_curves(
     draw_strip(panels[-1], line, contact)
     margin = 0.03 * (high - low)
     panels[-1].set_xlim(low - margin, high + margin)
-    panels[-1].set_xlabel(f"position along the surface, ${axes[line.axis]}$")
+    panels[-1].set_xlabel(labelled(f"position along the surface, ${axes[line.axis]}$", "length"))
     figure.align_ylabels(panels[:-1])
     save(figure, path)
     return Picture(path, title, _caption(names, contact, axes[line.axis], analytic))
@@ -96,12 +97,12 @@ def _caption(
 def formula_words(analytic: AnalyticContact) -> str:
     """What the formulas are, with the size of the contact."""
     size = "half-width" if analytic.line else "radius"
-    words = (
-        f"{analytic.label}, for the force that was found ({size} a = {analytic.hertz.radius:.4g}"
-    )
-    words += "" if analytic.punch else f", peak p₀ = {analytic.hertz.peak:.4g}"
+    radius, peak = analytic.hertz.radius, analytic.hertz.peak
+    words = f"{analytic.label}, for the force that was found "
+    words += f"({size} a = {with_unit(radius, 'length')}"
+    words += "" if analytic.punch else f", peak p₀ = {with_unit(peak, 'stress')}"
     if analytic.stick:
-        words += f"; Cattaneo and Mindlin: sticks up to c = {analytic.stick:.4g}"
+        words += f"; Cattaneo and Mindlin: sticks up to c = {with_unit(analytic.stick, 'length')}"
     return words + ")"
 
 
@@ -139,7 +140,7 @@ def _panels(line: SurfaceLine, contact: ContactRecord) -> list[str]:
 def _pressure(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
     _plot(panel, line, line.rows.numbers["contact_pressure"])
     cut_peaks(panel, line.rows.numbers["contact_pressure"][line.rows.closed])
-    panel.set_ylabel("contact pressure, $p$")
+    panel.set_ylabel(labelled("contact pressure, $p$", "stress"))
 
 
 def _friction(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
@@ -147,7 +148,7 @@ def _friction(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
     traction = line.traction
     _plot(panel, line, traction)
     cut_peaks(panel, traction[line.rows.closed])
-    panel.set_ylabel(r"friction traction, $\sigma_T$")
+    panel.set_ylabel(labelled(r"friction traction, $\sigma_T$", "stress"))
     coefficient = contact.parameters["friction_coefficient"]
     if not isinstance(coefficient, float | int) or coefficient == 0:
         return
@@ -162,7 +163,7 @@ def _friction(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
 def _gap(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
     gap = line.rows.numbers["gap"]
     _plot(panel, line, np.where(np.isfinite(gap), gap, np.nan))
-    panel.set_ylabel("gap")
+    panel.set_ylabel(labelled("gap", "length"))
 
 
 def _own(panel: Axes, line: SurfaceLine, contact: ContactRecord, array: PointArray) -> None:

@@ -15,6 +15,7 @@ from fenics_contact.report.drawing.fields import nodes_at
 from fenics_contact.report.drawing.figures import in_words, new_figure, save, set_title, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, COLUMN, WIDE
+from fenics_contact.report.drawing.units import labelled
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
@@ -112,10 +113,11 @@ def draw_surface_displacement(
         position = found.line.position[found.shown]
         margin = 0.03 * np.ptp(position)
         column[-1].set_xlim(position.min() - margin, position.max() + margin)
-        column[-1].set_xlabel(f"position along the surface, ${axes[found.line.axis]}$")
+        along = f"position along the surface, ${axes[found.line.axis]}$"
+        column[-1].set_xlabel(labelled(along, "length"))
         set_title(column[0], title if count == 1 else surface_of(contact))
     for panel, label in zip(panels[::count], ("normal, $u_n$", "tangential, $u_T$"), strict=False):
-        panel.set_ylabel(label)
+        panel.set_ylabel(labelled(label, "length"))
     figure.align_ylabels(panels[:-1:count])
     save(figure, path)
     return Picture(

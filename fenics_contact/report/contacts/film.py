@@ -18,6 +18,7 @@ from fenics_contact.report.drawing.fields import nodes_at
 from fenics_contact.report.drawing.figures import new_figure, set_title, style, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, marks
+from fenics_contact.report.drawing.units import labelled
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.load_history import Drive, History
 from fenics_contact.results.records.contacts import ContactRecord
@@ -228,7 +229,7 @@ class _Map:
             colours = draw_values(panels[1], self._surface, sizes, 0, self._most)
             draw_arrows(panels[1], self._surface, traction, self._most)
             if not self._has_bar:
-                label = r"friction traction, $|\sigma_T|$"
+                label = labelled(r"friction traction, $|\sigma_T|$", "stress")
                 figure.colorbar(colours, ax=panels[1], label=label, shrink=0.85, aspect=25)
                 self._has_bar = True
         for panel in drawn:
@@ -285,8 +286,10 @@ class _Line:
         panel.axhline(0, color="black", linewidth=0.5, zorder=0)
         panel.set_xlim(*self._view)
         panel.set_ylim(-1.1 * self._most, 1.4 * self._most)
-        panel.set_xlabel(f"position along the surface, ${self._axes[line.axis]}$")
-        panel.set_ylabel(self._label)
+        panel.set_xlabel(
+            labelled(f"position along the surface, ${self._axes[line.axis]}$", "length")
+        )
+        panel.set_ylabel(labelled(self._label, "stress"))
         panel.legend(loc="upper center", ncols=4)
 
 
@@ -296,6 +299,6 @@ def _follow(panel: Axes, drive: Drive, number: int) -> None:
     panel.plot(drive.x[: number + 1], drive.y[: number + 1], color=COLOURS["STICK"])
     panel.plot(drive.x[number], drive.y[number], "o", color=COLOURS["SLIP"], markersize=5)
     panel.axhline(0, color="black", linewidth=0.5, zorder=0)
-    panel.set_xlabel(drive.moved)
-    panel.set_ylabel(drive.force)
+    panel.set_xlabel(labelled(drive.moved, "length"))
+    panel.set_ylabel(labelled(drive.force, "force"))
     panel.locator_params(axis="x", nbins=5)

@@ -16,6 +16,7 @@ from fenics_contact.report.contacts.own_arrays import label, shown_arrays, sizes
 from fenics_contact.report.drawing.figures import in_words, new_figure, plain, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, DOUBLE, EDGE, marks, neighbourhood
+from fenics_contact.report.drawing.units import labelled
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.point_arrays import PointArray
 from fenics_contact.results.records.contacts import ContactRecord
@@ -65,9 +66,9 @@ class Surface:
     def label(self, panel: Axes, first: bool = True) -> None:
         """Equal scales, and the names of the axes; upwards only at the first panel."""
         panel.set_aspect("equal")
-        panel.set_xlabel(f"${'xyz'[self.axes[0]]}$")
+        panel.set_xlabel(labelled(f"${'xyz'[self.axes[0]]}$", "length"))
         if first:
-            panel.set_ylabel(f"${'xyz'[self.axes[1]]}$")
+            panel.set_ylabel(labelled(f"${'xyz'[self.axes[1]]}$", "length"))
         panel.locator_params(nbins=5)
 
     @property
@@ -181,14 +182,15 @@ def draw_status(panel: Axes, points: Array, status: Words, contact: ContactRecor
 def _pressure(figure: Figure, panel: Axes, surface: Surface, contact: ContactRecord) -> None:
     pressure = surface.rows.numbers["contact_pressure"]
     colours = draw_values(panel, surface, pressure, min(pressure.min(), 0), pressure.max())
-    figure.colorbar(colours, ax=panel, label="contact pressure, $p$", location="top", aspect=25)
+    label = labelled("contact pressure, $p$", "stress")
+    figure.colorbar(colours, ax=panel, label=label, location="top", aspect=25)
 
 
 def _friction(figure: Figure, panel: Axes, surface: Surface, contact: ContactRecord) -> None:
     traction = surface.rows.vectors("traction_x", "traction_y", "traction_z")
     size = np.linalg.norm(traction, axis=1)
     colours = draw_values(panel, surface, size, 0, size.max())
-    label = r"friction traction, $|\sigma_T|$"
+    label = labelled(r"friction traction, $|\sigma_T|$", "stress")
     figure.colorbar(colours, ax=panel, label=label, location="top", aspect=25)
     draw_arrows(panel, surface, traction, size.max())
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.report.drawing.units import labelled
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.point_arrays import PointArray
 from fenics_contact.results.records.contacts import ContactRecord
@@ -29,4 +30,4 @@ def sizes(rows: ContactTable, array: PointArray) -> Array:
 
 def label(array: PointArray) -> str:
     """What an axis or a bar of colours says of it."""
-    return f"{array.words}, size" if array.is_vector else array.words
+    return labelled(f"{array.words}, size" if array.is_vector else array.words, array.unit)

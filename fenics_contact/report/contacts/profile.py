@@ -12,6 +12,7 @@ from fenics_contact.report.contacts.curves import formula_words
 from fenics_contact.report.drawing.figures import new_figure, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLUMN, DOUBLE, FORMULA, marks
+from fenics_contact.report.drawing.units import labelled
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
@@ -45,18 +46,18 @@ def draw_profile(
     shown = np.linspace(0, _REACH * analytic.hertz.radius, 400)
     _points(panels[0], distance, rows.numbers["contact_pressure"], rows, contact)
     panels[0].plot(shown, analytic.pressure(shown), label=analytic.label, **FORMULA)
-    panels[0].set_ylabel("contact pressure, $p$")
+    panels[0].set_ylabel(labelled("contact pressure, $p$", "stress"))
     said = "Contact pressure p"
     if sheared:
         axis = "xyz"[analytic.direction or 0]
         _points(panels[1], distance, rows.numbers[f"traction_{axis}"], rows, contact)
         formula = analytic.friction(shown)
         panels[1].plot(shown, formula, label="Cattaneo, Mindlin", **FORMULA)
-        panels[1].set_ylabel(rf"friction traction, $\sigma_{{T{axis}}}$")
+        panels[1].set_ylabel(labelled(rf"friction traction, $\sigma_{{T{axis}}}$", "stress"))
         said += f" and friction traction σ_T along {axis}"
     for panel in panels:
         panel.axhline(0, color="black", linewidth=0.5, zorder=0)
-        panel.set_xlabel("distance from the middle, $r$")
+        panel.set_xlabel(labelled("distance from the middle, $r$", "length"))
         panel.set_xlim(left=0)
         panel.legend()
     save(figure, path)

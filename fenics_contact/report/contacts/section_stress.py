@@ -13,6 +13,7 @@ from fenics_contact.report.drawing.fields import Triangles, largest_shear
 from fenics_contact.report.drawing.figures import new_figure, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, WIDE, neighbourhood
+from fenics_contact.report.drawing.units import labelled, with_unit
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
@@ -163,7 +164,7 @@ def draw_section(
     look = {"levels": levels, "extend": extend}
     colours = panel.tricontourf(*mesh, shear, cmap=COLOUR_MAP, **look)
     panel.tricontour(*mesh, shear, levels=levels, colors="white", linewidths=0.3, alpha=0.7)
-    label = r"largest shear stress, $\tau_{max}$"
+    label = labelled(r"largest shear stress, $\tau_{max}$", "stress")
     figure.colorbar(colours, ax=panel, label=label, shrink=0.85, aspect=28, pad=0.02)
     closed = rows.vectors("x", "y", "z")[rows.closed][:, list(section.axes)]
     panel.plot(*_ends(closed, section), "-", color="black", linewidth=2.2, clip_on=False, zorder=4)
@@ -172,8 +173,8 @@ def draw_section(
     panel.set_aspect("equal")
     panel.set_xlim(section.low[0], section.high[0])
     panel.set_ylim(section.low[1], section.high[1])
-    panel.set_xlabel(f"${letters[section.axes[0]]}$")
-    panel.set_ylabel(f"${letters[section.axes[1]]}$")
+    panel.set_xlabel(labelled(f"${letters[section.axes[0]]}$", "length"))
+    panel.set_ylabel(labelled(f"${letters[section.axes[1]]}$", "length"))
     save(figure, path)
     return Picture(path, title, _caption(section, value, place, letters, analytic, rows))
 
@@ -198,7 +199,7 @@ def _mark(panel: Axes, section: Section, value: float, place: Array, letters: st
     aside = place[0] > middle[0]
     lower = place[1] > middle[1]
     panel.annotate(
-        rf"max {value:.4g}",
+        with_unit(f"max {value:.4g}", "stress"),
         place,
         xytext=(-8 if aside else 8, -9 if lower else 9),
         textcoords="offset points",
@@ -217,17 +218,22 @@ def _caption(
     analytic: AnalyticContact | None,
     rows: ContactTable,
 ) -> str:
-    at = ", ".join(f"{letters[a]} = {x:.4g}" for a, x in zip(section.axes, place, strict=True))
+    at = ", ".join(
+        f"{letters[a]} = {with_unit(x, 'length')}"
+        for a, x in zip(section.axes, place.tolist(), strict=True)
+    )
     said = "Largest shear stress τ_max = (σ₁ − σ₃)/2 in the undeformed body; "
-    said += f"it has its maximum {value:.4g} at {at}"
+    said += f"it has its maximum {with_unit(value, 'stress')} at {at}"
     if section.across is not None:
         third = 3 - sum(section.axes)
-        said += f", of the plane {letters[third]} = {section.across:.4g}"
+        said += f", of the plane {letters[third]} = {with_unit(section.across, 'length')}"
     said += "."
     if analytic is not None and analytic.smooth and not analytic.punch:
         depth = np.linspace(0, 2 * analytic.hertz.radius, 2001)
         shear = analytic.axis_shear(depth)
         most = int(np.argmax(shear))
         where = "below the middle" if analytic.line else "on the axis"
-        said += f" {analytic.label}: {shear[most]:.4g} {where}, at the depth {depth[most]:.4g}."
+        largest = with_unit(float(shear[most]), "stress")
+        below = with_unit(float(depth[most]), "length")
+        said += f" {analytic.label}: {largest} {where}, at the depth {below}."
     return said + " The thick line is the contact zone."

@@ -93,10 +93,11 @@ def save_png(figure: Figure, path: Path) -> None:
 
 
 def surface_of(contact: ContactRecord) -> str:
-    """The surface that a contact of ``result.json`` is of, and the one opposite, in words."""
-    if contact.master is not None:
-        return f"'{contact.slave}' against '{contact.master}'"
-    return f"'{contact.name}'"
+    """A contact of ``result.json`` by its name; by that of a surface, with the one opposite."""
+    sides = (contact.slave, contact.master)
+    if contact.name not in sides:
+        return f"'{contact.name}'"
+    return f"'{contact.name}' against '{sides[sides.index(contact.name) - 1]}'"
 
 
 def in_words(parts: list[str]) -> str:

@@ -12,6 +12,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.figures import new_figure, plain, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, DOUBLE, FORMULA, LINES, WIDE
+from fenics_contact.report.drawing.units import labelled
 from fenics_contact.results.records.model import LevelRecord
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.steps import StepRecord
@@ -55,7 +56,7 @@ def _iterations(steps: list[StepRecord], path: Path) -> Picture:
     colour = COLOURS["STICK"]
     panels[0].semilogy(numbers, residuals, "o-", color=colour, linewidth=0.8, markersize=2.5)
     panels[0].set_xlabel("iteration of Newton's method")
-    panels[0].set_ylabel("residual, $|F(u)|$")
+    panels[0].set_ylabel(labelled("residual, $|F(u)|$", "force"))
     panels[0].xaxis.get_major_locator().set_params(integer=True)
     title = "Convergence" + (f" of the load step at t = {hardest.load_factor:.4g}" * several)
     panels[0].set_title(title)

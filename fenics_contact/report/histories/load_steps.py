@@ -12,6 +12,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.figures import new_figure, plain, save, set_title
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, COLUMN, DOUBLE, LINES, WIDE
+from fenics_contact.report.drawing.units import labelled, with_unit
 from fenics_contact.report.histories.hysteresis import Loop, last_loop
 from fenics_contact.results.load_history import Drive, History
 from fenics_contact.results.records.contacts import ContactRecord
@@ -94,15 +95,16 @@ def draw_forces(history: History, contacts: list[ContactRecord], path: Path) -> 
         if normal is not None:
             wraps |= bool(around)
             _line(panels[0], history.time, normal, plain(f"'{contact.name}'") + around, number)
-    panels[0].set_ylabel("normal force, $P$")
+    panels[0].set_ylabel(labelled("normal force, $P$", "force"))
     if wraps and len(contacts) == 1:
-        panels[0].set_ylabel(r"pressure integral, $\int p\,dA$")
+        panels[0].set_ylabel(labelled(r"pressure integral, $\int p\,dA$", "force"))
     for number, (label, values) in enumerate(friction):
         _line(panels[1], history.time, values, label, number)
     if friction:
-        panels[1].set_ylabel("friction force, $Q$")
+        panels[1].set_ylabel(labelled("friction force, $Q$", "force"))
         if len(friction) == 1:
-            panels[1].set_ylabel(f"friction force, {friction[0][0].split(', ')[-1]}")
+            symbol = friction[0][0].split(", ")[-1]
+            panels[1].set_ylabel(labelled(f"friction force, {symbol}", "force"))
     for panel in panels:
         _legend(panel)
     figure.align_ylabels(panels)
@@ -142,7 +144,7 @@ def _areas(history: History, contacts: list[ContactRecord], path: Path) -> Pictu
             panel.fill_between(history.time, sticks, color=COLOURS["STICK"], lw=0, label="stick")
         panel.plot(history.time, closed, color="black", linewidth=0.8)
         panel.set_ylim(0, 1.3 * closed.max() or 1)
-        panel.set_ylabel("area, $A$")
+        panel.set_ylabel(labelled("area, $A$", "area"))
         if len(contacts) > 1:
             panel.annotate(
                 plain(f"'{contact.name}'"), (0.99, 0.97), va="top", ha="right",
@@ -172,10 +174,10 @@ def _energies(history: History, path: Path) -> Picture:
         least = 0.0 if name == "friction_work" else _SHOWN * work
         if np.abs(values).max() > least:
             _line(panels[0], history.time, values, label, number)
-    panels[0].set_ylabel("energy")
+    panels[0].set_ylabel(labelled("energy", "energy"))
     if balances:
         _line(panels[1], history.time, history.quantity("energy_defect"), "", 0)
-        panels[1].set_ylabel("$W - E - E_p - D$")
+        panels[1].set_ylabel(labelled("$W - E - E_p - D$", "energy"))
     for panel in panels:
         _legend(panel)
     figure.align_ylabels(panels)
@@ -226,7 +228,7 @@ def _loop(panel: Axes, drive: Drive, loop: Loop | None, is_sheared: bool) -> Non
     path = Drive(drive.title, drive.moved, drive.force, moved, drive.y)
     if loop is not None:
         inside = slice(loop.first, loop.last + 1)
-        words = rf"$\Delta W = {_number(loop.work)}$"
+        words = with_unit(rf"$\Delta W = {_number(loop.work)}$", "energy")
         panel.fill(moved[inside], drive.y[inside], color=COLOURS["OPEN"], lw=0, label=words)
     _line(panel, path.x, path.y, "", 0)
     _arrows(panel, path)
@@ -235,9 +237,12 @@ def _loop(panel: Axes, drive: Drive, loop: Loop | None, is_sheared: bool) -> Non
     panel.locator_params(axis="x", nbins=6)
     symbol, force = (words.split(", ")[-1].strip("$") for words in (drive.moved, drive.force))
     panel.set_xlabel(
-        f"elastic part left out, ${symbol} - C\\,{force}$" if is_sheared else drive.moved
+        labelled(
+            f"elastic part left out, ${symbol} - C\\,{force}$" if is_sheared else drive.moved,
+            "length",
+        )
     )
-    panel.set_ylabel(drive.force)
+    panel.set_ylabel(labelled(drive.force, "force"))
     set_title(panel, drive.title[0].upper() + drive.title[1:])
     if loop is not None and not is_sheared:
         panel.legend(loc="upper left")

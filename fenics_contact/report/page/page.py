@@ -61,7 +61,6 @@ SECTIONS = (
     Section("advice", "What to try", lambda content: not content.result.converged),
     Section("pictures", "Pictures", lambda content: bool(content.pictures)),
     Section("view-3d", "Interactive view", lambda content: bool(content.view)),
-    Section("quantities", "Quantities and errors", lambda content: bool(content.result.quantities)),
     Section(
         "checks",
         "Checks",
@@ -71,6 +70,7 @@ SECTIONS = (
             or level_rows(content.result)
         ),
     ),
+    Section("quantities", "Quantities and errors", lambda content: bool(content.result.quantities)),
     Section("scene", "Scene"),
     Section("model", "Model"),
     Section("contacts", "Contacts", lambda content: bool(content.result.contacts)),
@@ -101,7 +101,7 @@ def page(content: Content) -> str:
         headlines=headlines(result),
         failures=tables.failures(result),
         attempts=last.attempts if last else [],
-        branches=branch_rows(result.branches),
+        branches=branch_rows(result.branches, result.units),
         levels=level_rows(result),
         last_imbalances=", ".join(imbalances) or "none",
         ranks=result.model.ranks,

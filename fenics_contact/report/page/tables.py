@@ -10,9 +10,12 @@ from markupsafe import Markup
 from fenics_contact.report.page.templates import bar, table, verdict
 from fenics_contact.results.check_messages import WORDS, compares, failure
 from fenics_contact.results.quantities import (
-    FORCES,
+    MEASURED_BY_PRELOADS,
+    QuantityValue,
     has_true_value,
     idle_quantities,
+    measured_by,
+    measured_by_parameter,
     reactions_by_name,
     without_value,
 )
@@ -21,10 +24,12 @@ from fenics_contact.results.records.model import Model, Seconds
 from fenics_contact.results.records.record import ErrorRow
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.steps import CheckRecord, StepRecord
+from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.result import check_of
-from fenics_contact.results.words.rounding import rounded, size_of_forces
+from fenics_contact.results.words.rounding import rounded, sizes_of
 from fenics_contact.results.words.tables import (
     error_rows,
+    headed,
     motion_words,
     share_words,
 )
@@ -71,7 +76,10 @@ def _failure(name: str, check: CheckRecord) -> str:
 
 
 def quantities_table(
-    found: Outcome | ContactRecord, contacts: list[ContactRecord], caption: str
+    found: Outcome | ContactRecord,
+    contacts: list[ContactRecord],
+    caption: str,
+    run: Outcome,
 ) -> Markup:
     """Quantities with their error bars where there are some, without those that say nothing.
 
@@ -79,24 +87,25 @@ def quantities_table(
         found: A result or a contact.
         contacts: That it is of.
         caption: Of the table.
+        run: That all is of.
     """
     idle, errors = idle_quantities(contacts), found.errors
     quantities = found.quantities
-    forces = size_of_forces(quantities, contacts)
+    units, sizes = run.units, sizes_of(run.quantities, run.contacts)
     if len(contacts) > 1:  # each has its own table
         idle |= set(OF_ONE_CONTACT)
-    rows: list[list[str]] = [["quantity", "value", *(_BARS if errors else ())]]
+    head = ["value", *(["unit"] if units else []), *(_BARS if errors else ())]
+    rows: list[list[str]] = [["quantity", *head]]
     for name in [name for name in quantities if name not in idle]:
         value = quantities[name]
-        if value is None:
-            rows.append(
-                [words(name), without_value(name, quantities), *["", ""][: 2 * bool(errors)]]
-            )
-        elif not errors or not has_true_value(name):
-            rows.append([words(name), written(value), *["", ""][: 2 * bool(errors)]])
-        else:
-            size = forces if name in FORCES else 0.0
-            rows.append([words(name), *_with_bar(value, errors.get(name), size)])
+        cells = [without_value(name, quantities)]
+        if value is not None and errors and has_true_value(name):
+            cells = _with_bar(value, errors.get(name), sizes[measured_by(name)])
+        elif value is not None:
+            cells = [written(value)]
+        if units:
+            cells.insert(1, "" if value is None else units.of(measured_by(name)))
+        rows.append([words(name), *cells, *[""] * (len(head) - len(cells))])
     return table(rows, caption)
 
 
@@ -122,16 +131,32 @@ def _percent(share: float) -> str:
 def errors_table(result: Outcome) -> Markup:
     """Where the errors come from; nothing where none were estimated.
 
-    With those of each contact and each support where there are several.
+    With those of each contact and each support where there are several; without what was given, or
+    is 0 by symmetry, which has no error but round-off.
     """
-    idle = idle_quantities(result.contacts)
-    errors = {words(key): row for key, row in result.errors.items() if key not in idle}
+    idle, units = idle_quantities(result.contacts), result.units
+    sizes = sizes_of(result.quantities, result.contacts)
+
+    def named(key: str, of: str = "") -> str:
+        return headed(words(key) + of, measured_by(key), units)
+
+    found: list[tuple[str, str, QuantityValue | None, ErrorRow]] = [
+        (key, "", result.quantities.get(key), row)
+        for key, row in result.errors.items()
+        if key not in idle
+    ]
     for contact in result.contacts if len(result.contacts) > 1 else ():
-        of_contact = contact.errors
-        forces = [key for key in OF_ONE_CONTACT if key in of_contact and key not in idle]
-        errors |= {f"{words(key)} of {contact.name}": of_contact[key] for key in forces}
-    for name, found in result.reactions.items() if len(result.reactions) > 1 else ():
-        errors |= {f"reaction of {name}": row for row in found.errors.values()}
+        of = f" of {contact.name}"
+        for key in (key for key in OF_ONE_CONTACT if key in contact.errors and key not in idle):
+            found.append((key, of, contact.quantities.get(key), contact.errors[key]))
+    for name, reaction in result.reactions.items() if len(result.reactions) > 1 else ():
+        for key, row in reaction.errors.items():
+            found.append((key, f" of {name}", reaction.reaction, row))
+    errors = {
+        named(key, of): row
+        for key, of, value, row in found
+        if value is None or rounded(value, row, sizes[measured_by(key)])[1]
+    }
     rows = error_rows(errors)
     return table(rows, "Estimated errors by source") if rows else Markup()
 
@@ -142,8 +167,9 @@ def reactions_table(result: Outcome) -> Markup:
     # Files of earlier versions have no ``reactions``.
     errors = {name: of.errors.get("reaction") for name, of in result.reactions.items()}
     has_bars = any(row is not None for row in errors.values())
-    forces = size_of_forces(result.quantities, result.contacts)
-    rows: list[list[str]] = [["support", "reaction", *(_BARS if has_bars else ())]]
+    forces = sizes_of(result.quantities, result.contacts)["force"]
+    head = headed("reaction", "force", result.units)
+    rows: list[list[str]] = [["support", head, *(_BARS if has_bars else ())]]
     for name, force in found.items():
         rows.append([name, *_with_bar(force, errors.get(name), forces)[: 3 if has_bars else 1]])
     return table(rows, "Reactions of supports") if found else Markup()
@@ -152,7 +178,8 @@ def reactions_table(result: Outcome) -> Markup:
 def preloads_table(result: Outcome) -> Markup:
     """Force and elongation of every preload, with error bars; nothing without any."""
     has_bars = any(preload.errors for preload in result.preloads.values())
-    bars = [cell for name in OF_PRELOADS for cell in (name, *(_BARS[:1] if has_bars else ()))]
+    names = [headed(name, MEASURED_BY_PRELOADS[name], result.units) for name in OF_PRELOADS]
+    bars = [cell for name in names for cell in (name, *(_BARS[:1] if has_bars else ()))]
     rows: list[list[str]] = [["preload", *bars, "locked"]]
     for name, preload in result.preloads.items():
         row = [name]
@@ -174,17 +201,32 @@ def model_table(model: Model) -> Markup:
     return plain_table(said, "The model")
 
 
-def contact_table(contact: ContactRecord) -> Markup:
-    """A contact's own parameters."""
+def contact_table(contact: ContactRecord, units: UnitsRecord | None) -> Markup:
+    """A contact's own parameters.
+
+    Args:
+        contact: The contact.
+        units: Of the run, if any.
+    """
     kind = {"contact": contact.contact, "friction law": contact.law}
     kind |= {key: contact[key] for key in _OF_A_CONTACT if key in contact}
-    return plain_table({**kind, **contact.parameters}, f"Contact '{contact.name}'")
+    used = {
+        headed(words(name), measured_by_parameter(name), units): value
+        for name, value in contact.parameters.items()
+    }
+    return plain_table({**kind, **used}, f"Contact '{contact.name}'")
 
 
-def steps_table(steps: list[StepRecord]) -> Markup:
-    """Load steps with their iterations and the imbalance that was left."""
+def steps_table(steps: list[StepRecord], units: UnitsRecord | None) -> Markup:
+    """Load steps with their iterations and the imbalance that was left.
+
+    Args:
+        steps: All of them.
+        units: Of the run, if any.
+    """
     rows = [["step", "time", "Newton steps", "passes of the loop on the pressure"]]
-    rows[0] += ["contraction", "imbalance before", "at the end", "accepted"]
+    imbalances = ("imbalance before", "at the end", "accepted")
+    rows[0] += ["contraction", *(headed(name, "force", units) for name in imbalances)]
     rows += [row for _, row in _shown(steps)]
     return table(rows, "Load steps")
 

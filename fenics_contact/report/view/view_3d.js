@@ -78,8 +78,9 @@
   function written(value) { return Number(value.toPrecision(4)).toString(); }
   const words = Array.from(column(points, 0, 3), (_, n) => {
     const at = axes.slice(0, data.flat ? 2 : 3).map((axis) => written(points[3 * n + axis]));
-    const lines = ["at (" + at.join(", ") + ")"];
-    data.fields.forEach((f) => lines.push(f.name + " " + f.symbol + " = " + written(f.values[n])));
+    const lines = ["at (" + at.join(", ") + ")" + (data.unit && " " + data.unit)];
+    data.fields.forEach((f) => lines.push(
+      f.name + " " + f.symbol + " = " + written(f.values[n]) + (f.unit && " " + f.unit)));
     if (status && status[n] >= 0) lines.push(data.statusNames[Math.round(status[n])]);
     return lines.join("<br>");
   });
@@ -99,7 +100,8 @@
     };
     if (chosen.field === data.fields.length) return Object.assign(mesh, coloured(mesh.colorbar));
     const field = data.fields[chosen.field];
-    const title = field.name + " " + field.symbol + (field.beyond && "<br>" + field.beyond);
+    const unit = field.unit && " (" + field.unit + ")";
+    const title = field.name + " " + field.symbol + unit + (field.beyond && "<br>" + field.beyond);
     mesh.colorbar.title = { text: title, side: isNarrow() ? "top" : "right" };
     return Object.assign(mesh, {
       intensity: field.values, colorscale: "Viridis", cmin: field.low, cmax: field.high,
@@ -172,7 +174,7 @@
   }
   function axis(name, number) {
     return {
-      title: { text: name }, showbackground: false, zeroline: false, showspikes: false,
+      title: { text: name + (data.unit && " (" + data.unit + ")") }, showbackground: false, zeroline: false, showspikes: false,
       gridcolor: "rgba(128,128,128,0.25)", visible: !(data.flat && number === 2), tickangle: 0,
       range: box()[number], autorange: false,
     };

@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.report.bodies.obstacles import ObstacleSurface, obstacles_of
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
+from fenics_contact.report.drawing.units import unit_of
 from fenics_contact.report.page.templates import render
 from fenics_contact.report.view.revolved import revolved
 from fenics_contact.report.view.surface import Surface, boundary, surface_of
@@ -31,6 +32,10 @@ _READABLE = 0.02  # from which it is seen as it is
 _MISFIT = 0.01  # of what is shown: false gaps and overlaps that magnification may make
 _NEAR = 0.4  # share of the body, below which the contact zone can be looked at from near by
 _MOST_LINES = 60_000  # pieces of cells' sides
+_MEASURED = {
+    "displacement": "length",
+    **dict.fromkeys(("von Mises stress", "contact pressure", "friction traction"), "stress"),
+}
 
 
 @dataclass(frozen=True)
@@ -84,7 +89,8 @@ def make_view(body: UnstructuredGrid, result: Outcome, table: ContactTable) -> V
             fields["friction traction"] = friction
             shown["friction traction"] = "|σ_T|"
         for array, values in _own(body, result):
-            fields[array.words], shown[array.words] = values, f"({array.unit})"
+            unit = unit_of(array.unit) or array.unit
+            fields[array.words], shown[array.words] = values, f"({unit})"
     contacts = [(table.of(contact.name), contact) for contact in result.contacts]
     fields["obstacle"] = _obstacles(body, obstacles_of(body, contacts))
     make = revolved if kinematics == "axisymmetric" else surface_of
@@ -224,6 +230,7 @@ def _data(view: View) -> dict[str, object]:
         "factors": view.factors,
         "zone": None if view.zone is None else view.zone.tolist(),
         "towards": view.towards.tolist(),
+        "unit": unit_of("length"),
     }
 
 
@@ -235,6 +242,7 @@ def _field(name: str, symbol: str, values: Array) -> dict[str, object]:
     return {
         "name": name,
         "symbol": symbol,
+        "unit": unit_of(_MEASURED.get(name, "")),
         "values": _floats(values),
         "low": 0.0 if low < 0.05 * high else float(low),
         "high": top if top > 0 else 1.0,

@@ -15,6 +15,7 @@ from fenics_contact.results.records.contacts import (
 from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Model, Seconds
 from fenics_contact.results.records.record import Errors, Quantities, Record
 from fenics_contact.results.records.steps import BranchRecord, CheckRecord, StepRecord
+from fenics_contact.results.records.units import UnitsRecord
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -41,9 +42,10 @@ class Outcome(Record):
         error_notes: Sentences that say which errors were not estimated, and why.
         timings: Where the time went.
         versions: Program or library → version.
+        units: Of all numbers of its files, where the scene has units.
     """
 
-    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"accuracy", "preloads"})
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"accuracy", "preloads", "units"})
 
     title: str
     converged: bool
@@ -63,6 +65,7 @@ class Outcome(Record):
     error_notes: list[str] = field(default_factory=list)
     timings: Seconds
     versions: Mapping[str, str]
+    units: UnitsRecord | None = None
 
     def is_written(self, name: str) -> bool:
         """Whether an attribute stands in the file: levels where an accuracy was asked for."""

@@ -38,7 +38,8 @@ class StepRecord(Record):
 
     Attributes:
         load_factor: Pseudo-time at its end.
-        newton_iterations: Steps of Newton's method, in all.
+        newton_iterations: Steps of Newton's method since the load step before: of all ways that
+            were tried, also of load steps that were cut.
         outer_iterations: Passes of the loop on the pressure.
         outer_contraction: What a pass multiplies differences by; null where there is no loop.
         attempts: Strategies that did not converge before, each with what happened.

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 from fenics_contact.common.plain_text import one_line
-from fenics_contact.results.quantities import QuantityValue, idle_quantities
+from fenics_contact.results.quantities import QuantityValue, idle_quantities, measured_by
 from fenics_contact.results.records.contacts import ContactRecord, PreloadRecord
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.records.run import Outcome
-from fenics_contact.results.words.rounding import rounded, size_of_forces
+from fenics_contact.results.records.units import NO_UNITS, UnitsRecord
+from fenics_contact.results.words.rounding import is_none, rounded, sizes_of
 
 
 def headlines(result: Outcome) -> list[str]:
@@ -20,59 +23,73 @@ def headlines(result: Outcome) -> list[str]:
     """
     if not result.converged:
         return []
-    size = size_of_forces(result.quantities, result.contacts)
-    lines = [_of_preload(name, preload) for name, preload in result.preloads.items()]
-    lines += [_of_contact(contact, size) for contact in result.contacts if contact.quantities]
+    words = _Words(result.units or NO_UNITS, sizes_of(result.quantities, result.contacts))
+    lines = [words.of_preload(name, preload) for name, preload in result.preloads.items()]
+    lines += [words.of_contact(contact) for contact in result.contacts if contact.quantities]
     if result.contacts and "friction_work" not in idle_quantities(result.contacts):
-        lines.append(f"Friction dissipated {_estimate('friction_work', result)}.")
+        lines.append(f"Friction dissipated {words.estimate('friction_work', result)}.")
     return lines
 
 
-def _of_preload(name: str, preload: PreloadRecord) -> str:
-    force = _with_bar(preload.force, preload.errors, "force", 0.0)
-    locked = ", its length locked" if preload.locked else ""
-    return f"Preload '{one_line(name)}': force {force}{locked}."
+@dataclass(frozen=True)
+class _Words:
+    """Of a run.
+
+    Attributes:
+        units: Its own; without names where it has none.
+        sizes: Of its forces, pressures and so on.
+    """
+
+    units: UnitsRecord
+    sizes: Mapping[str, float]
+
+    def of_preload(self, name: str, preload: PreloadRecord) -> str:
+        """Its force, and whether it is still tightened."""
+        force = self._with_bar(preload.force, preload.errors, "force", "force")
+        locked = ", its length locked" if preload.locked else ""
+        return f"Preload '{one_line(name)}': force {force}{locked}."
+
+    def of_contact(self, contact: ContactRecord) -> str:
+        """What it carries, how hard it presses at the most, and how far it slips."""
+        found, idle = contact.quantities, idle_quantities([contact])
+        pressing = "normal_force" if found.get("normal_force") is not None else "pressure_integral"
+        words = []
+        if found.get(pressing) is not None:
+            words.append(f"presses with {self.estimate(pressing, contact)}")
+        friction = found.get("friction_force")
+        if isinstance(friction, list) and "friction_force" not in idle:
+            force = math.hypot(*friction)
+            said = self._with_bar(force, contact.errors, "friction_force", "force")
+            if not is_none(force, self.sizes["force"]):  # around an axis they cancel
+                words.append(f"friction {said}{_share(contact, force)}")
+        for key, said in (
+            ("max_contact_pressure", "peak pressure"),
+            ("max_slip", "slips by up to"),
+        ):
+            if found.get(key) is None or key in idle:
+                continue
+            if not is_none(found[key], self.sizes[measured_by(key)]):
+                words.append(f"{said} {self.estimate(key, contact)}")
+        return f"Contact '{one_line(contact.name)}': {', '.join(words)}."
+
+    def estimate(self, key: str, found: ContactRecord | Outcome) -> str:
+        """A quantity with its bar."""
+        value = found.quantities[key]
+        assert value is not None
+        return self._with_bar(value, found.errors, key, measured_by(key))
+
+    def _with_bar(self, value: QuantityValue, errors: Errors, key: str, measured: str) -> str:
+        """Without a bar where the run estimated none at all, and where none is needed."""
+        said, bar = rounded(value, errors.get(key), self.sizes[measured])
+        unit = self.units.of(measured)
+        return f"{said}{f' ± {bar}' if errors and bar else ''}{f' {unit}' if unit else ''}"
 
 
-def _of_contact(contact: ContactRecord, size: float) -> str:
-    found, idle = contact.quantities, idle_quantities([contact])
-    pressing = "normal_force" if found.get("normal_force") is not None else "pressure_integral"
-    words = []
-    if found.get(pressing) is not None:
-        words.append(f"presses with {_estimate(pressing, contact, size)}")
-    friction = found.get("friction_force")
-    # Around an axis they cancel.
-    if isinstance(friction, list) and any(friction) and "friction_force" not in idle:
-        resultant = _length_of(contact, friction, size)
-        words.append(f"friction {resultant}{_share(contact, friction)}")
-    for key, said in (("max_contact_pressure", "peak pressure"), ("max_slip", "slips by up to")):
-        if found.get(key) is not None and key not in idle:
-            words.append(f"{said} {_estimate(key, contact)}")
-    return f"Contact '{one_line(contact.name)}': {', '.join(words)}."
-
-
-def _estimate(key: str, found: ContactRecord | Outcome, size: float = 0.0) -> str:
-    """A value with its bar."""
-    value = found.quantities[key]
-    assert value is not None
-    return _with_bar(value, found.errors, key, size)
-
-
-def _length_of(contact: ContactRecord, force: list[float], size: float) -> str:
-    return _with_bar(math.hypot(*force), contact.errors, "friction_force", size)
-
-
-def _with_bar(value: QuantityValue, errors: Errors, key: str, size: float) -> str:
-    """Without a bar where the run estimated none at all, and where none is needed."""
-    said, bar = rounded(value, errors.get(key), size)
-    return f"{said} ± {bar}" if errors and bar else said
-
-
-def _share(contact: ContactRecord, force: list[float]) -> str:
+def _share(contact: ContactRecord, force: float) -> str:
     """How much of what friction could hold it does, where the coefficient is one number."""
     coefficient = contact.parameters.get("friction_coefficient")
     pressing = contact.quantities.get("pressure_integral")
     if not isinstance(coefficient, float) or not isinstance(pressing, float):
         return ""
     limit = coefficient * pressing
-    return f" ({100 * math.hypot(*force) / limit:.3g} % of its limit)" if limit > 0 else ""
+    return f" ({100 * force / limit:.3g} % of its limit)" if limit > 0 else ""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 
-from fenics_contact.results.quantities import FORCES, QuantityValue
+from fenics_contact.results.quantities import QuantityValue, measured_by
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.record import ErrorRow, Quantities
 
@@ -17,7 +18,7 @@ _FIGURES = 6
 # and longer by a quarter at the most.
 _TWO_FIGURES_BELOW = 3.55
 # What is below this share of the value, or of the forces at work, is round-off: no estimate.
-_ROUND_OFF = 1e-9
+_ROUND_OFF = 1e-8
 # Decimal powers between which numbers are written without one.
 _PLAIN = range(-4, 7)
 
@@ -37,7 +38,7 @@ def rounded(value: QuantityValue, row: ErrorRow | None, size: float = 0.0) -> tu
     """
     parts = list(value) if isinstance(value, Sequence) else [value]
     scale = max(size, *map(abs, parts))
-    parts = [part if abs(part) > _ROUND_OFF * size else 0.0 for part in parts]
+    parts = [0.0 if is_none(part, size) else part for part in parts]
     total = None if row is None else row["total"]
     if total is None:
         return _joined(f"{part:.{_FIGURES}g}" for part in parts), UNKNOWN
@@ -48,23 +49,51 @@ def rounded(value: QuantityValue, row: ErrorRow | None, size: float = 0.0) -> tu
     return _joined(_written(part, place, largest) for part in parts), _written(bar, place, largest)
 
 
-def size_of_forces(quantities: Quantities, contacts: Iterable[ContactRecord]) -> float:
-    """The largest component of all resultants.
+def is_none(value: QuantityValue, size: float) -> bool:
+    """Whether a value is 0 up to round-off.
+
+    Args:
+        value: A number, or the components of a vector.
+        size: As of ``rounded``.
+    """
+    parts = value if isinstance(value, Sequence) else [value]
+    return all(abs(part) <= _ROUND_OFF * size for part in parts)
+
+
+def bar_in_words(error: float | None) -> str:
+    """An error alone, rounded up to one figure or two; ``?`` where it was not estimated.
+
+    >>> bar_in_words(4.66), bar_in_words(0.00123), bar_in_words(0.0), bar_in_words(None)
+    ('5', '0.0013', '0', '?')
+    """
+    if error is None or not math.isfinite(error):
+        return UNKNOWN
+    if error == 0:
+        return "0"
+    place, bar = _rounded_up(abs(error))
+    return _written(bar, place, bar)
+
+
+def sizes_of(quantities: Quantities, contacts: Iterable[ContactRecord]) -> Mapping[str, float]:
+    """How large what is measured gets in a run: by this it is told what is round-off.
 
     Args:
         quantities: Of the whole model.
         contacts: Its contacts.
+
+    Returns:
+        Of each that is measured, such as ``force``, the largest component; of lengths what the
+        largest force moves with the energy that is stored.
     """
-    places = (quantities, *(contact.quantities for contact in contacts))
-    return max(
-        (
-            max(map(abs, value if isinstance(value, list) else [value]), default=0.0)
-            for place in places
-            for name, value in place.items()
-            if value is not None and name in FORCES
-        ),
-        default=0.0,
-    )
+    found: dict[str, float] = defaultdict(float)
+    for place in (quantities, *(contact.quantities for contact in contacts)):
+        for name, value in place.items():
+            parts = value if isinstance(value, list) else [0.0 if value is None else value]
+            kind = measured_by(name)
+            found[kind] = max(found[kind], *map(abs, parts))
+    energy, force = quantities.get("strain_energy") or 0.0, found["force"]
+    found.update({"": 0.0, "length": energy / force if force else 0.0})
+    return found
 
 
 def _rounded_up(bar: float) -> tuple[int, float]:

@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from html import escape
+from typing import NamedTuple
 
 from fenics_contact.common.plain_text import one_line
-from fenics_contact.results.quantities import FORCES, idle_quantities, without_value
+from fenics_contact.results.quantities import (
+    MEASURED_BY_PRELOADS,
+    idle_quantities,
+    measured_by,
+    reactions_by_name,
+    without_value,
+)
 from fenics_contact.results.records.record import Errors, Quantities
+from fenics_contact.results.records.run import Outcome
+from fenics_contact.results.records.units import NO_UNITS
 from fenics_contact.results.result import Result
-from fenics_contact.results.words.rounding import rounded, size_of_forces
+from fenics_contact.results.words.rounding import rounded, sizes_of
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, OF_PRELOADS
 
 _MAIN = (
@@ -18,10 +27,28 @@ _MAIN = (
 _MOST = 20  # rows, of a scene of many contacts
 
 
-def quantity_rows(result: Result, key: str) -> list[tuple[str, str, str]]:
-    """Name, value and error bar of a quantity, in words.
+class Shown(NamedTuple):
+    """A quantity in words.
 
-    Of a resultant, those of each contact where there are several.
+    Attributes:
+        name: Of it, and of what has it.
+        value: In as many figures as its bar leaves sure.
+        bar: Empty where it needs none.
+        unit: Empty where the run has no units.
+    """
+
+    name: str
+    value: str
+    bar: str
+    unit: str
+
+    def __str__(self) -> str:
+        bar, unit = f" ± {self.bar}" if self.bar else "", f" {self.unit}" if self.unit else ""
+        return f"{self.name}: {self.value}{bar}{unit}"
+
+
+def quantity_rows(result: Result, key: str) -> list[Shown]:
+    """A quantity in words; of a resultant, those of each contact where there are several.
 
     Args:
         result: Of a run.
@@ -31,26 +58,40 @@ def quantity_rows(result: Result, key: str) -> list[tuple[str, str, str]]:
     places: list[tuple[str, Quantities, Errors]] = [(words, result.quantities, result.errors)]
     if key in OF_ONE_CONTACT and len(result.contacts) > 1:
         places = [(f"{words} of {one.name}", one.quantities, one.errors) for one in result.contacts]
-    size = size_of_forces(result.quantities, result.contacts) if key in FORCES else 0.0
+    size = sizes_of(result.quantities, result.contacts)[measured_by(key)]
+    unit = (result.units or NO_UNITS).of(measured_by(key))
     rows = []
     for name, found, errors in places:
-        words, bar = without_value(key, found), ""
         value = found[key]
-        if value is not None:
-            words, bar = rounded(value, errors.get(key), size)
-        rows.append((one_line(name), words, bar))
+        if value is None:
+            rows.append(Shown(one_line(name), without_value(key, found), "", ""))
+        else:
+            rows.append(Shown(one_line(name), *rounded(value, errors.get(key), size), unit))
     return rows
 
 
-def preload_rows(result: Result) -> list[tuple[str, str, str]]:
-    """Name, value and error bar of force and elongation of every preload, in words."""
-    rows = []
+def preload_rows(result: Result) -> list[Shown]:
+    """Force and elongation of every preload, in words."""
+    units, rows = result.units or NO_UNITS, []
     for name, preload in result.preloads.items():
         how = ", locked" if preload.locked else ""
         for quantity, words in zip(OF_PRELOADS, ("force", "elongation"), strict=True):
             said = rounded(preload[quantity], preload.errors.get(quantity))
-            rows.append((one_line(f"{words} of {name}{how}"), *said))
+            unit = units.of(MEASURED_BY_PRELOADS[quantity])
+            rows.append(Shown(one_line(f"{words} of {name}{how}"), *said, unit))
     return rows
+
+
+def reaction_rows(result: Outcome) -> list[Shown]:
+    """Reactions of the supports of each name, in words."""
+    # Files of earlier versions have no ``reactions``.
+    errors = {name: of.errors.get("reaction") for name, of in result.reactions.items()}
+    size = sizes_of(result.quantities, result.contacts)["force"]
+    unit = (result.units or NO_UNITS).of("force")
+    return [
+        Shown(one_line(name), *rounded(force, errors.get(name), size), unit)
+        for name, force in reactions_by_name(result.supports).items()
+    ]
 
 
 def in_figures(value: object) -> str:
@@ -69,9 +110,7 @@ def as_text(result: Result) -> str:
         result: Of a run.
     """
     lines = [f"Result: {_title(result)}", one_line(result.verdict)]
-    for name, value, bar in _main_rows(result):
-        lines.append(f"{name}: {value}{f' ± {bar}' if bar else ''}")
-    return "\n".join(lines)
+    return "\n".join([*lines, *map(str, _main_rows(result))])
 
 
 def as_html(result: Result) -> str:
@@ -80,13 +119,19 @@ def as_html(result: Result) -> str:
     Args:
         result: Of a run.
     """
+    names = ("quantity", "value", "±", *(("unit",) if result.units else ()))
     rows = [
-        f'<tr><th scope="row">{escape(name)}</th><td>{escape(value)}</td>'
-        f"<td>{escape(bar)}</td></tr>"
-        for name, value, bar in _main_rows(result)
+        f'<tr><th scope="row">{escape(row.name)}</th>'
+        + "".join(f"<td>{escape(cell)}</td>" for cell in row[1 : len(names)])
+        + "</tr>"
+        for row in _main_rows(result)
     ]
-    head = '<tr><th scope="col">quantity</th><th scope="col">value</th><th scope="col">±</th></tr>'
-    table = f"<table><thead>{head}</thead><tbody>{''.join(rows)}</tbody></table>" if rows else ""
+    head = "".join(f'<th scope="col">{name}</th>' for name in names)
+    table = (
+        f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+        if rows
+        else ""
+    )
     title, verdict = escape(_title(result)), escape(one_line(result.verdict))
     return f"<div><p><strong>{title}</strong></p><p>{verdict}</p>{table}</div>"
 
@@ -95,11 +140,11 @@ def _title(result: Result) -> str:
     return one_line(result.title or "without a title")
 
 
-def _main_rows(result: Result) -> list[tuple[str, str, str]]:
+def _main_rows(result: Result) -> list[Shown]:
     """None of a run that did not converge: its numbers are of no answer."""
     hidden = idle_quantities(result.contacts)
     keys = [key for key in _MAIN if key in result.quantities and key not in hidden]
     rows = [row for key in keys for row in quantity_rows(result, key)] + preload_rows(result)
     rows = rows if result.converged else []
     left_out = f"{len(rows) - _MOST} more"
-    return rows if len(rows) <= _MOST else [*rows[:_MOST], (left_out, "", "")]
+    return rows if len(rows) <= _MOST else [*rows[:_MOST], Shown(left_out, "", "", "")]

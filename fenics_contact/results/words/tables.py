@@ -4,21 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from fenics_contact.results.quantities import measured_by
 from fenics_contact.results.records.model import RigidMotion
-from fenics_contact.results.records.record import ErrorRow, Errors
+from fenics_contact.results.records.record import Errors
 from fenics_contact.results.records.steps import BranchRecord
-from fenics_contact.results.words.rounding import UNKNOWN
+from fenics_contact.results.records.units import NO_UNITS, UnitsRecord
+from fenics_contact.results.words.rounding import bar_in_words
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 
 # What answers of one scene are told apart by.
 _OF_BRANCHES = ("normal_force", "friction_force", "stick_area", "slip_area")
 
 
-def branch_rows(branches: Sequence[BranchRecord]) -> list[list[object]]:
-    """A table of all answers that were found, its head first; empty where there is but one."""
+def branch_rows(
+    branches: Sequence[BranchRecord], units: UnitsRecord | None = None
+) -> list[list[object]]:
+    """A table of all answers that were found, its head first; empty where there is but one.
+
+    Args:
+        branches: The answers.
+        units: Of their numbers, if any.
+    """
     if len(branches) < 2:
         return []
-    names = [name.replace("_", " ") for name, _ in _of_branch(branches[0])]
+    names = [
+        headed(name.replace("_", " "), measured_by(name.partition(" ")[0]), units)
+        for name, _ in _of_branch(branches[0])
+    ]
     rows: list[list[object]] = [["answer from the start", *names, "checks"]]
     for branch in branches:
         numbers = [value for _, value in _of_branch(branch)]
@@ -36,6 +48,18 @@ def _of_branch(branch: BranchRecord) -> Iterator[tuple[str, object]]:
             yield key, branch.quantities[key]
 
 
+def headed(words: str, measured: str, units: UnitsRecord | None) -> str:
+    """A column's or a row's name, with the unit of its numbers in brackets, if there is one.
+
+    Args:
+        words: The name.
+        measured: What the numbers measure.
+        units: Of the run, if any.
+    """
+    unit = (units or NO_UNITS).of(measured)
+    return f"{words} ({unit})" if unit else words
+
+
 def motion_words(motion: RigidMotion) -> str:
     """A rigid motion, and what may resist it."""
     return f"{motion.motion}: resisted by {', '.join(motion.resisted_by) or 'nothing'}"
@@ -45,16 +69,6 @@ def share_words(share: float) -> str:
     """The used share of a limit load: no scene at the limit is run, so none is said to be."""
     words = f"{share:.6g}"
     return "just below 1, the limit" if words == "1" else words
-
-
-def error_bar(row: ErrorRow | None) -> str:
-    """The total of a row of ``errors``; ``?`` where it was not estimated, or not in full.
-
-    Args:
-        row: Source → error, and ``total``; None for a quantity that has none.
-    """
-    total = None if row is None else row["total"]
-    return UNKNOWN if total is None else f"{total:.1e}"
 
 
 def error_rows(errors: Errors) -> list[list[str]]:
@@ -68,6 +82,5 @@ def error_rows(errors: Errors) -> list[list[str]]:
     sources = list(next(iter(errors.values())))
     rows = [["quantity", *sources]]
     for name, row in errors.items():
-        cells = [UNKNOWN if value is None else f"{value:.1e}" for value in row.values()]
-        rows.append([name, *cells])
+        rows.append([name, *map(bar_in_words, row.values())])
     return rows

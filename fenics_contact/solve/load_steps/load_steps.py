@@ -42,6 +42,7 @@ class LoadSteps:
         last: The last accepted step, None before there is one.
         pace: Which step comes next.
         tried: Pseudo-time of the step that was tried last.
+        spent: Newton steps of tries since the last accepted step, which were all rejected.
         guess: Where the first step is thought to end, if that is known.
 
     Args:
@@ -68,6 +69,7 @@ class LoadSteps:
         self._has_moved_on = False
         self._failed_with: float | None = None
         self.tried = 0.0
+        self.spent = 0
         self.guess: Unknowns | None = None
 
     @property
@@ -90,6 +92,7 @@ class LoadSteps:
             while (time := self.pace.next(self.time)) is not None:
                 self.newton.require_going_on()
                 self.tried = time
+                logger.debug("  time %g of %g", time, self.problem.scene.steps.last)
                 self._take(time)
         except (NotConvergedError, StoppedError):
             self.go_back()
@@ -147,6 +150,7 @@ class LoadSteps:
         try:
             found = self._try(time)
         except NotConvergedError as error:
+            self.spent += self.newton.steps
             if self._fails_again(error) or not self.pace.cut():
                 raise
             logger.info("time %g: %s; a smaller step", time, error)
@@ -157,9 +161,11 @@ class LoadSteps:
         )
         if self.pace.exceeds(change) and self.pace.cut():
             logger.info("time %g: contact changes by %.0f %%; a smaller step", time, 100 * change)
+            self.spent += found.newton_iterations
             self.go_back()
             return
-        self._accept(time, found)
+        every = found.newton_iterations + self.spent
+        self._accept(time, dataclasses.replace(found, newton_iterations=every))
         self.pace.went(found.newton_iterations, change)
         if self._kept is not None:
             self._kept(self)
@@ -261,6 +267,7 @@ class LoadSteps:
         system.earlier_forces = max(system.earlier_forces, system.present_forces)
         self._has_moved_on = False
         self._failed_with = None
+        self.spent = 0
         if self._accepted is not None:
             self._accepted(time, found)
 

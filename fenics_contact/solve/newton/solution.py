@@ -23,7 +23,8 @@ class Solution:
         friction_bound: That friction was solved with, at the points of each contact (stress).
         states: What happens at the points of each contact.
         residual_history: Force imbalance before every Newton step and at the end (force).
-        newton_iterations: Newton steps taken.
+        newton_iterations: Newton steps taken since the load step before, also by tries that were
+            rejected.
         outer_iterations: Passes of the loop on the contact pressure, 0 without one.
         strategy: How friction and pressure were brought together, in words.
         factorisations: How often the bulk was factorised so far.

@@ -11,6 +11,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from fenics_contact.common.timings import ESTIMATING, doing
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import (
     contact_quantities,
@@ -271,6 +272,7 @@ class _Estimates:
             "step": lambda: step_errors(load_steps, measure, again),
             "domain": lambda: domain_errors(load_steps, measure),
         }
+        doing(f"{ESTIMATING} by {_WORDS[source]}")
         found = estimate[source]()
         if found is None and not self._is_mixed(source):
             self._notes.append(

@@ -38,7 +38,7 @@ from tests.simulation.output.test_run_folder import block, cycled
 pytestmark = pytest.mark.serial
 
 ORDER = [
-    *("pictures", "view-3d", "quantities", "checks", "scene", "model", "contacts", "iterations"),
+    *("pictures", "view-3d", "checks", "quantities", "scene", "model", "contacts", "iterations"),
     *("timings", "versions", "cite", "reproduce"),
 ]
 VOID = ("meta", "link", "img", "br")

@@ -33,6 +33,7 @@ from fenics_contact.scene.load_paths import knots
 from fenics_contact.scene.reading import load_scene
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.step_control import AutomaticPace
+from fenics_contact.solve.newton.newton import Newton
 from tests.solve.load_steps.histories import (
     DRAGGED,
     OF_THE_PATH,
@@ -399,3 +400,28 @@ def test_a_force_that_comes_and_goes():
     contact = dataclasses.replace(scene.contact[0], obstacle=pulling)
     with pytest.raises(InputError, match=r"obstacle.path: -1 at time 1"):
         run(dataclasses.replace(scene, contact=(contact,), steps=Steps(8)), COMM, block())
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_all_newton_steps_are_counted_also_of_what_was_cut(monkeypatch, fails):
+    """Against PETSc's own count, of steps that are cut twice, and of one that never converges."""
+    taken, converged = [0], Newton._converged
+
+    def counted(self, snes, iteration, norms):
+        taken[0] += iteration > 0
+        return converged(self, snes, iteration, norms)
+
+    monkeypatch.setattr(Newton, "_converged", counted)
+    first = [1.0]
+
+    def too_far(time, size):
+        first[0] = min(first[0], size)
+        return fails if time > 0.6 else size > 0.3
+
+    steps = Steps(automatic=True, number=1, largest=0.5, smallest=0.05, area_change=ANY_CHANGE)
+    let_fail(monkeypatch, too_far, lambda size: 1 + size)
+    scene = dragged(steps)
+    quiet = dataclasses.replace(scene.solver, errors="none")
+    result = Run(dataclasses.replace(scene, solver=quiet), COMM, block()).solve()
+    assert result.converged != fails and first[0] < 0.3
+    assert sum(step.newton_iterations for step in result.steps) == taken[0] > 0

@@ -1,0 +1,150 @@
+"""What a number of a scene measures: the one place that says so, beside the key itself.
+
+A key is marked in its annotation, ``Annotated[Number, LENGTH]``. Its description, the schema of
+scenes and the values that it takes with a unit follow from that.
+"""
+
+from __future__ import annotations
+
+import re
+import typing
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic.fields import FieldInfo
+from pydantic_core import core_schema
+
+#: Of a number and a unit, in the schema of scenes and wherever such a text is told from others.
+QUANTITY = r"^\s*[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*[^0-9\s.,;:'_+\-].*$"
+# What a text with a unit may have at the most.
+_LONGEST = 60
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """What a number measures, as powers of length and force.
+
+    In an annotation it lets a key also take a text with a unit, which is kept as it was written
+    until the scene knows its own units.
+
+    Attributes:
+        words: As descriptions have it, such as ``stress/length``.
+        length: Power of length.
+        force: Power of force.
+        is_resultant: Whether models of unit thickness have it per length.
+        is_said: Whether descriptions say it.
+    """
+
+    words: str
+    length: float
+    force: float = 0.0
+    is_resultant: bool = False
+    is_said: bool = True
+
+    def of(self, table: Any, outer: Dimension | None) -> Dimension | None:
+        """What it is in a table of a scene, where that depends on other keys.
+
+        Args:
+            table: Of a scene class.
+            outer: What the key measures whose value the table is.
+        """
+        return self
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: Callable[[Any], Any]
+    ) -> core_schema.CoreSchema:
+        """As without the mark, but for texts with a unit."""
+        return core_schema.no_info_wrap_validator_function(self._kept, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: Callable[[Any], Any]
+    ) -> dict[str, Any]:
+        """As without the mark, or a text with a unit."""
+        found: dict[str, Any] = handler(schema)
+        with_unit = {"type": "string", "pattern": QUANTITY, "maxLength": _LONGEST}
+        return {"anyOf": [*found.get("anyOf", [found]), with_unit]}
+
+    def _kept(self, value: object, handler: Callable[[Any], Any]) -> Any:
+        if isinstance(value, str) and re.match(QUANTITY, value[: 2 * _LONGEST]):
+            return WithUnit(value)
+        return handler(value)
+
+
+@dataclass(frozen=True)
+class WithUnit:
+    """A text with a unit, in the place of a number until the scene's own units are known.
+
+    Attributes:
+        text: As it was written.
+    """
+
+    text: str
+
+
+@dataclass(frozen=True)
+class _OfKey(Dimension):
+    """What the key measures in whose place a table stands."""
+
+    def of(self, table: Any, outer: Dimension | None) -> Dimension | None:
+        """That of the key."""
+        return outer
+
+
+@dataclass(frozen=True)
+class _OfPower(Dimension):
+    """Stress over a power of length, the exponent of a law."""
+
+    def of(self, table: Any, outer: Dimension | None) -> Dimension | None:
+        """With the exponent in the law's table."""
+        return Dimension(self.words, -2.0 - table.exponent, 1.0)
+
+
+LENGTH = Dimension("length", 1)
+LENGTH_OR_NUMBER = Dimension("length", 1, is_said=False)
+STRESS = Dimension("stress", -2, 1)
+FORCE = Dimension("force", 0, 1, is_resultant=True)
+BODY_FORCE = Dimension("force/volume", -3, 1)
+COMPLIANCE = Dimension("length/stress", 3, -1)
+STIFFNESS = Dimension("stress/length", -3, 1)
+STIFFNESS_OF_POWER = _OfPower("stress/length^m", -2, 1)
+OF_KEY = _OfKey("", 0, is_said=False)
+
+
+def dimension_of(field: FieldInfo) -> Dimension | None:
+    """What the numbers of a key measure, or those inside its lists and tables; None of no unit.
+
+    Args:
+        field: Of a scene class.
+    """
+    marks = [mark for mark in field.metadata if isinstance(mark, Dimension)]
+    return next(iter([*marks, *_marks_in(field.annotation)]), None)
+
+
+def _marks_in(hint: Any) -> list[Dimension]:
+    marks = [mark for mark in getattr(hint, "__metadata__", ()) if isinstance(mark, Dimension)]
+    parts = () if typing.get_origin(hint) is Callable else typing.get_args(hint)
+    inner = [part for part in parts if typing.get_origin(part) or hasattr(part, "__metadata__")]
+    return marks + [mark for part in inner for mark in _marks_in(part)]
+
+
+def description_of(field: FieldInfo) -> str:
+    """What a key is, with what its numbers measure behind the first part of the sentence.
+
+    Args:
+        field: Of a scene class.
+    """
+    dimension, words = dimension_of(field), field.description or ""
+    if dimension is None or not dimension.is_said:
+        return words
+    first, semicolon, rest = words.partition(";")
+    return f"{first} ({dimension.words}){semicolon}{rest}"
+
+
+def has_unit(part: object) -> bool:
+    """Whether a value of a scene has a text with a unit anywhere inside its lists and tables."""
+    if isinstance(part, Mapping):
+        return any(has_unit(entry) for entry in part.values())
+    if isinstance(part, tuple):
+        return any(has_unit(entry) for entry in part)
+    return isinstance(part, WithUnit)

@@ -1,0 +1,193 @@
+"""The table ``[units]`` of a scene, and the scene's values in these units."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field
+
+from fenics_contact.common.errors import SceneError
+from fenics_contact.scene.messages import written
+from fenics_contact.scene.units.dimensions import Dimension, WithUnit, dimension_of
+from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.values import Text, scene_class
+
+if TYPE_CHECKING:
+    from fenics_contact.scene.scene import Scene
+
+_SMALLEST, _LARGEST = 1e-100, 1e100  # sizes of numbers that a scene may hold
+# Keys that one table of a list is given by, without a number.
+_ALONE = ("material", "mesh")
+
+
+@scene_class
+class Units:
+    """Units of all numbers of a scene and of its results.
+
+    >>> Units("mm", "N").names()
+    UnitNames(length='mm', force='N', stress='MPa', energy='mJ', per_unit_thickness=False)
+    >>> Units("mm", "kg")
+    Traceback (most recent call last):
+    fenics_contact.common.errors.SceneError: Units: force = 'kg': must be a unit of force, such as 'N'
+    """  # noqa: E501
+
+    length: Annotated[
+        Text, Field(description="of lengths, such as `mm`, `m` or `in`; also of the mesh's file")
+    ]
+    force: Annotated[Text, Field(description="of forces, such as `N`, `kN` or `lbf`")]
+
+    def __post_init__(self) -> None:
+        from fenics_contact.scene.units.registry import UnknownUnitError, factor
+
+        for key, example, powers in (("length", "mm", (1, 0)), ("force", "N", (0, 1))):
+            try:
+                factor(getattr(self, key), "m", "N", powers)
+            except UnknownUnitError:
+                raise ValueError(
+                    f"{key} = {getattr(self, key)!r}: must be a unit of {key}, such as '{example}'"
+                ) from None
+
+    def names(self, per_unit_thickness: bool = False) -> UnitNames:
+        """What they and those that follow from them are called.
+
+        Args:
+            per_unit_thickness: Whether forces of the model are per length.
+        """
+        from fenics_contact.scene.units.registry import derived, symbol
+
+        length, force = symbol(self.length), symbol(self.force)
+        stress, energy = (derived(length, force, powers) for powers in ((-2, 1), (1, 1)))
+        return UnitNames(length, force, stress, energy, per_unit_thickness)
+
+
+def names_of(scene: Scene) -> UnitNames | None:
+    """What the units of a scene are called; None where it has none.
+
+    Args:
+        scene: The scene.
+    """
+    return None if scene.units is None else scene.units.names(scene.is_per_unit_thickness)
+
+
+def convert_texts(scene: Any, units: Units | None, per_unit_thickness: bool) -> None:
+    """Put numbers in a scene's units where it has texts with a unit.
+
+    Args:
+        scene: The scene while it is made.
+        units: Its own; None where it has none.
+        per_unit_thickness: Whether its forces are per length.
+
+    Raises:
+        ValueError: A text has none of these units, or there are none; names the key.
+    """
+    if units is not None:
+        _require_mm_of_step_files(scene, units)
+    conversion = _Conversion(units, per_unit_thickness)
+    for field in dataclasses.fields(scene):
+        value = getattr(scene, field.name)
+        path = [field.name]
+        found = conversion.of(value, path, dimension_of(scene.__pydantic_fields__[field.name]))
+        if found is not value:
+            object.__setattr__(scene, field.name, found)
+
+
+def _require_mm_of_step_files(scene: Any, units: Units) -> None:
+    """Whatever unit is in a STEP file, Gmsh reads it in mm."""
+    from fenics_contact.scene.units.registry import factor
+
+    files = [mesh.file for mesh in scene.mesh if mesh.file.lower().endswith((".step", ".stp"))]
+    if files and factor(units.length, "mm", "N", (1, 0)) != 1:
+        raise ValueError(
+            f"units.length = {units.length!r}: '{files[0]}' is read in mm, as every STEP file is, "
+            "so that length must be 'mm'"
+        )
+
+
+@dataclasses.dataclass(frozen=True)
+class _Conversion:
+    """From texts to numbers.
+
+    Attributes:
+        units: Of the scene, if any.
+        per_unit_thickness: Whether its forces are per length.
+    """
+
+    units: Units | None
+    per_unit_thickness: bool
+
+    def of(self, value: Any, path: Sequence[object], dimension: Dimension | None) -> Any:
+        """A value of a scene with numbers in place of texts; itself where it has none.
+
+        Args:
+            value: Of a scene, or a part of it.
+            path: Of its key.
+            dimension: What its numbers measure.
+        """
+        if isinstance(value, WithUnit):
+            assert dimension is not None
+            return self._number(value.text, path, dimension)
+        if isinstance(value, tuple):
+            alone = len(value) == 1 and path[-1] in _ALONE
+            found = tuple(
+                self.of(entry, path if alone else [*path, number], dimension)
+                for number, entry in enumerate(value)
+            )
+            return found if any(a is not b for a, b in zip(found, value, strict=True)) else value
+        if isinstance(value, Mapping):
+            named = {name: self.of(part, [*path, name], dimension) for name, part in value.items()}
+            return named if any(named[name] is not value[name] for name in named) else value
+        return self._of_table(value, path, dimension) if dataclasses.is_dataclass(value) else value
+
+    def _of_table(self, table: Any, path: Sequence[object], outer: Dimension | None) -> Any:
+        """A part of a scene.
+
+        Args:
+            table: Of a scene class.
+            path: Of its key.
+            outer: What the key measures, for a profile in its place.
+        """
+        changes = {}
+        for name, field in table.__pydantic_fields__.items():
+            value, dimension = getattr(table, name), dimension_of(field)
+            of_value = dimension.of(table, outer) if dimension is not None else None
+            found = self.of(value, [*path, name], of_value)
+            if found is not value:
+                changes[name] = found
+        if not changes:
+            return table
+        try:
+            return dataclasses.replace(table, **changes)
+        except SceneError as error:
+            words = str(error).removeprefix(f"{type(table).__name__}: ")
+            raise ValueError(f"{written(path)}: {words}") from None
+
+    def _number(self, text: str, path: Sequence[object], dimension: Dimension) -> float:
+        """Of a text with a unit."""
+        from fenics_contact.scene.units.registry import UnknownUnitError, factor, parts_of
+
+        key = f"{written(path)} = {text[:60]!r}"
+        if self.units is None:
+            raise ValueError(
+                f"{key}: a value with a unit needs the scene's own units, such as [units] with "
+                'length = "mm" and force = "N"; without them write a number'
+            )
+        per_length = self.per_unit_thickness and dimension.is_resultant
+        powers = (dimension.length - per_length, dimension.force)
+        try:
+            number, unit = parts_of(text)
+            value = float(number * factor(unit, self.units.length, self.units.force, powers))
+        except UnknownUnitError as error:
+            name = self.units.names(self.per_unit_thickness).of(dimension.words)
+            what = dimension.words + (" per length" if per_length else "")
+            raise ValueError(
+                f"{key}: {error}; accepted here is a {what}, as a number (in {name}) or as one "
+                f"number and one unit in quotes, such as '1 {name}'"
+            ) from None
+        if value and not _SMALLEST < abs(value) < _LARGEST:
+            raise ValueError(
+                f"{key}: must be a finite number, and 0 or of a size between {_SMALLEST:g} and "
+                f"{_LARGEST:g}, in the scene's units"
+            )
+        return value
