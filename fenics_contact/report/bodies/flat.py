@@ -10,7 +10,8 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.report.bodies.obstacles import ObstacleSurface
 from fenics_contact.report.bodies.view import View
 from fenics_contact.report.contacts.line import SurfaceLine
-from fenics_contact.report.drawing.fields import Triangles, flat_outline, flat_sides, nodes_at
+from fenics_contact.report.drawing.facets import nodes_at
+from fenics_contact.report.drawing.fields import Triangles, flat_outline, flat_sides
 from fenics_contact.report.drawing.style import COLOUR_MAP, EDGE, Mark
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord

@@ -11,7 +11,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.report.contacts.curves import draw_strip
 from fenics_contact.report.contacts.line import SurfaceLine
-from fenics_contact.report.drawing.fields import nodes_at
+from fenics_contact.report.drawing.facets import nodes_at
 from fenics_contact.report.drawing.figures import in_words, new_figure, save, set_title, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, COLUMN, WIDE

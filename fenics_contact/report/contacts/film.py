@@ -14,7 +14,7 @@ from fenics_contact.common.arrays import Array, Integers, Words
 from fenics_contact.common.atomic_files import replaced_file
 from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.contacts.maps import Surface, draw_arrows, draw_status, draw_values
-from fenics_contact.report.drawing.fields import nodes_at
+from fenics_contact.report.drawing.facets import nodes_at
 from fenics_contact.report.drawing.figures import new_figure, set_title, style, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, marks
@@ -45,6 +45,7 @@ class Film:
         frames: Its points that are nodes, as they are then.
         zone: The same points, STICK where they ever touch.
         drive: What is moved, with a value a frame; None where nothing moves.
+        body: A pyvista grid with the last fields.
     """
 
     contact: ContactRecord
@@ -52,6 +53,7 @@ class Film:
     frames: list[ContactTable]
     zone: ContactTable
     drive: Drive | None
+    body: UnstructuredGrid
 
     @classmethod
     def of(
@@ -77,7 +79,8 @@ class Film:
             times.append(time)
         ever = np.any([frame.closed for frame in frames], axis=0)
         zone = replace(frames[-1], status=np.where(ever, "STICK", "OPEN"))
-        return cls(contact, np.array(times), frames, zone, _drive(result, contact, times, far))
+        drive = _drive(result, contact, times, far)
+        return cls(contact, np.array(times), frames, zone, drive, body)
 
     @property
     def touches(self) -> bool:
@@ -206,8 +209,8 @@ class _Map:
 
     def __init__(self, film: Film, _: str) -> None:
         self._film = film
-        self._surface = Surface.of(film.zone, film.contact)
-        across, up = np.ptp(self._surface.points, axis=0)
+        self._surface = Surface.of(film.body, film.zone, film.contact)
+        across, up = self._surface.size
         self.height = float(np.clip(_WIDTHS["zones"] * up / across + 1.0, 2.4, 4.5))
         shown = self._surface.shown
         rows = [frame.rows(shown) for frame in film.frames]
@@ -218,7 +221,8 @@ class _Map:
 
     def draw(self, figure: Figure, panels: list[Axes], number: int) -> None:
         """A frame."""
-        points = self._surface.points
+        corners = self._surface.corners.reshape(-1, 2)
+        points = corners if len(corners) else self._surface.points
         self._zones(panels[0], self._status[number])
         drawn = panels[:1]
         if self._film.contact.carries_shear:
@@ -232,12 +236,12 @@ class _Map:
                 figure.colorbar(colours, ax=panels[1], label=label, shrink=0.85, aspect=25)
                 self._has_bar = True
         for panel in drawn:
-            self._surface.label(panel, panel is panels[0])
             panel.set_xlim(points[:, 0].min(), points[:, 0].max())
             panel.set_ylim(points[:, 1].min(), points[:, 1].max())
+            self._surface.label(panel, panel is panels[0])
 
     def _zones(self, panel: Axes, status: Words) -> None:
-        draw_status(panel, self._surface.points, status, self._film.contact)
+        draw_status(panel, self._surface, status, self._film.contact)
         entries = [panel.plot([], [], **mark.look)[0] for mark in marks(self._film.contact)]
         above = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.99), "ncols": 3}
         panel.legend(handles=entries, handletextpad=0.1, **above)
