@@ -12,7 +12,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.contacts.own_arrays import label, shown_arrays, sizes
-from fenics_contact.report.drawing.figures import in_words, new_figure, save, surface_of, title_of
+from fenics_contact.report.drawing.figures import in_words, legend_beside, new_figure, save, surface_of, title_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import FORMULA, WIDE
 from fenics_contact.report.formulas.recognition import AnalyticContact
@@ -121,7 +121,7 @@ def _legends(panels: list[Axes]) -> None:
         entries = dict(zip(*reversed(panel.get_legend_handles_labels()), strict=True))
         new = {label: handle for label, handle in entries.items() if label not in said}
         if new:
-            panel.legend(list(new.values()), list(new))
+            legend_beside(panel, handles=list(new.values()), labels=list(new))
         said |= set(new)
 
 

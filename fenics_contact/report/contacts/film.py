@@ -16,6 +16,7 @@ from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.contacts.maps import Surface, draw_arrows, draw_status, draw_values
 from fenics_contact.report.drawing.facets import nodes_at
 from fenics_contact.report.drawing.figures import new_figure, set_title, style, surface_of
+from fenics_contact.report.drawing.palette import palette_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, marks
 from fenics_contact.results.contact_table import ContactTable
@@ -178,10 +179,7 @@ def write_gif(pictures: list[NDArray[np.uint8]], path: Path) -> None:
     from PIL import Image
 
     some = [pictures[i] for i in np.linspace(0, len(pictures) - 1, 4).round().astype(int)]
-    # Without a share of their own, colours of a few points alone would be given up.
-    height, width = some[0].shape[:2]
-    own = [np.full((height // 12, width, 3), _rgb(colour)) for colour in COLOURS.values()]
-    palette = Image.fromarray(np.concatenate([*some, *own]).astype(np.uint8)).quantize(256)
+    palette = palette_of(some)
     no_dither = Image.Dither.NONE
     first, *others = (
         Image.fromarray(picture).quantize(palette=palette, dither=no_dither) for picture in pictures
@@ -191,10 +189,6 @@ def write_gif(pictures: list[NDArray[np.uint8]], path: Path) -> None:
         first.save(
             temporary, save_all=True, append_images=others, duration=round(1000 / pace), loop=0
         )
-
-
-def _rgb(colour: str) -> tuple[int, ...]:
-    return tuple(int(colour[i : i + 2], 16) for i in (1, 3, 5))
 
 
 class _Map:

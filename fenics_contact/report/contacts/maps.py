@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pyvista import UnstructuredGrid
 
+_CARRIED = ("contact_pressure", "traction_x", "traction_y", "traction_z")
 _MOST_ARROWS = 350
 _SHORT = 0.03  # of the longest: vectors that are left out
 _HEIGHTS = (1.8, 4.5)  # of a panel, in inches
@@ -121,10 +122,13 @@ def draw_maps(
     """
     surface = Surface.of(body, rows, contact)
     found, frictional = not contact.pressure_is_given, contact.carries_shear
+    if found and not any(rows.numbers[name].any() for name in _CARRIED):
+        found = frictional = False  # nothing touches
+    shows_pressure = found or (contact.pressure_is_given and not frictional)
     own = shown_arrays(surface.rows, contact)
     draw: dict[str, _Draw] = {
         "status": _status,
-        **({"contact pressure p": _pressure} if found or not frictional else {}),
+        **({"contact pressure p": _pressure} if shows_pressure else {}),
         **({"friction traction σ_T": _friction} if frictional else {}),
         **{name: partial(_own, array=array) for name, array in own.items()},
     }
