@@ -49,7 +49,7 @@ class SurfaceDisplacement:
             rows: Points of the contact.
             contact: Its entry in ``result.json``.
         """
-        line = SurfaceLine.of(nodes_at(body, rows, contact)[0], contact)
+        line = SurfaceLine.of(body, nodes_at(body, rows, contact)[0], contact)
         _, nodes = nodes_at(body, line.rows, contact)
         return cls(line, np.asarray(body["displacement"])[nodes, :2])
 
@@ -112,7 +112,7 @@ def draw_surface_displacement(
         position = found.line.position[found.shown]
         margin = 0.03 * np.ptp(position)
         column[-1].set_xlim(position.min() - margin, position.max() + margin)
-        column[-1].set_xlabel(f"position along the surface, ${axes[found.line.axis]}$")
+        found.line.label(column[-1], axes)
         set_title(column[0], title if count == 1 else surface_of(contact))
     for panel, label in zip(panels[::count], ("normal, $u_n$", "tangential, $u_T$"), strict=False):
         panel.set_ylabel(label)
@@ -127,7 +127,6 @@ def draw_surface_displacement(
 
 
 def _components(panels: list[Axes], found: SurfaceDisplacement) -> None:
-    position = found.line.position[found.shown]
     for panel, component in zip(panels, (found.normal, found.tangential), strict=False):
-        panel.plot(position, component[found.shown], color=COLOURS["STICK"])
+        panel.plot(*found.line.curve(component, found.shown), color=COLOURS["STICK"])
         panel.axhline(0, color="black", linewidth=0.5, zorder=0)

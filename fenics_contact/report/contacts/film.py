@@ -253,8 +253,8 @@ class _Line:
 
     def __init__(self, film: Film, axes: str) -> None:
         self._film, self._axes = film, axes
-        self._lines = [SurfaceLine.of(frame, film.contact) for frame in film.frames]
-        self._view = SurfaceLine.of(film.zone, film.contact).view
+        self._lines = [SurfaceLine.of(film.body, frame, film.contact) for frame in film.frames]
+        self._view = SurfaceLine.of(film.body, film.zone, film.contact).view
         given = film.contact.parameters["friction_coefficient"]
         rough = film.contact.carries_shear
         self._coefficient = float(given) if isinstance(given, float | int) and rough else None
@@ -272,18 +272,18 @@ class _Line:
     def draw(self, figure: Figure, panels: list[Axes], number: int) -> None:
         """A frame."""
         panel, line, values = panels[0], self._lines[number], self._values[number]
-        panel.plot(line.position, values, color="0.6", linewidth=0.7, zorder=1)
+        panel.plot(*line.curve(values), color="0.6", linewidth=0.7, zorder=1)
         for mark in line.marks:
             mine = np.isin(line.rows.status, mark.status)
             panel.plot(line.position[mine], values[mine], **mark.look)
         if self._coefficient:
             bound = self._coefficient * line.rows.numbers["contact_pressure"]
             for side, label in ((1, r"$\pm\mu p$"), (-1, None)):
-                panel.plot(line.position, side * bound, ":", color="0.3", label=label)
+                panel.plot(*line.curve(side * bound), ":", color="0.3", label=label)
         panel.axhline(0, color="black", linewidth=0.5, zorder=0)
         panel.set_xlim(*self._view)
         panel.set_ylim(-1.1 * self._most, 1.4 * self._most)
-        panel.set_xlabel(f"position along the surface, ${self._axes[line.axis]}$")
+        line.label(panel, self._axes)
         panel.set_ylabel(self._label)
         panel.legend(loc="upper center", ncols=4)
 
