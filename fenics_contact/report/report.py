@@ -16,7 +16,8 @@ from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.gallery import draw_pictures, require
 from fenics_contact.report.histories.convergence import draw_convergence
 from fenics_contact.report.page.page import Content, page
-from fenics_contact.report.view.view_3d import make_view, steps_shown, view_html
+from fenics_contact.report.view.view_3d import make_view, steps_shown
+from fenics_contact.report.view.view_page import view_html
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.result_file import read_result
 from fenics_contact.scene.writing import SCENE_FILE

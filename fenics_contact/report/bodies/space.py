@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import closing
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -174,14 +174,15 @@ def seen_points(view: View) -> Flags:
         return found
     shape = surface(view.body).warp_by_vector("displacement", factor=view.factor)
     moved = points + view.factor * np.asarray(view.body["displacement"])
-    locator = vtkStaticCellLocator()
+    locator: Any = vtkStaticCellLocator()
     locator.SetDataSet(shape)
     locator.BuildLocator()
     share, number, place, inside = mutable(0.0), mutable(0), [0.0] * 3, [0.0] * 3
+    width = 1e-5 * view.size  # or lines would slip through between two triangles
     for node in np.flatnonzero(found):
         near = moved[node] + _BEFORE * view.size * view.towards
         far = moved[node] + 4 * view.size * view.towards
-        found[node] = not locator.IntersectWithLine(near, far, 0.0, share, place, inside, number)
+        found[node] = not locator.IntersectWithLine(near, far, width, share, place, inside, number)
     return found
 
 

@@ -12,7 +12,14 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.contacts.own_arrays import label, shown_arrays, sizes
-from fenics_contact.report.drawing.figures import in_words, legend_beside, new_figure, save, surface_of, title_of
+from fenics_contact.report.drawing.figures import (
+    in_words,
+    legend_beside,
+    new_figure,
+    save,
+    surface_of,
+    title_of,
+)
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import FORMULA, WIDE
 from fenics_contact.report.formulas.recognition import AnalyticContact

@@ -195,7 +195,7 @@ def circle_through(points: Array) -> tuple[Array, float] | None:
     distances = np.hypot(*(moved - [x, y]).T)
     if radius == 0 or np.std(distances) > _ROUND * radius:
         return None
-    return origin + [x, y], radius
+    return origin + np.array([x, y]), radius
 
 
 def _middle(angles: Array, pressed: Array) -> float:

@@ -24,7 +24,7 @@ from tests.scenes import box_body
 pytestmark = pytest.mark.serial
 pyvista = pytest.importorskip("pyvista")
 
-NAME = "<a> \"b\" & ü"
+NAME = '<a> "b" & ü'
 CONTACT = made_contact(
     name=NAME, contact="unilateral", law="static", parameters={"friction_coefficient": 0.5}
 )
@@ -40,7 +40,9 @@ def rows_at(points, normals, status="STICK", pressure=1.0):
     numbers |= {f"slip_{axis}": zero for axis in "xyz"}
     numbers["contact_pressure"] = pressure + zero
     return ContactTable(
-        np.full(len(points), NAME), np.broadcast_to(np.array(status, dtype="<U5"), len(points)), numbers
+        np.full(len(points), NAME),
+        np.broadcast_to(np.array(status, dtype="<U5"), len(points)),
+        numbers,
     )
 
 
@@ -170,7 +172,9 @@ def test_flat_ones_are_seen_across_them():
     sizes = np.linalg.norm(points - points.mean(axis=0), axis=1)
     flat = chart.flat(points)
     assert np.linalg.norm(flat - flat.mean(axis=0), axis=1) == pytest.approx(sizes)
-    box = np.concatenate([np.tile(n, (9, 1)) for n in ([1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0])])
+    box = np.concatenate(
+        [np.tile(n, (9, 1)) for n in ([1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0])]
+    )
     places = np.random.default_rng(1).uniform(-1, 1, (36, 3)) * (1 - np.abs(box)) + box
     assert isinstance(chart_of(rows_at(places, box)), Plane)  # four sides are no cylinder
 

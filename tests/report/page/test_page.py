@@ -27,7 +27,8 @@ from fenics_contact import (
 from fenics_contact.report.drawing.field_files import whole_body
 from fenics_contact.report.page.templates import bar, html, table
 from fenics_contact.report.report import write_report
-from fenics_contact.report.view.view_3d import make_view, view_html
+from fenics_contact.report.view.view_3d import make_view
+from fenics_contact.report.view.view_page import view_html
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.quantities import idle_quantities
 from fenics_contact.results.result_file import read_result
