@@ -77,7 +77,7 @@ def draw_cycle(scene: Any, film: Film) -> None:
     panels[0].legend(loc="upper left")
     shades = {15: "0.75", 19: "0.5", 22: "0.25", 25: "0"}
     for number, shade in shades.items():
-        line = SurfaceLine.of(film.frames[number], film.contact)
+        line = SurfaceLine.of(film.body, film.frames[number], film.contact)
         label = f"$Q = {force[number]:.2f}\\,\\mu P$"
         panels[1].plot(line.position, line.traction, ".-", color=shade, label=label)
     bound = contact.friction_coefficient * line.rows.numbers["contact_pressure"]

@@ -140,9 +140,9 @@ def _of_contacts(run: _Run) -> Iterator[Picture]:
     for number, (rows, contact) in enumerate(run.contacts):
         path, analytic = run.folder / f"contact_{number}.png", run.analytic
         if run.flat:
-            yield draw_curves(rows, contact, run.axes, path, analytic)
+            yield draw_curves(run.body, rows, contact, run.axes, path, analytic)
         else:
-            yield draw_maps(rows, contact, path)
+            yield draw_maps(run.body, rows, contact, path)
             if analytic is not None:
                 profile = run.folder / f"contact_{number}_formula.png"
                 yield draw_profile(rows, contact, analytic, profile)

@@ -10,13 +10,15 @@ from markupsafe import Markup
 from fenics_contact.common.atomic_files import replace_file
 from fenics_contact.common.errors import InputError
 from fenics_contact.report.drawing.field_files import whole_body
+from fenics_contact.report.drawing.fields import read_series, times_of_fields
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.units import in_units
 from fenics_contact.report.gallery import draw_pictures, require
 from fenics_contact.report.histories.convergence import draw_convergence
 from fenics_contact.report.page.page import Content, page
-from fenics_contact.report.view.view_3d import make_view, view_html
+from fenics_contact.report.view.view_3d import make_view, steps_shown
+from fenics_contact.report.view.view_page import view_html
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.result_file import read_result
 from fenics_contact.scene.writing import SCENE_FILE
@@ -46,7 +48,8 @@ def write_report(folder: Path) -> list[Picture]:
             # what was done, without a load step that was not
             done = replace(result, steps=[step for step in result.steps if step.quantities])
             body, table = whole_body(folder), _points(folder, result.model.contact_points)
-            view = view_html(make_view(body, done, table))
+            numbers = steps_shown(len(times_of_fields(folder)), body, done.model.kinematics)
+            view = view_html(make_view(body, done, table, read_series(folder, numbers)))
             pictures = draw_pictures(folder, done)
         with style():
             convergence = draw_convergence(folder, result)

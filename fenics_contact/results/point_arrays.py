@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from fenics_contact.common.plain_text import one_line
+
 
 @dataclass(frozen=True)
 class PointArray:
@@ -55,6 +57,20 @@ _TAKEN = {
     *("contact", "x", "y", "z", "nx", "ny", "nz", "status", "traction"),
     *("displacement", "stress", "reaction_pressure", "obstacle_gap"),
 }
+# Of the fields' cells: the number of the connected part that a cell is of.
+BODY_OF_CELLS = "body"
+
+
+def facet_flags(contact: str) -> str:
+    """Name of the cells' array that says which of their facets are of a contact.
+
+    Its values are sums of 2^i over the facets i, as the reference cell numbers them, that carry
+    the contact's points.
+
+    Args:
+        contact: The contact's name, any text.
+    """
+    return f"facets of {one_line(contact)}"
 
 
 def of_one_contact(*declared: Iterable[PointArray]) -> tuple[PointArray, ...]:

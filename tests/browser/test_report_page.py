@@ -8,14 +8,27 @@ import pytest
 from mpi4py import MPI
 from PIL import Image
 
-from fenics_contact import Obstacle, Run
+from fenics_contact import (
+    Contact,
+    Discretisation,
+    Material,
+    Obstacle,
+    Run,
+    Scene,
+    Steps,
+    Support,
+)
+from fenics_contact.report.bodies.view import choose_view
 from fenics_contact.report.drawing.field_files import whole_body
+from fenics_contact.report.drawing.fields import read_series
 from fenics_contact.report.page.page import Content, page
 from fenics_contact.report.report import write_report
-from fenics_contact.report.view.view_3d import make_view, view_html
+from fenics_contact.report.view.view_3d import make_view
+from fenics_contact.report.view.view_page import view_html
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.result_file import read_result
 from fenics_contact.simulation.output import run_folder as files
+from fenics_contact.verification.boxes import Box, boxes
 from tests.browser.conftest import WINDOW
 from tests.report.page.pages import page_of
 from tests.report.test_gallery import pressed
@@ -49,10 +62,39 @@ def pages(tmp_path_factory):
     return found
 
 
-def view_page(folder):
+@pytest.fixture(scope="module")
+def assembly(tmp_path_factory):
+    """The page of two blocks, of which the upper one is pushed aside in three load steps."""
+    pytest.importorskip("plotly")
+    pytest.importorskip("pyvista")
+    parts = [
+        Box("upper", (0.2, 0, 0), (0.8, 1, 0.5), (3, 2, 2)),
+        Box("lower", (0, 0, -0.5), (1, 1, 0), (4, 3, 1)),
+    ]
+    held = {"x": 0, "y": 0}
+    scene = Scene(
+        kinematics="3D",
+        discretisation=Discretisation(degree=1),
+        material=Material(1000, 0.3),
+        support=(
+            Support("lower.z0", {**held, "z": 0}),
+            Support("upper.z1", {"x": 0.1, "y": 0, "z": -0.05}),
+        ),
+        contact=(Contact("upper.z0", against="lower.z1", friction_coefficient=0.3),),
+        steps=Steps(number=3),
+    )
+    body = boxes(parts, "hexahedron", comm=MPI.COMM_SELF)
+    folder = tmp_path_factory.mktemp("assembly")
+    files.solve_and_write(Run(scene, MPI.COMM_SELF, body), folder)
+    earlier = read_series(folder, [0, 1])
+    (folder / "report.html").write_text(view_page(folder, earlier), encoding="utf-8")
+    return folder / "report.html"
+
+
+def view_page(folder, earlier=()):
     """A page with the view of a run, and no pictures."""
     result, table = read_result(folder), ContactTable.read(folder / "contact.csv")
-    view = view_html(make_view(whole_body(folder), result, table))
+    view = view_html(make_view(whole_body(folder), result, table, earlier))
     return page(Content("folder", result, True, [], [], view))
 
 
@@ -91,6 +133,25 @@ def press(browser, group, number):
         times,
     )
     return buttons[number]
+
+
+def pulled(browser, step):
+    """Move the slider to a load step, as its handle does, and wait for the last drawing."""
+    times = drawn(browser)
+    browser.driver.execute_script(
+        """const slider = document.getElementById("view-step");
+        slider.value = arguments[0];
+        slider.dispatchEvent(new Event("input"));""",
+        step,
+    )
+    browser.driver.execute_async_script(
+        """const [times, done] = arguments;
+        (function look() {
+            Number(document.getElementById("view").dataset.drawn) > times
+                ? setTimeout(done, 300) : setTimeout(look, 50);
+        })();""",
+        times,
+    )
 
 
 def share(a, b):
@@ -136,6 +197,55 @@ def test_the_view_says_the_values_pointed_at(pages, browser):
     assert any(text.endswith("slip") for text in said)
     pressure = result["quantities"]["max_contact_pressure"]
     assert any(f"contact pressure p = {pressure:g}" in text for text in said)
+
+
+def test_bodies_are_faded_and_hidden(assembly, browser):
+    browser.open(assembly)
+    assert drawn(browser) == 1
+    names = browser.driver.execute_script(
+        "return document.getElementById('view').data.filter((t) => t.type === 'mesh3d')"
+        ".map((t) => [t.name, t.opacity])"
+    )
+    assert names == [["upper", 1], ["lower", 1]]
+    pictures = [seen(browser)]
+    for part, state in ((0, 1), (0, 2), (1, 2), (0, 0)):  # faded, hidden, both hidden, shown
+        button = press(browser, f"part{part}", state)
+        assert button.get_attribute("aria-pressed") == "true"
+        pictures.append(seen(browser))
+        assert share(*pictures[-2:]) > 0.005
+    traces = browser.driver.execute_script(
+        "return document.getElementById('view').data.map((t) => [t.type, t.name, t.showscale])"
+    )
+    assert ["mesh3d", "upper", True] in traces and "lower" not in str(traces)
+    assert browser.errors() == []
+
+
+def test_a_slider_goes_through_the_load_steps(assembly, browser):
+    browser.open(assembly)
+    drawn(browser)
+    last = seen(browser)
+    said = "return document.querySelector('output[for=\"view-step\"]').textContent"
+    assert browser.driver.execute_script(said) == "t = 1"
+    pulled(browser, 0)
+    first = seen(browser)
+    assert browser.driver.execute_script(said) == "t = 0.3333"
+    assert share(first, last) > 0.01
+    pulled(browser, 2)
+    assert share(seen(browser), last) < 0.001
+    assert browser.errors() == []
+
+
+def test_the_view_begins_on_the_side_of_the_picture(assembly, browser):
+    browser.open(assembly)
+    drawn(browser)
+    eye = browser.driver.execute_script(
+        "return document.getElementById('view').layout.scene.camera.eye"
+    )
+    folder = assembly.parent
+    table, body = ContactTable.read(folder / "contact.csv"), whole_body(folder)
+    towards = choose_view(body, read_result(folder), table).towards
+    found = np.array([eye[axis] for axis in "xyz"])
+    assert found / np.linalg.norm(found) == pytest.approx(towards)
 
 
 @pytest.mark.parametrize("width", [WINDOW[0], PHONE])

@@ -96,9 +96,9 @@ def body_and_contact(scene, folder, body=None):
     with style():
         draw_body(read_body(folder), result, table, folder / "deformed.png")
         if scene.kinematics == "3D":
-            draw_maps(rows, contact, path)
+            draw_maps(read_body(folder), rows, contact, path)
         else:
-            draw_curves(rows, contact, "xy", path)
+            draw_curves(read_body(folder), rows, contact, "xy", path)
     assert is_picture(path) and is_picture(folder / "deformed.png")
 
 

@@ -15,7 +15,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.report.bodies.flat import add_legend, draw_flat
 from fenics_contact.report.bodies.obstacles import ObstacleSurface, obstacles_of
 from fenics_contact.report.bodies.picture import add_bar, colour_range, flat_figure, framed, times
-from fenics_contact.report.bodies.space import corners_of, render
+from fenics_contact.report.bodies.space import corners_of, render, seen_points
 from fenics_contact.report.bodies.view import View, cells_inside, choose_view
 from fenics_contact.report.contacts.film import frame_rows, write_gif
 from fenics_contact.report.drawing.display import display
@@ -173,9 +173,11 @@ class _Space:
     ) -> NDArray[np.uint8]:
         """A frame's pixels, (height, width, 3)."""
         overview, is_first = self._overview, self._drawn is None
-        picture = render(body, view, [], obstacles, overview.limits, overview.corners, _PIXELS)
+        look = overview.limits, seen_points(view), overview.corners, _PIXELS
+        picture = render(body, view, [], obstacles, *look)
         if self._drawn is None:
-            self._drawn = framed(picture, overview.view, overview.limits, overview.beyond)
+            seen = seen_points(overview.view)
+            self._drawn = framed(picture, overview.view, overview.limits, seen, overview.beyond)
             add_legend(self._drawn[1], title)
         figure, panel = self._drawn
         panel.images[0].set_data(picture)

@@ -9,9 +9,9 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.bodies.obstacles import ObstacleSurface
 from fenics_contact.report.bodies.view import View
-from fenics_contact.report.contacts.line import SurfaceLine
-from fenics_contact.report.drawing.fields import Triangles, flat_outline, flat_sides, nodes_at
-from fenics_contact.report.drawing.style import COLOUR_MAP, EDGE, Mark
+from fenics_contact.report.drawing.facets import nodes_at
+from fenics_contact.report.drawing.fields import Triangles, flat_outline, flat_sides
+from fenics_contact.report.drawing.style import COLOUR_MAP, EDGE, Mark, marks
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
@@ -116,14 +116,13 @@ def _draw_points(
     said: set[str] = set()
     for rows, contact in contacts:
         found, nodes = nodes_at(body, rows, contact)
-        line = SurfaceLine.of(found, contact) if len(nodes) else None
-        if line is None:
+        if len(nodes) == 0:
             continue
         moved = (
             np.asarray(body.points)[nodes] + view.factor * np.asarray(body["displacement"])[nodes]
         )
         few = len(nodes) < _FEW
-        for mark in line.marks:
+        for mark in marks(contact):
             mine = np.isin(found.status, mark.status)
             if mine.any():
                 label = mark.label if mark.label not in said else None

@@ -53,7 +53,7 @@ def draw_mesh(body: UnstructuredGrid, result: Outcome, table: ContactTable, path
     margin = 0.02 * (high - low)
     panels[1].set_xlim(max(low[0], ends[0, 0]) - margin[0], min(high[0], ends[0, 1]) + margin[0])
     panels[1].set_ylim(max(low[1], ends[1, 0]) - margin[1], min(high[1], ends[1, 1]) + margin[1])
-    panels[1].legend(loc="lower right", frameon=True, framealpha=0.9, edgecolor="none")
+    panels[1].legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, handletextpad=0.1)
     axes = "rz" if model.kinematics == "axisymmetric" else "xy"
     for panel in panels:
         panel.set_xlabel(labelled(f"${axes[0]}$", "length"))

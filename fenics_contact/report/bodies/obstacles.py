@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.report.drawing.fields import nodes_at
+from fenics_contact.report.drawing.facets import contact_pieces
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
@@ -30,12 +30,14 @@ class ObstacleSurface:
         offsets: u_n + gap along the normals, (points,) (length).
         normals: Of the body, outward, (points, 3).
         nodes: Numbers of the body's nodes there, (points,).
+        pieces: Points of the segments or triangles that it is made of, (pieces, 2 or 3).
     """
 
     points: Array
     offsets: Array
     normals: Array
     nodes: Integers
+    pieces: Integers
 
     def then(self, body: UnstructuredGrid) -> ObstacleSurface | None:
         """Where it stood at another time, from the points that touched it; None without any.
@@ -86,13 +88,12 @@ def obstacle_surface(
     """
     if not contact.is_rigid or contact.master is not None:
         return None
-    found, nodes = nodes_at(body, rows, contact)
-    finite = np.isfinite(found.numbers["gap"])
-    found, nodes = found.rows(finite), nodes[finite]
+    surface = contact_pieces(body, rows, contact)
+    surface = surface.only(np.isfinite(surface.rows.numbers["gap"]))
+    found, nodes = surface.rows, surface.nodes
     normals = found.vectors("nx", "ny", "nz")
     if len(nodes) < 2 or np.linalg.norm(normals.mean(axis=0)) < _FACING:
         return None
     moved = np.einsum("ij,ij->i", np.asarray(body["displacement"])[nodes], normals)
-    return ObstacleSurface(
-        found.vectors("x", "y", "z"), moved + found.numbers["gap"], normals, nodes
-    )
+    points, offsets = found.vectors("x", "y", "z"), moved + found.numbers["gap"]
+    return ObstacleSurface(points, offsets, normals, nodes, surface.pieces)

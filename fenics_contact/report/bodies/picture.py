@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.report.bodies.flat import add_legend, draw_flat, point_look
 from fenics_contact.report.bodies.obstacles import obstacles_of
-from fenics_contact.report.bodies.space import render
+from fenics_contact.report.bodies.space import render, seen_points
 from fenics_contact.report.bodies.view import View, choose_view
 from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.picture import Picture
@@ -57,8 +57,9 @@ def draw_body(body: UnstructuredGrid, result: Outcome, table: ContactTable, path
         add_legend(panel, title)
         add_bar(figure, panel, colours, bool(beyond))
     else:
-        picture = render(body, view, contacts, obstacles, (low, high))
-        figure, panel = framed(picture, view, (low, high), bool(beyond))
+        seen = seen_points(view)
+        picture = render(body, view, contacts, obstacles, (low, high), seen)
+        figure, panel = framed(picture, view, (low, high), seen, bool(beyond))
         add_legend(panel, title)
     save(figure, path, tight=view.flat)
     return Picture(path, title, _caption(view, contacts, beyond))
@@ -81,7 +82,7 @@ def _caption(view: View, contacts: list[tuple[ContactTable, ContactRecord]], bey
     said += f"; {dashed}, the undeformed outline."
     if contacts:
         said += " Points: " + ", ".join(mark.label for mark in view.marks)
-        said += ", seen through the bodies." if view.hides else "."
+        said += "; those that a body hides are not drawn." if view.hides else "."
     if any(c.is_rigid and "master" not in c for _, c in contacts):
         what = "hatched" if view.flat else "translucent"
         said += f" The obstacle is {what}"
@@ -117,9 +118,18 @@ def framed(
     picture: NDArray[np.uint8],
     view: View,
     limits: tuple[float, float],
+    seen: Flags,
     beyond: bool = False,
 ) -> tuple[Figure, Axes]:
-    """A figure around a picture of a body in space: colour bar, axes, and marks for a legend."""
+    """A figure around a picture of a body in space: colour bar, axes, and marks for a legend.
+
+    Args:
+        picture: Pixels, (height, width, 3).
+        view: What it shows.
+        limits: Stresses at the ends of the colours.
+        seen: Which nodes of the view's body are drawn as contact points, (nodes,).
+        beyond: Whether some stress is outside of the limits.
+    """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -127,7 +137,7 @@ def framed(
     figure, (panel,) = new_figure("", (WIDE, height + 0.35))
     panel.imshow(picture, interpolation="antialiased")
     panel.set_axis_off()
-    drawn = set(np.unique(view.body["status"])) - {-1.0}
+    drawn = set(np.unique(np.asarray(view.body["status"])[seen]))
     for mark in view.marks:
         if drawn & {("OPEN", "STICK", "SLIP").index(status) for status in mark.status}:
             panel.plot([], [], **point_look(mark))

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from contextlib import closing
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.report.bodies.obstacles import ObstacleSurface
 from fenics_contact.report.bodies.view import View
-from fenics_contact.report.contacts.maps import triangulation
 from fenics_contact.report.drawing.display import display
-from fenics_contact.report.drawing.fields import nodes_at, outline, surface, surface_edges
+from fenics_contact.report.drawing.facets import nodes_at
+from fenics_contact.report.drawing.fields import outline, surface, surface_edges
 from fenics_contact.report.drawing.style import COLOUR_MAP
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
@@ -29,6 +29,7 @@ _WIDTH, _HEIGHTS, _MARGIN = 1400, (0.45, 0.95), 1.04
 _STATUS = ("OPEN", "STICK", "SLIP")  # values 0, 1, 2 of the field `status`
 _FEW_CELLS = 3000
 _BALL = (0.003, 0.009)  # over what is shown: radius of a contact point
+_BEFORE = 0.002  # over what is shown: what is so near before a point does not hide it
 _ARROW, _APART = 0.06, 0.035  # over what is shown: the longest, and how far they are apart
 
 
@@ -38,6 +39,7 @@ def render(
     contacts: Contacts,
     obstacles: list[ObstacleSurface],
     limits: tuple[float, float],
+    seen: Flags,
     corners: Array | None = None,
     width: int = _WIDTH,
 ) -> NDArray[np.uint8]:
@@ -49,6 +51,7 @@ def render(
         contacts: Points and entries in ``result.json`` of its contacts, whose slip is shown.
         obstacles: Those that are drawn.
         limits: Stresses at the ends of the colours.
+        seen: Which nodes of the view's body are drawn as contact points, (nodes,).
         corners: What has to fit into the window, (points, 3); by default what is shown, moved or
             not (length).
         width: Of the window in pixels.
@@ -71,8 +74,8 @@ def render(
             _add_body(plotter, view, limits)
             for obstacle in obstacles:
                 _add_obstacle(plotter, view, obstacle)
-            _add_points(plotter, view)
-            _add_slip(plotter, body, view, contacts)
+            _add_points(plotter, view, seen)
+            _add_slip(plotter, body, view, contacts, seen)
             plotter.enable_parallel_projection()
             plotter.camera_position = [
                 centre + 2 * view.size * view.towards,
@@ -146,15 +149,11 @@ def _add_obstacle(plotter: Plotter, view: View, obstacle: ObstacleSurface) -> No
     inside = ((obstacle.points >= view.low - margin) & (obstacle.points <= view.high + margin)).all(
         axis=1
     )
-    if inside.sum() < 4:
+    corners = obstacle.pieces[inside[obstacle.pieces].all(axis=1)]
+    if len(corners) == 0:
         return
-    axes = np.sort(np.argsort(np.ptp(obstacle.points[inside], axis=0))[-2:])
-    triangles = triangulation(obstacle.points[inside][:, axes])
-    if triangles is None:
-        return
-    corners = triangles.get_masked_triangles()
     faces = np.hstack([np.full((len(corners), 1), 3), corners]).ravel()
-    shape = pyvista.PolyData(obstacle.at(view.factor)[inside], faces)
+    shape = pyvista.PolyData(obstacle.at(view.factor), faces)
     plotter.add_mesh(shape, color="#d5d8dc", opacity=0.3, lighting=False)
     rim = shape.extract_feature_edges(
         boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
@@ -162,26 +161,47 @@ def _add_obstacle(plotter: Plotter, view: View, obstacle: ObstacleSurface) -> No
     plotter.add_mesh(rim, color="#202020", line_width=2)
 
 
+def seen_points(view: View) -> Flags:
+    """Which nodes of the view's body are contact points that no body hides, (nodes,)."""
+    from vtkmodules.vtkCommonCore import mutable
+    from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
+
+    points, status = np.asarray(view.body.points), np.asarray(view.body["status"])
+    margin = 1e-9 * view.size
+    found = ((points >= view.low - margin) & (points <= view.high + margin)).all(axis=1)
+    found &= status >= 0
+    if not found.any():
+        return found
+    shape = surface(view.body).warp_by_vector("displacement", factor=view.factor)
+    moved = points + view.factor * np.asarray(view.body["displacement"])
+    locator: Any = vtkStaticCellLocator()
+    locator.SetDataSet(shape)
+    locator.BuildLocator()
+    share, number, place, inside = mutable(0.0), mutable(0), [0.0] * 3, [0.0] * 3
+    width = 1e-5 * view.size  # or lines would slip through between two triangles
+    for node in np.flatnonzero(found):
+        near = moved[node] + _BEFORE * view.size * view.towards
+        far = moved[node] + 4 * view.size * view.towards
+        found[node] = not locator.IntersectWithLine(near, far, width, share, place, inside, number)
+    return found
+
+
 def _in_front(view: View, points: Array, steps: float = 1.0) -> Array:
-    """So that no body hides them; between bodies, before all of these."""
-    nearer = (1.0 if view.hides else 0.01) * view.size
-    return points + steps * nearer * view.towards
+    """So that the surface that points lie on does not hide half of their balls."""
+    return points + steps * 0.01 * view.size * view.towards
 
 
-def _add_points(plotter: Plotter, view: View) -> None:
+def _add_points(plotter: Plotter, view: View, seen: Flags) -> None:
     """Contact points where they moved to: balls in the colour of their status, with a rim."""
     import pyvista
 
     points, status = np.asarray(view.body.points), np.asarray(view.body["status"])
-    margin = 1e-9 * view.size
-    inside = ((points >= view.low - margin) & (points <= view.high + margin)).all(axis=1)
-    inside &= status >= 0
-    if not inside.any():
+    if not seen.any():
         return
     moved = points + view.factor * np.asarray(view.body["displacement"])
-    radius = _radius(points[inside], view.size)
+    radius = _radius(points[seen], view.size)
     for mark in view.marks:
-        mine = np.isin(status, [_STATUS.index(kind) for kind in mark.status]) & inside
+        mine = np.isin(status, [_STATUS.index(kind) for kind in mark.status]) & seen
         if not mine.any():
             continue
         cloud = pyvista.PolyData(_in_front(view, moved[mine]))
@@ -201,9 +221,16 @@ def _radius(points: Array, size: float) -> float:
     return float(np.clip(0.26 * np.median(near[:, 1]), _BALL[0] * size, _BALL[1] * size))
 
 
-def _add_slip(plotter: Plotter, body: UnstructuredGrid, view: View, contacts: Contacts) -> None:
+def _add_slip(
+    plotter: Plotter, body: UnstructuredGrid, view: View, contacts: Contacts, seen: Flags
+) -> None:
     """Arrows of the slip, where there is some, not at every point where these are close."""
     import pyvista
+
+    drawn = np.asarray(view.body.points)[seen]
+    if len(drawn) == 0:
+        return
+    tree, near = cKDTree(drawn), 1e-9 * view.size
 
     starts, slips = [], []
     for rows, contact in contacts:
@@ -211,7 +238,7 @@ def _add_slip(plotter: Plotter, body: UnstructuredGrid, view: View, contacts: Co
             continue
         found, nodes = nodes_at(body, rows, contact)
         moved = np.asarray(body.points)[nodes]
-        slides = (found.status == "SLIP") & ((moved >= view.low) & (moved <= view.high)).all(axis=1)
+        slides = (found.status == "SLIP") & (tree.query(moved)[0] <= near)
         moved = moved + view.factor * np.asarray(body["displacement"])[nodes]
         starts.append(moved[slides])
         slips.append(found.vectors("slip_x", "slip_y", "slip_z")[slides])

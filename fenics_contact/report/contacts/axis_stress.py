@@ -10,7 +10,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.report.contacts.curves import formula_words
-from fenics_contact.report.drawing.figures import new_figure, save, surface_of
+from fenics_contact.report.drawing.figures import legend_beside, new_figure, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLUMN, FORMULA, LINES
 from fenics_contact.report.formulas.recognition import AnalyticContact
@@ -21,6 +21,7 @@ from fenics_contact.results.records.record import Quantities
 if TYPE_CHECKING:
     from pyvista import UnstructuredGrid
 
+_LEGEND = 1.5  # its width in inches
 _DEPTH = 3.0  # what is shown, in contact radii
 _SINGULAR = 3.0  # a peak this many times the mean pressure says nothing: Hertz has 1.5
 
@@ -108,7 +109,7 @@ def draw_axis_stress(
     unit, symbol = _unit(contact.quantities)
     shown = stress.depth <= _DEPTH * radius
     title = f"Stresses on the axis below {surface_of(contact)}"
-    figure, (panel,) = new_figure(title, (COLUMN, 3.4))
+    figure, (panel,) = new_figure(title, (COLUMN + _LEGEND, 3.4))
     labels = (
         r"$\sigma_{zz}$",
         r"$\sigma_{rr} = \sigma_{\theta\theta}$",
@@ -140,7 +141,7 @@ def draw_axis_stress(
     panel.invert_yaxis()
     panel.set_xlabel(f"stress over {symbol}")
     panel.set_ylabel("depth over the radius of the contact, $z\\,/\\,a$")
-    panel.legend()
+    legend_beside(panel)
     save(figure, path)
     caption = (
         "Axial stress σ_zz, radial stress σ_rr and the principal shear stress τ on the axis of "

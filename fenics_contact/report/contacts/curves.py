@@ -12,7 +12,14 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.contacts.own_arrays import label, shown_arrays, sizes
-from fenics_contact.report.drawing.figures import in_words, new_figure, save, surface_of, title_of
+from fenics_contact.report.drawing.figures import (
+    in_words,
+    legend_beside,
+    new_figure,
+    save,
+    surface_of,
+    title_of,
+)
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import FORMULA, WIDE
 from fenics_contact.report.drawing.units import labelled, with_unit
@@ -23,6 +30,7 @@ from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from pyvista import UnstructuredGrid
 
 _MARGIN, _STRIP = 0.45, 0.16
 _HEIGHTS = {"contact pressure": 1.9, "friction traction": 1.9, "gap": 1.05}
@@ -34,6 +42,7 @@ _Draw: TypeAlias = "Callable[[Axes, SurfaceLine, ContactRecord], None]"
 
 
 def draw_curves(
+    body: UnstructuredGrid,
     rows: ContactTable,
     contact: ContactRecord,
     axes: str,
@@ -43,13 +52,14 @@ def draw_curves(
     """Draw what happens along a contact line.
 
     Args:
+        body: A pyvista grid with its fields.
         rows: Its points.
         contact: The contact's entry in ``result.json``.
         axes: Letters of the model's axes.
         path: PNG file to write.
         analytic: What formulas give, where there are some.
     """
-    line = SurfaceLine.of(rows, contact)
+    line = SurfaceLine.of(body, rows, contact)
     own = shown_arrays(rows, contact)
     names = [*_panels(line, contact), *own]
     heights = [*(_HEIGHTS.get(name, _OWN_HEIGHT) for name in names), _STRIP]
@@ -69,17 +79,18 @@ def draw_curves(
     }
     for name, panel in zip(names, panels, strict=False):
         draw[name](panel, line, contact)
-        if analytic is not None:
+        if analytic is not None and line.circle is None:
             _formula(panel, name, line, analytic, shown)
         panel.axhline(0, color="black", linewidth=0.5, zorder=0)
     _legends(panels[:-1])
     draw_strip(panels[-1], line, contact)
     margin = 0.03 * (high - low)
     panels[-1].set_xlim(low - margin, high + margin)
-    panels[-1].set_xlabel(labelled(f"position along the surface, ${axes[line.axis]}$", "length"))
+    line.label(panels[-1], axes)
     figure.align_ylabels(panels[:-1])
     save(figure, path)
-    return Picture(path, title, _caption(names, contact, axes[line.axis], analytic))
+    against = axes[line.axis] if line.circle is None else "the angle around its axis"
+    return Picture(path, title, _caption(names, contact, against, analytic))
 
 
 def _caption(
@@ -122,7 +133,7 @@ def _legends(panels: list[Axes]) -> None:
         entries = dict(zip(*reversed(panel.get_legend_handles_labels()), strict=True))
         new = {label: handle for label, handle in entries.items() if label not in said}
         if new:
-            panel.legend(list(new.values()), list(new))
+            legend_beside(panel, handles=list(new.values()), labels=list(new))
         said |= set(new)
 
 
@@ -156,7 +167,7 @@ def _friction(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
     label: str | None = r"friction bound, $\pm\mu p$"
     for side in (1, -1):
         if (side * traction > 0.02 * bound.max()).any():
-            panel.plot(line.position, side * bound, ":", color="0.3", label=label, zorder=1)
+            panel.plot(*line.curve(side * bound), ":", color="0.3", label=label, zorder=1)
             label = None
 
 
@@ -189,7 +200,7 @@ def _formula(
 def _plot(panel: Axes, line: SurfaceLine, values: Array) -> None:
     """Values at the points shown, marked by their kind."""
     shown = (line.position >= line.view[0]) & (line.position <= line.view[1])
-    panel.plot(line.position[shown], values[shown], color="0.6", linewidth=0.7, zorder=1)
+    panel.plot(*line.curve(values, shown), color="0.6", linewidth=0.7, zorder=1)
     size = 3.5 if shown.sum() < 60 else 2.5
     for mark in line.marks:
         mine = np.isin(line.rows.status, mark.status) & shown

@@ -11,7 +11,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.report.contacts.curves import draw_strip
 from fenics_contact.report.contacts.line import SurfaceLine
-from fenics_contact.report.drawing.fields import nodes_at
+from fenics_contact.report.drawing.facets import nodes_at
 from fenics_contact.report.drawing.figures import in_words, new_figure, save, set_title, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, COLUMN, WIDE
@@ -50,7 +50,7 @@ class SurfaceDisplacement:
             rows: Points of the contact.
             contact: Its entry in ``result.json``.
         """
-        line = SurfaceLine.of(nodes_at(body, rows, contact)[0], contact)
+        line = SurfaceLine.of(body, nodes_at(body, rows, contact)[0], contact)
         _, nodes = nodes_at(body, line.rows, contact)
         return cls(line, np.asarray(body["displacement"])[nodes, :2])
 
@@ -113,8 +113,7 @@ def draw_surface_displacement(
         position = found.line.position[found.shown]
         margin = 0.03 * np.ptp(position)
         column[-1].set_xlim(position.min() - margin, position.max() + margin)
-        along = f"position along the surface, ${axes[found.line.axis]}$"
-        column[-1].set_xlabel(labelled(along, "length"))
+        found.line.label(column[-1], axes)
         set_title(column[0], title if count == 1 else surface_of(contact))
     for panel, label in zip(panels[::count], ("normal, $u_n$", "tangential, $u_T$"), strict=False):
         panel.set_ylabel(labelled(label, "length"))
@@ -129,7 +128,6 @@ def draw_surface_displacement(
 
 
 def _components(panels: list[Axes], found: SurfaceDisplacement) -> None:
-    position = found.line.position[found.shown]
     for panel, component in zip(panels, (found.normal, found.tangential), strict=False):
-        panel.plot(position, component[found.shown], color=COLOURS["STICK"])
+        panel.plot(*found.line.curve(component, found.shown), color=COLOURS["STICK"])
         panel.axhline(0, color="black", linewidth=0.5, zorder=0)

@@ -14,8 +14,9 @@ from fenics_contact.common.arrays import Array, Integers, Words
 from fenics_contact.common.atomic_files import replaced_file
 from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.contacts.maps import Surface, draw_arrows, draw_status, draw_values
-from fenics_contact.report.drawing.fields import nodes_at
+from fenics_contact.report.drawing.facets import nodes_at
 from fenics_contact.report.drawing.figures import new_figure, set_title, style, surface_of
+from fenics_contact.report.drawing.palette import palette_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, marks
 from fenics_contact.report.drawing.units import labelled
@@ -46,6 +47,7 @@ class Film:
         frames: Its points that are nodes, as they are then.
         zone: The same points, STICK where they ever touch.
         drive: What is moved, with a value a frame; None where nothing moves.
+        body: A pyvista grid with the last fields.
     """
 
     contact: ContactRecord
@@ -53,6 +55,7 @@ class Film:
     frames: list[ContactTable]
     zone: ContactTable
     drive: Drive | None
+    body: UnstructuredGrid
 
     @classmethod
     def of(
@@ -78,7 +81,8 @@ class Film:
             times.append(time)
         ever = np.any([frame.closed for frame in frames], axis=0)
         zone = replace(frames[-1], status=np.where(ever, "STICK", "OPEN"))
-        return cls(contact, np.array(times), frames, zone, _drive(result, contact, times, far))
+        drive = _drive(result, contact, times, far)
+        return cls(contact, np.array(times), frames, zone, drive, body)
 
     @property
     def touches(self) -> bool:
@@ -176,10 +180,7 @@ def write_gif(pictures: list[NDArray[np.uint8]], path: Path) -> None:
     from PIL import Image
 
     some = [pictures[i] for i in np.linspace(0, len(pictures) - 1, 4).round().astype(int)]
-    # Without a share of their own, colours of a few points alone would be given up.
-    height, width = some[0].shape[:2]
-    own = [np.full((height // 12, width, 3), _rgb(colour)) for colour in COLOURS.values()]
-    palette = Image.fromarray(np.concatenate([*some, *own]).astype(np.uint8)).quantize(256)
+    palette = palette_of(some)
     no_dither = Image.Dither.NONE
     first, *others = (
         Image.fromarray(picture).quantize(palette=palette, dither=no_dither) for picture in pictures
@@ -189,10 +190,6 @@ def write_gif(pictures: list[NDArray[np.uint8]], path: Path) -> None:
         first.save(
             temporary, save_all=True, append_images=others, duration=round(1000 / pace), loop=0
         )
-
-
-def _rgb(colour: str) -> tuple[int, ...]:
-    return tuple(int(colour[i : i + 2], 16) for i in (1, 3, 5))
 
 
 class _Map:
@@ -207,8 +204,8 @@ class _Map:
 
     def __init__(self, film: Film, _: str) -> None:
         self._film = film
-        self._surface = Surface.of(film.zone, film.contact)
-        across, up = np.ptp(self._surface.points, axis=0)
+        self._surface = Surface.of(film.body, film.zone, film.contact)
+        across, up = self._surface.size
         self.height = float(np.clip(_WIDTHS["zones"] * up / across + 1.0, 2.4, 4.5))
         shown = self._surface.shown
         rows = [frame.rows(shown) for frame in film.frames]
@@ -219,7 +216,8 @@ class _Map:
 
     def draw(self, figure: Figure, panels: list[Axes], number: int) -> None:
         """A frame."""
-        points = self._surface.points
+        corners = self._surface.corners.reshape(-1, 2)
+        points = corners if len(corners) else self._surface.points
         self._zones(panels[0], self._status[number])
         drawn = panels[:1]
         if self._film.contact.carries_shear:
@@ -233,12 +231,12 @@ class _Map:
                 figure.colorbar(colours, ax=panels[1], label=label, shrink=0.85, aspect=25)
                 self._has_bar = True
         for panel in drawn:
-            self._surface.label(panel, panel is panels[0])
             panel.set_xlim(points[:, 0].min(), points[:, 0].max())
             panel.set_ylim(points[:, 1].min(), points[:, 1].max())
+            self._surface.label(panel, panel is panels[0])
 
     def _zones(self, panel: Axes, status: Words) -> None:
-        draw_status(panel, self._surface.points, status, self._film.contact)
+        draw_status(panel, self._surface, status, self._film.contact)
         entries = [panel.plot([], [], **mark.look)[0] for mark in marks(self._film.contact)]
         above = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.99), "ncols": 3}
         panel.legend(handles=entries, handletextpad=0.1, **above)
@@ -256,8 +254,8 @@ class _Line:
 
     def __init__(self, film: Film, axes: str) -> None:
         self._film, self._axes = film, axes
-        self._lines = [SurfaceLine.of(frame, film.contact) for frame in film.frames]
-        self._view = SurfaceLine.of(film.zone, film.contact).view
+        self._lines = [SurfaceLine.of(film.body, frame, film.contact) for frame in film.frames]
+        self._view = SurfaceLine.of(film.body, film.zone, film.contact).view
         given = film.contact.parameters["friction_coefficient"]
         rough = film.contact.carries_shear
         self._coefficient = float(given) if isinstance(given, float | int) and rough else None
@@ -275,20 +273,18 @@ class _Line:
     def draw(self, figure: Figure, panels: list[Axes], number: int) -> None:
         """A frame."""
         panel, line, values = panels[0], self._lines[number], self._values[number]
-        panel.plot(line.position, values, color="0.6", linewidth=0.7, zorder=1)
+        panel.plot(*line.curve(values), color="0.6", linewidth=0.7, zorder=1)
         for mark in line.marks:
             mine = np.isin(line.rows.status, mark.status)
             panel.plot(line.position[mine], values[mine], **mark.look)
         if self._coefficient:
             bound = self._coefficient * line.rows.numbers["contact_pressure"]
             for side, label in ((1, r"$\pm\mu p$"), (-1, None)):
-                panel.plot(line.position, side * bound, ":", color="0.3", label=label)
+                panel.plot(*line.curve(side * bound), ":", color="0.3", label=label)
         panel.axhline(0, color="black", linewidth=0.5, zorder=0)
         panel.set_xlim(*self._view)
         panel.set_ylim(-1.1 * self._most, 1.4 * self._most)
-        panel.set_xlabel(
-            labelled(f"position along the surface, ${self._axes[line.axis]}$", "length")
-        )
+        line.label(panel, self._axes)
         panel.set_ylabel(labelled(self._label, "stress"))
         panel.legend(loc="upper center", ncols=4)
 

@@ -4,13 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.report.drawing.charts import Cylinder, chart_of
+from fenics_contact.report.drawing.facets import contact_pieces
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
+from fenics_contact.report.drawing.units import labelled
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pyvista import UnstructuredGrid
+
+
+# Normals that lean so far to both sides of a line are of one that turns back: it is unrolled.
+_TURNS_BACK = 0.1
 
 
 @dataclass(frozen=True)
@@ -20,36 +33,68 @@ class SurfaceLine:
     Attributes:
         rows: Its points.
         axis: Number of the axis along which it extends most.
-        position: Coordinate on that axis (length).
+        circle: Of a line that turns back, as around a pin: its circle, unrolled; else None.
+        position: Coordinate on that axis, or arc length R θ (length).
+        pieces: Number of the connected part of the line that each point is of, (points,).
         view: What of it is shown: the lowest and the highest position.
         marks: How its points look.
     """
 
     rows: ContactTable
     axis: int
+    circle: Cylinder | None
     position: Array
+    pieces: Integers
     view: tuple[float, float]
     marks: tuple[Mark, ...]
 
     @classmethod
-    def of(cls, rows: ContactTable, contact: ContactRecord) -> SurfaceLine:
-        """The whole line where its pressure is given, else the contact zone's neighbourhood."""
-        points = rows.vectors("x", "y")
-        axis = int(np.argmax(np.ptp(points, axis=0)))
-        order = np.argsort(points[:, axis], kind="stable")
-        rows, position = rows.rows(order), points[order, axis]
+    def of(cls, body: UnstructuredGrid, rows: ContactTable, contact: ContactRecord) -> SurfaceLine:
+        """The whole line where its pressure is given, else the contact zone's neighbourhood.
+
+        Args:
+            body: A pyvista grid with its fields.
+            rows: Points of the contact.
+            contact: Its entry in ``result.json``.
+        """
+        points, chart = rows.vectors("x", "y", "z"), chart_of(rows)
+        axis = int(np.argmax(np.ptp(points[:, :2], axis=0)))
+        across = rows.numbers[("nx", "ny")[1 - axis]]
+        turns = across.min() < -_TURNS_BACK and across.max() > _TURNS_BACK
+        circle = chart if turns and isinstance(chart, Cylinder) else None
+        position = points[:, axis] if circle is None else circle.flat(points)[:, 0]
+        order = np.argsort(position, kind="stable")
+        pieces = _pieces(body, rows, contact)[order]
+        rows, position = rows.rows(order), position[order]
         low, high = float(position[0]), float(position[-1])
         if not contact.pressure_is_given:
             around = neighbourhood(position[:, None], rows.closed)
             low, high = max(low, float(around[0][0])), min(high, float(around[1][0]))
-        return cls(rows, axis, position, (low, high), marks(contact))
+        return cls(rows, axis, circle, position, pieces, (low, high), marks(contact))
+
+    def label(self, panel: Axes, axes: str) -> None:
+        """Name the axis of a panel.
+
+        Args:
+            panel: Matplotlib's axes.
+            axes: Letters of the model's axes.
+        """
+        if self.circle is not None:
+            self.circle.label(panel, upwards=False)
+        else:
+            along = f"position along the surface, ${axes[self.axis]}$"
+            panel.set_xlabel(labelled(along, "length"))
 
     @property
     def tangents(self) -> Array:
         """Unit vectors along the axis of the plot, whichever side the body lies on, (points, 2)."""
         numbers = self.rows.numbers
         tangents = np.stack([numbers["ny"], -numbers["nx"]], axis=1)
-        tangents *= np.where(tangents[:, self.axis] < 0, -1.0, 1.0)[:, None]
+        along = tangents[:, self.axis]
+        if self.circle is not None:
+            turned = np.column_stack([tangents, np.zeros(len(tangents))])
+            along = self.circle.vectors(self.rows.vectors("x", "y", "z"), turned)[:, 0]
+        tangents *= np.where(along < 0, -1.0, 1.0)[:, None]
         return tangents
 
     @property
@@ -60,12 +105,38 @@ class SurfaceLine:
         )
         return traction
 
+    def curve(self, values: Array, shown: Flags | None = None) -> tuple[Array, Array]:
+        """Positions and values for a curve that is interrupted where the surface is.
+
+        Args:
+            values: At its points, (points,).
+            shown: Which of these; by default all.
+        """
+        kept = np.flatnonzero(np.ones(len(values), dtype=bool) if shown is None else shown)
+        breaks = np.flatnonzero(np.diff(self.pieces[kept])) + 1
+        return (
+            np.insert(self.position[kept], breaks, np.nan),
+            np.insert(np.asarray(values, dtype=float)[kept], breaks, np.nan),
+        )
+
     def runs(self) -> Iterator[tuple[float, float, str]]:
         """Where points of one status follow each other: begin, end, about halfway, and status."""
-        status = self.rows.status
-        changes = np.flatnonzero(status[1:] != status[:-1]) + 1
-        middle = (self.position[1:] + self.position[:-1]) / 2
-        bounds = np.concatenate([self.position[:1], middle[changes - 1], self.position[-1:]])
-        first = np.concatenate([[0], changes]).astype(int)
-        for start, end, number in zip(bounds[:-1], bounds[1:], first, strict=True):
+        status, position, pieces = self.rows.status, self.position, self.pieces
+        parted = pieces[1:] != pieces[:-1]
+        changes = np.flatnonzero((status[1:] != status[:-1]) | parted)
+        middle = (position[1:] + position[:-1]) / 2
+        ends = np.where(parted, position[:-1], middle)[changes]
+        starts = np.where(parted, position[1:], middle)[changes]
+        first = np.concatenate([[0], changes + 1]).astype(int)
+        bounds = np.append(position[:1], starts), np.append(ends, position[-1:])
+        for start, end, number in zip(*bounds, first, strict=True):
             yield float(start), float(end), str(status[number])
+
+
+def _pieces(body: UnstructuredGrid, rows: ContactTable, contact: ContactRecord) -> Integers:
+    """Number of the connected part of the line that each point is of, (points,)."""
+    surface = contact_pieces(body, rows, contact)
+    if len(surface.pieces) == 0:
+        return np.zeros(len(rows.status), dtype=np.int64)
+    tree = cKDTree(surface.rows.vectors("x", "y", "z"))
+    return np.asarray(surface.connected[tree.query(rows.vectors("x", "y", "z"))[1]])

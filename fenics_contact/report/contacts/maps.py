@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from scipy.spatial import QhullError
+from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array, Flags, Integers, Words
 from fenics_contact.report.contacts.own_arrays import label, shown_arrays, sizes
+from fenics_contact.report.drawing.charts import Chart, chart_of
+from fenics_contact.report.drawing.facets import contact_pieces
 from fenics_contact.report.drawing.figures import in_words, new_figure, plain, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, DOUBLE, EDGE, marks, neighbourhood
@@ -25,9 +27,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
-    from matplotlib.tri import Triangulation
+    from pyvista import UnstructuredGrid
 
-_LONG = 3.0  # sides of triangles, over their median, that bridge what is no surface
+_CARRIED = ("contact_pressure", "traction_x", "traction_y", "traction_z")
 _MOST_ARROWS = 350
 _SHORT = 0.03  # of the longest: vectors that are left out
 _HEIGHTS = (1.8, 4.5)  # of a panel, in inches
@@ -37,39 +39,61 @@ _Draw: TypeAlias = "Callable[[Figure, Axes, Surface, ContactRecord], None]"
 
 @dataclass(frozen=True)
 class Surface:
-    """A contact surface, seen along the axis across which it extends least.
+    """A contact surface, seen across it or unrolled.
 
     Attributes:
         rows: Its points, those that are shown.
-        axes: Numbers of the two axes of the map.
-        points: Coordinates on these, shape (points, 2).
+        chart: From which the coordinates are.
+        points: Coordinates on the map, shape (points, 2).
+        triangles: Numbers of the points of each triangle of the surface, (triangles, 3).
+        corners: Coordinates of these, (triangles, 3, 2).
         shown: Which of all points these are.
     """
 
     rows: ContactTable
-    axes: Integers
+    chart: Chart
     points: Array
+    triangles: Integers
+    corners: Array
     shown: Flags
 
     @classmethod
-    def of(cls, rows: ContactTable, contact: ContactRecord) -> Surface:
-        """The whole surface where its pressure is given, else the zone's neighbourhood."""
-        points = rows.vectors("x", "y", "z")
-        axes = np.sort(np.argsort(np.ptp(points, axis=0))[-2:])
-        points, shown = points[:, axes], np.ones(len(points), dtype=bool)
+    def of(cls, body: UnstructuredGrid, rows: ContactTable, contact: ContactRecord) -> Surface:
+        """The whole surface where its pressure is given, else the zone's neighbourhood.
+
+        Args:
+            body: A pyvista grid with its fields.
+            rows: Points of the contact.
+            contact: Its entry in ``result.json``.
+        """
+        chart, places = chart_of(rows), rows.vectors("x", "y", "z")
+        points, shown = chart.flat(places), np.ones(len(places), dtype=bool)
         if not contact.pressure_is_given:
             low, high = neighbourhood(points, rows.closed)
             shown = ((points >= low) & (points <= high)).all(axis=1)
-            rows, points = rows.rows(shown), points[shown]
-        return cls(rows, axes, points, shown)
+        surface = contact_pieces(body, rows, contact)
+        # the same points among all of them, and among those that are shown
+        _, same = cKDTree(places).query(surface.rows.vectors("x", "y", "z"))
+        number = np.where(shown, np.cumsum(shown) - 1, -1)
+        triangles = number[same[surface.pieces]] if len(same) else surface.pieces
+        triangles = triangles[(triangles >= 0).all(axis=1)]
+        corners = chart.pieces(places[shown], triangles)
+        return cls(rows.rows(shown), chart, points[shown], triangles, corners, shown)
 
     def label(self, panel: Axes, first: bool = True) -> None:
         """Equal scales, and the names of the axes; upwards only at the first panel."""
         panel.set_aspect("equal")
-        panel.set_xlabel(labelled(f"${'xyz'[self.axes[0]]}$", "length"))
-        if first:
-            panel.set_ylabel(labelled(f"${'xyz'[self.axes[1]]}$", "length"))
-        panel.locator_params(nbins=5)
+        self.chart.label(panel, first)
+
+    def along(self, vectors: Array) -> Array:
+        """Components of vectors at its points, (points, 3), on the map, (points, 2)."""
+        return self.chart.vectors(self.rows.vectors("x", "y", "z"), vectors)
+
+    @property
+    def size(self) -> Array:
+        """To the right and upwards (length), (2,)."""
+        every = np.concatenate([self.points, self.corners.reshape(-1, 2)])
+        return np.asarray(np.ptp(every, axis=0))
 
     @property
     def arrows(self) -> Integers:
@@ -77,8 +101,6 @@ class Surface:
         count = len(self.points)
         if count <= _MOST_ARROWS:
             return np.arange(count)
-        from scipy.spatial import cKDTree
-
         low, high = self.points.min(axis=0), self.points.max(axis=0)
         step = np.sqrt(np.prod(high - low) / _MOST_ARROWS)
         grid = np.stack(
@@ -88,54 +110,38 @@ class Surface:
         return np.unique(found)
 
 
-def triangulation(points: Array) -> Triangulation | None:
-    """Matplotlib's triangles between points of a plane, without those that bridge gaps.
-
-    Args:
-        points: Shape (points, 2) (length).
-
-    Returns:
-        None where all points lie on a line.
-    """
-    from matplotlib.tri import Triangulation
-    from scipy.spatial import Delaunay
-
-    try:
-        corners = Delaunay(points).simplices
-    except QhullError:
-        return None
-    sides = np.linalg.norm(points[corners] - points[np.roll(corners, 1, axis=1)], axis=2).max(
-        axis=1
-    )
-    return Triangulation(points[:, 0], points[:, 1], corners, mask=sides > _LONG * np.median(sides))
-
-
-def draw_maps(rows: ContactTable, contact: ContactRecord, path: Path) -> Picture:
+def draw_maps(
+    body: UnstructuredGrid, rows: ContactTable, contact: ContactRecord, path: Path
+) -> Picture:
     """Draw what happens on a contact surface.
 
     Args:
+        body: A pyvista grid with its fields.
         rows: Its points.
         contact: The contact's entry in ``result.json``.
         path: PNG file to write.
     """
-    surface = Surface.of(rows, contact)
+    surface = Surface.of(body, rows, contact)
     found, frictional = not contact.pressure_is_given, contact.carries_shear
+    if found and not any(rows.numbers[name].any() for name in _CARRIED):
+        found = frictional = False  # nothing touches
+    shows_pressure = found or (contact.pressure_is_given and not frictional)
     own = shown_arrays(surface.rows, contact)
     draw: dict[str, _Draw] = {
         "status": _status,
-        **({"contact pressure p": _pressure} if found or not frictional else {}),
+        **({"contact pressure p": _pressure} if shows_pressure else {}),
         **({"friction traction σ_T": _friction} if frictional else {}),
         **{name: partial(_own, array=array) for name, array in own.items()},
     }
-    across, up = np.ptp(surface.points, axis=0)
+    across, up = surface.size
     width = DOUBLE / len(draw)
     height = float(np.clip((width - 0.5) * up / across + 1.2, *_HEIGHTS))
     title = f"Contact zone {surface_of(contact)}"
     figure, panels = new_figure("", (DOUBLE, height), ncols=len(draw), sharey=True)
     for draw_panel, panel in zip(draw.values(), panels, strict=True):
         draw_panel(figure, panel, surface, contact)
-        surface.label(panel, panel is panels[0])
         panel.margins(0.08)
+        surface.label(panel, panel is panels[0])
     figure.set_layout_engine("compressed")  # for panels of equal scales
     figure.suptitle(plain(title), x=0.01, ha="left", fontsize=8.5)
     save(figure, path, tight=True)
@@ -143,28 +149,34 @@ def draw_maps(rows: ContactTable, contact: ContactRecord, path: Path) -> Picture
     if frictional:
         where = "with its colours" if own else "on the right"
         said += f" Arrows on the left: slip; {where}: the friction traction."
-    return Picture(path, title, f"{said[0].upper()}{said[1:]}")
+    caption = f"{said[0].upper()}{said[1:]} {surface.chart.words}"
+    return Picture(path, title, caption.strip())
 
 
 def _status(figure: Figure, panel: Axes, surface: Surface, contact: ContactRecord) -> None:
     """Points by their status, and their slip."""
-    draw_status(panel, surface.points, surface.rows.status, contact)
+    draw_status(panel, surface, surface.rows.status, contact)
     panel.legend(loc="lower left", bbox_to_anchor=(-0.05, 1.0), ncols=3, handletextpad=0.1)
-    slip = surface.rows.vectors("slip_x", "slip_y", "slip_z")[:, surface.axes]
+    slip = surface.along(surface.rows.vectors("slip_x", "slip_y", "slip_z"))
     slides = surface.arrows[surface.rows.status[surface.arrows] == "SLIP"]
     if contact.carries_shear and np.linalg.norm(slip[slides], axis=1).any():
         panel.quiver(*surface.points[slides].T, *slip[slides].T, color="black", width=0.006)
 
 
-def draw_status(panel: Axes, points: Array, status: Words, contact: ContactRecord) -> None:
-    """Points in the colours of their status.
+def draw_status(panel: Axes, surface: Surface, status: Words, contact: ContactRecord) -> None:
+    """Points in the colours of their status, on the surface in grey.
 
     Args:
         panel: Matplotlib's axes.
-        points: On the map, shape (points, 2).
-        status: Of each.
+        surface: The map.
+        status: Of each of its points.
         contact: The contact's entry in ``result.json``.
     """
+    from matplotlib.collections import PolyCollection
+
+    panel.add_collection(
+        PolyCollection(surface.corners, facecolors="0.95", edgecolors="0.8", linewidths=0.3)
+    )
     size = float(np.clip(70 / np.sqrt(len(status)), 1.2, 6))
     for mark in marks(contact):
         mine = np.isin(status, mark.status)
@@ -176,7 +188,7 @@ def draw_status(panel: Axes, points: Array, status: Words, contact: ContactRecor
                 "markeredgecolor": EDGE if is_open else mark.colour,
                 "markeredgewidth": 0.3,
             }
-            panel.plot(*points[mine].T, **look)
+            panel.plot(*surface.points[mine].T, **look)
 
 
 def _pressure(figure: Figure, panel: Axes, surface: Surface, contact: ContactRecord) -> None:
@@ -223,7 +235,7 @@ def draw_arrows(panel: Axes, surface: Surface, vectors: Array, most: float) -> N
     some = some[np.linalg.norm(vectors[some], axis=1) > _SHORT * most]
     panel.quiver(
         *surface.points[some].T,
-        *vectors[some][:, surface.axes].T,
+        *surface.along(vectors)[some].T,
         color="white",
         width=0.005,
         scale=14 * most,
@@ -234,7 +246,7 @@ def draw_arrows(panel: Axes, surface: Surface, vectors: Array, most: float) -> N
 def draw_values(
     panel: Axes, surface: Surface, values: Array, low: float, high: float
 ) -> ScalarMappable:
-    """Values as colours between the points.
+    """Values as colours on the triangles between the points.
 
     Args:
         panel: Matplotlib's axes.
@@ -247,7 +259,11 @@ def draw_values(
         What a colour bar is made for.
     """
     look = {"cmap": COLOUR_MAP, "vmin": low, "vmax": high if high > low else low + 1.0}
-    triangles = triangulation(surface.points)
-    if triangles is None:
+    if len(surface.triangles) == 0:
         return panel.scatter(*surface.points.T, c=values, **look)
-    return panel.tripcolor(triangles, values, shading="gouraud", rasterized=True, **look)
+    from matplotlib.tri import Triangulation
+
+    corners = surface.corners.reshape(-1, 2)
+    triangles = Triangulation(*corners.T, np.arange(len(corners)).reshape(-1, 3))
+    colours = values[surface.triangles].ravel()
+    return panel.tripcolor(triangles, colours, shading="gouraud", rasterized=True, **look)

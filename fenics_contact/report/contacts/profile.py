@@ -9,7 +9,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.contacts.curves import formula_words
-from fenics_contact.report.drawing.figures import new_figure, save, surface_of
+from fenics_contact.report.drawing.figures import legend_in_headroom, new_figure, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLUMN, DOUBLE, FORMULA, marks
 from fenics_contact.report.drawing.units import labelled
@@ -59,7 +59,7 @@ def draw_profile(
         panel.axhline(0, color="black", linewidth=0.5, zorder=0)
         panel.set_xlabel(labelled("distance from the middle, $r$", "length"))
         panel.set_xlim(left=0)
-        panel.legend()
+        legend_in_headroom(panel, 4)
     save(figure, path)
     caption = (
         f"{said} at all points of {surface_of(contact)} against their distance r from the middle. "

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.report.drawing.charts import Cylinder, chart_of
+from fenics_contact.report.drawing.facets import contact_pieces
 from fenics_contact.report.drawing.fields import Triangles, largest_shear
 from fenics_contact.report.drawing.figures import new_figure, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 _LEVELS = 12
 _SINGULAR = 1.3  # a peak this many times the 99th percentile is a corner's, not the contact's
 _OFF = 1e-3  # of the zone: how far from a plane of symmetry a cut is made
+_FACING = 0.8  # of the mean normal along an axis
 _HEIGHTS = (1.8, 4.2)
 
 
@@ -39,6 +42,7 @@ class Section:
         triangles: With the field ``shear``.
         low: Lowest coordinates shown, (2,) (length).
         high: Highest, (2,).
+        contact: Ends of the lines along which the surfaces touch, (lines, 2, 2) (length).
     """
 
     axes: tuple[int, int]
@@ -46,6 +50,7 @@ class Section:
     triangles: Triangles
     low: Array
     high: Array
+    contact: Array
 
     @property
     def peak(self) -> tuple[float, Array]:
@@ -58,29 +63,37 @@ class Section:
         return float(self.triangles.fields["shear"][number]), place
 
 
-def section_at(body: UnstructuredGrid, rows: ContactTable, flat: bool) -> Section | None:
+def section_at(
+    body: UnstructuredGrid, rows: ContactTable, contact: ContactRecord, flat: bool
+) -> Section | None:
     """The neighbourhood of the closed points of a contact, in 3D where the friction acts along.
 
     Args:
         body: A pyvista grid with the field ``stress``.
         rows: Points of the contact.
+        contact: Its entry in ``result.json``.
         flat: Whether the model is.
 
     Returns:
-        None where nothing touches, or a surface in 3D faces several ways.
+        None where nothing touches, or a surface in 3D faces several ways and is no cylinder along
+        an axis.
     """
-    points = rows.vectors("x", "y", "z")
-    normal = rows.vectors("nx", "ny", "nz")[rows.closed].mean(axis=0) if rows.closed.any() else None
-    if normal is None or np.abs(normal).max() < 0.8:
+    if not rows.closed.any():
         return None
+    points, surface = rows.vectors("x", "y", "z"), contact_pieces(body, rows, contact)
     if flat:
         axes, place, cut = (0, 1), None, body
+        touching = surface.rows.vectors("x", "y")[surface.pieces[surface.closed]]
     else:
-        axes, place = _plane(rows, int(np.argmax(np.abs(normal))))
+        plane = _plane(rows)
+        if plane is None:
+            return None
+        axes, place = plane
         third = 3 - sum(axes)
         origin = np.zeros(3)
         origin[third] = place
         cut = body.slice(normal=np.eye(3)[third], origin=origin)
+        touching = surface.cut(third, place)[:, :, list(axes)]
     if cut.n_cells == 0:
         return None
     cut = cut.copy(deep=False)
@@ -88,21 +101,30 @@ def section_at(body: UnstructuredGrid, rows: ContactTable, flat: bool) -> Sectio
     triangles = Triangles.of(cut, "shear")
     low, high = neighbourhood(points[:, list(axes)], rows.closed)
     bounds = triangles.points[:, list(axes)]
-    return Section(
-        axes,
-        place,
-        triangles,
-        np.maximum(low, bounds.min(axis=0)),
-        np.minimum(high, bounds.max(axis=0)),
-    )
+    low, high = np.maximum(low, bounds.min(axis=0)), np.minimum(high, bounds.max(axis=0))
+    return Section(axes, place, triangles, low, high, touching)
 
 
-def _plane(rows: ContactTable, normal: int) -> tuple[tuple[int, int], float]:
+def _plane(rows: ContactTable) -> tuple[tuple[int, int], float] | None:
     """The axes of a cut, and where it crosses the third: in the middle of the contact zone."""
+    chart = chart_of(rows)
+    if isinstance(chart, Cylinder) and chart.axis.max() == 1:  # across it
+        third = int(np.argmax(chart.axis))
+        along, normal = (axis for axis in range(3) if axis != third)
+        return (along, normal), _middle(rows, third)
+    mean = rows.vectors("nx", "ny", "nz")[rows.closed].mean(axis=0)
+    normal = int(np.argmax(np.abs(mean)))
+    if abs(mean[normal]) < _FACING:
+        return None
     tangential = [axis for axis in range(3) if axis != normal]
     friction = rows.vectors("traction_x", "traction_y", "traction_z").sum(axis=0)
     along = max(tangential, key=lambda axis: abs(friction[axis]))
     (third,) = {0, 1, 2} - {normal, along}
+    return (along, normal), _middle(rows, third)
+
+
+def _middle(rows: ContactTable, third: int) -> float:
+    """Of the contact zone along an axis; of one that a plane of symmetry cuts, next to that."""
     place = rows.numbers["xyz"[third]]
     closed = place[rows.closed]
     low, high, size = closed.min(), closed.max(), max(np.ptp(closed), _OFF * np.ptp(place))
@@ -114,7 +136,7 @@ def _plane(rows: ContactTable, normal: int) -> tuple[tuple[int, int], float]:
         middle = low + _OFF * size
     elif at_high and not at_low:
         middle = high - _OFF * size
-    return (along, normal), float(middle)
+    return float(middle)
 
 
 def draw_section(
@@ -139,7 +161,7 @@ def draw_section(
         None where there is nothing to show.
     """
     flat = result.model.kinematics != "3D"
-    section = section_at(body, rows, flat)
+    section = section_at(body, rows, contact, flat)
     if section is None:
         return None
     value, place = section.peak
@@ -155,6 +177,7 @@ def draw_section(
     height = float(np.clip(0.8 * WIDE * up / across, *_HEIGHTS))
     title = f"Stress near {surface_of(contact)}"
     figure, (panel,) = new_figure(title, (WIDE, height + 0.45))
+    from matplotlib.collections import LineCollection
     from matplotlib.ticker import MaxNLocator
 
     levels = MaxNLocator(_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(0, high)
@@ -166,8 +189,10 @@ def draw_section(
     panel.tricontour(*mesh, shear, levels=levels, colors="white", linewidths=0.3, alpha=0.7)
     label = labelled(r"largest shear stress, $\tau_{max}$", "stress")
     figure.colorbar(colours, ax=panel, label=label, shrink=0.85, aspect=28, pad=0.02)
-    closed = rows.vectors("x", "y", "z")[rows.closed][:, list(section.axes)]
-    panel.plot(*_ends(closed, section), "-", color="black", linewidth=2.2, clip_on=False, zorder=4)
+    lines = LineCollection(
+        list(section.contact), colors="black", linewidths=2.2, capstyle="round", zorder=4
+    )
+    panel.add_collection(lines)
     letters = "rz" if result.model.kinematics == "axisymmetric" else "xyz"
     _mark(panel, section, value, place, letters)
     panel.set_aspect("equal")
@@ -177,14 +202,6 @@ def draw_section(
     panel.set_ylabel(labelled(f"${letters[section.axes[1]]}$", "length"))
     save(figure, path)
     return Picture(path, title, _caption(section, value, place, letters, analytic, rows))
-
-
-def _ends(closed: Array, section: Section) -> Array:
-    """The contact zone as a line on the surface: its two ends, (axes, 2)."""
-    order = np.argsort(closed[:, 0])
-    if section.across is not None:
-        return closed[order][[0, -1]].T
-    return closed[order].T
 
 
 def _mark(panel: Axes, section: Section, value: float, place: Array, letters: str) -> None:
@@ -236,4 +253,4 @@ def _caption(
         largest = with_unit(float(shear[most]), "stress")
         below = with_unit(float(depth[most]), "length")
         said += f" {analytic.label}: {largest} {where}, at the depth {below}."
-    return said + " The thick line is the contact zone."
+    return said + " Thick lines: where the surfaces touch."

@@ -8,11 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array, Flags, Integers
-from fenics_contact.results.contact_table import ContactTable
-from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.point_arrays import BODY_OF_CELLS
 
 if TYPE_CHECKING:
     from pyvista import PolyData, UnstructuredGrid
@@ -75,18 +73,35 @@ def read_series(folder: Path, numbers: Iterable[int]) -> Iterator[tuple[float, U
 def joined(grid: UnstructuredGrid) -> UnstructuredGrid:
     """The grid without the nodes that pieces of several ranks share, which each of them has.
 
-    Nodes of two bodies that lie at the same place stay apart: of a contact only one has a status.
+    Nodes of two bodies that lie at the same place stay apart: in files of earlier versions, which
+    do not say what body a cell is of, because of a contact only one has a status.
     """
     size, moved = np.ptp(grid.points, axis=0).max(), np.abs(grid["displacement"]).max() or 1.0
-    places = [grid.points / size, grid["displacement"] / moved, grid["status"]]
-    shared = np.round(np.column_stack(places) / _SAME)
+    of_body = body_of_nodes(grid)
+    if of_body is None:
+        apart = [grid["displacement"] / moved, grid["status"]]
+    else:
+        apart = [of_body.astype(float)]
+    shared = np.round(np.column_stack([grid.points / size, *apart]) / _SAME)
     _, first, where = np.unique(shared, axis=0, return_index=True, return_inverse=True)
     nodes = where.reshape(-1)[grid.cell_connectivity].reshape(grid.n_cells, -1)  # of one type
     sizes = np.full((grid.n_cells, 1), nodes.shape[1])
     whole = type(grid)(np.hstack([sizes, nodes]).ravel(), grid.celltypes, grid.points[first])
     for name in grid.point_data:
         whole.point_data[name] = grid.point_data[name][first]
+    for name in grid.cell_data:
+        whole.cell_data[name] = grid.cell_data[name]
     return whole
+
+
+def body_of_nodes(grid: UnstructuredGrid) -> Integers | None:
+    """Number of the connected part of each node, (nodes,); None in files of earlier versions."""
+    if BODY_OF_CELLS not in grid.cell_data:
+        return None
+    found = np.zeros(grid.n_points, dtype=np.int64)
+    nodes = grid.cell_connectivity.reshape(grid.n_cells, -1)  # all cells are of one type
+    found[nodes] = np.asarray(grid.cell_data[BODY_OF_CELLS])[:, None]
+    return found
 
 
 def von_mises(stress: Array) -> Array:
@@ -103,25 +118,6 @@ def largest_shear(stress: Array) -> Array:
     principal = np.linalg.eigvalsh((tensor + tensor.transpose(0, 2, 1)) / 2)
     shear: Array = (principal[:, 2] - principal[:, 0]) / 2
     return shear
-
-
-def nodes_at(
-    body: UnstructuredGrid, rows: ContactTable, contact: ContactRecord
-) -> tuple[ContactTable, Integers]:
-    """The points of a contact that are nodes of the body, and the numbers of these nodes.
-
-    Args:
-        body: A pyvista grid with the field ``status``.
-        rows: Points of the contact.
-        contact: Its entry in ``result.json``.
-    """
-    on_contact = np.flatnonzero(np.asarray(body["status"]) >= 0)  # not a surface opposite
-    nodes = np.asarray(body.points)[on_contact]
-    distance, found = cKDTree(nodes).query(rows.vectors("x", "y", "z"))
-    drawn = distance < 1e-6 * np.ptp(nodes)
-    if contact.master is not None:  # beyond what faces it normals are others
-        drawn &= np.isfinite(rows.numbers["gap"])
-    return rows.rows(drawn), on_contact[found[drawn]]
 
 
 @dataclass(frozen=True)

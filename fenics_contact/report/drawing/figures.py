@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _LETTER = 0.068  # width of a letter of a title in inches, about
+_PAD = 0.04  # around a figure whose margins are cut off, in inches
+_ROW = 0.3  # height of a row of a legend with the room around it, in inches
 
 
 @contextmanager
@@ -64,6 +66,24 @@ def set_title(panel: Axes, title: str, pad: float | None = None) -> None:
     panel.set_title("\n".join(wrap(plain(title), width)), pad=pad)
 
 
+def legend_beside(panel: Axes, **look: Any) -> None:
+    """A legend on the right of a panel, where it covers nothing.
+
+    Args:
+        panel: Matplotlib's axes.
+        **look: For matplotlib's ``legend``.
+    """
+    panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), **look)
+
+
+def legend_in_headroom(panel: Axes, columns: int = 2) -> None:
+    """A legend of one row inside of a panel, above all that is drawn so far."""
+    low, high = panel.get_ylim()
+    inches = panel.get_position().height * panel.figure.get_figheight()
+    panel.set_ylim(low, high + min(_ROW / inches, 0.5) * (high - low))
+    panel.legend(loc="upper left", ncols=columns)
+
+
 def plain(text: str) -> str:
     """Any text for matplotlib, as in a legend: a dollar is one, and begins no formula."""
     return printable(text).replace("$", r"\$")
@@ -77,8 +97,12 @@ def save(figure: Figure, path: Path, tight: bool = False) -> None:
         path: Of the PNG file.
         tight: Whether its margins are cut off, where panels of equal scales leave some.
     """
-    box = {"bbox_inches": "tight", "pad_inches": 0.04} if tight else {}
+    box: dict[str, Any] = {}
     with style():
+        if tight:  # once, and not for each of the two files
+            figure.draw_without_rendering()
+            figure.set_layout_engine("none")
+            box = {"bbox_inches": figure.get_tightbbox().padded(_PAD)}
         with replaced_file(path) as temporary:
             figure.savefig(temporary, **box)
         figure.set_layout_engine("none")  # as it is now: to lay out again takes as long as to draw

@@ -45,7 +45,7 @@ STYLE: dict[str, Any] = {
     "lines.markersize": 3.5,
     "lines.markeredgewidth": 0.8,
     "hatch.linewidth": 0.5,
-    "savefig.dpi": 250,
+    "savefig.dpi": 200,
     "pdf.fonttype": 42,
 }
 

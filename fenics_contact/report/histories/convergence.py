@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.report.drawing.figures import new_figure, plain, save
+from fenics_contact.report.drawing.figures import legend_beside, new_figure, plain, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, DOUBLE, FORMULA, LINES, WIDE
 from fenics_contact.report.drawing.units import labelled
@@ -116,7 +116,7 @@ def _levels(levels: list[LevelRecord], asked: Mapping[str, float], path: Path) -
         )
         panel.set_xlabel("mesh, and its degrees of freedom")
     panel.set_ylabel("estimated relative error")
-    panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    legend_beside(panel)
     save(figure, path)
     caption = (
         "Estimated relative errors of the quantities, mesh after mesh, and what was asked for."

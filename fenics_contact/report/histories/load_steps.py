@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.report.drawing.figures import new_figure, plain, save, set_title
+from fenics_contact.report.drawing.figures import (
+    legend_beside,
+    legend_in_headroom,
+    new_figure,
+    plain,
+    save,
+    set_title,
+)
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, COLUMN, DOUBLE, LINES, WIDE
 from fenics_contact.report.drawing.units import labelled, with_unit
@@ -73,7 +80,7 @@ def _line(panel: Axes, x: Array, y: Array, label: str, number: int) -> None:
 def _legend(panel: Axes) -> None:
     panel.axhline(0, color="black", linewidth=0.5, zorder=0)
     if len(panel.get_legend_handles_labels()[1]) > 1:
-        panel.legend()
+        legend_beside(panel)
 
 
 def draw_forces(history: History, contacts: list[ContactRecord], path: Path) -> Picture:
@@ -245,7 +252,7 @@ def _loop(panel: Axes, drive: Drive, loop: Loop | None, is_sheared: bool) -> Non
     panel.set_ylabel(labelled(drive.force, "force"))
     set_title(panel, drive.title[0].upper() + drive.title[1:])
     if loop is not None and not is_sheared:
-        panel.legend(loc="upper left")
+        legend_in_headroom(panel)
 
 
 def _number(value: float) -> str:

@@ -13,6 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from fenics_contact.common.plain_text import printable
+from fenics_contact.report.drawing.palette import small_png
 
 _KINDS = {".png": "image/png", ".gif": "image/gif"}
 
@@ -23,8 +24,9 @@ def html(text: str) -> Markup:
 
 
 def data_uri(path: Path) -> str:
-    """A picture's file as an address that holds all of it."""
-    content = base64.b64encode(path.read_bytes()).decode("ascii")
+    """A picture's file as an address that holds all of it, of a large one with fewer colours."""
+    picture = small_png(path) if path.suffix == ".png" else path.read_bytes()
+    content = base64.b64encode(picture).decode("ascii")
     return f"data:{_KINDS[path.suffix]};base64,{content}"
 
 

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.report.drawing.cells import TRIANGLES, Cell, cells_of
+from fenics_contact.results.point_arrays import BODY_OF_CELLS
 
 if TYPE_CHECKING:
     from pyvista import UnstructuredGrid
@@ -20,65 +22,6 @@ if TYPE_CHECKING:
 MOST_TRIANGLES = 40_000
 # Of the body's size, no round number: places that differ by less are the same.
 _SAME = 1.2345e-9
-
-
-@dataclass(frozen=True)
-class _Cell:
-    """Where the nodes of a cell are, in VTK's order.
-
-    Attributes:
-        facets: Nodes of each facet: its corners in order and, of degree 2, the nodes amid its
-            sides in the same order and that of a quadrilateral's centre.
-        corners: Of a facet.
-    """
-
-    facets: tuple[tuple[int, ...], ...]
-    corners: int
-
-
-def _facets_of_tetrahedron(degree: int) -> tuple[tuple[int, ...], ...]:
-    amid = {(0, 1): 4, (1, 2): 5, (0, 2): 6, (0, 3): 7, (1, 3): 8, (2, 3): 9}
-    corners = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
-    return tuple(_with_sides(facet, amid) if degree > 1 else facet for facet in corners)
-
-
-def _facets_of_hexahedron(degree: int) -> tuple[tuple[int, ...], ...]:
-    amid = {(0, 1): 8, (1, 2): 9, (2, 3): 10, (0, 3): 11}
-    amid |= {(4, 5): 12, (5, 6): 13, (6, 7): 14, (4, 7): 15}
-    amid |= {(0, 4): 16, (1, 5): 17, (2, 6): 18, (3, 7): 19}
-    centres = {(0, 3, 7, 4): 20, (1, 2, 6, 5): 21, (0, 1, 5, 4): 22}
-    centres |= {(3, 2, 6, 7): 23, (0, 1, 2, 3): 24, (4, 5, 6, 7): 25}
-    if degree == 1:
-        return tuple(centres)
-    return tuple((*_with_sides(facet, amid), centre) for facet, centre in centres.items())
-
-
-def _with_sides(facet: tuple[int, ...], amid: dict[tuple[int, int], int]) -> tuple[int, ...]:
-    sides = zip(facet, (*facet[1:], facet[0]), strict=True)
-    return (*facet, *(amid[min(a, b), max(a, b)] for a, b in sides))
-
-
-# By VTK's number of the kind of cell. A flat cell is its own facet.
-_CELLS = {
-    5: _Cell(((0, 1, 2),), 3),
-    69: _Cell((tuple(range(6)),), 3),
-    9: _Cell(((0, 1, 2, 3),), 4),
-    70: _Cell((tuple(range(9)),), 4),
-    10: _Cell(_facets_of_tetrahedron(1), 3),
-    71: _Cell(_facets_of_tetrahedron(2), 3),
-    12: _Cell(_facets_of_hexahedron(1), 4),
-    72: _Cell(_facets_of_hexahedron(2), 4),
-}
-# Of a facet by the number of its nodes: the triangles that it becomes, and its sides in pieces.
-_TRIANGLES: dict[int, list[tuple[int, int, int]]] = {
-    3: [(0, 1, 2)],
-    4: [(0, 1, 2), (0, 2, 3)],
-    6: [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)],
-    9: [
-        *((0, 4, 8), (0, 8, 7), (4, 1, 5), (4, 5, 8)),
-        *((8, 5, 2), (8, 2, 6), (7, 8, 6), (7, 6, 3)),
-    ],
-}
 
 
 @dataclass(frozen=True)
@@ -119,26 +62,20 @@ def surface_of(
     Args:
         body: Has ``points``, ``cell_connectivity`` and ``celltypes``, as a pyvista grid; its
             pieces need not share the nodes between them.
-        fields: Values at the nodes, by name; `displacement` among them.
+        fields: Values at the nodes, by name; `displacement` among them, and if known `body`.
         most: Of degree 2, triangles between the corners alone are made where there would be more.
 
     Raises:
         KeyError: A kind of cell that this program does not write.
     """
-    cell, cells = _cells(body)
+    cell, cells = cells_of(body)
     points, fields, cells = _joined(np.asarray(body.points, dtype=float), fields, cells)
     facets, inside = _facets(cell, cells, points)
-    facets = _outward(facets, inside, points, cell.corners)
-    if len(facets) * len(_TRIANGLES[facets.shape[1]]) > most:
-        facets = facets[:, : cell.corners]
-    triangles = facets[:, _TRIANGLES[facets.shape[1]]].reshape(-1, 3)
-    return Surface(points, triangles, _sides(facets, cell.corners), fields).only_used()
-
-
-def _cells(body: UnstructuredGrid) -> tuple[_Cell, Integers]:
-    """The kind of all cells, and their nodes, (cells, nodes)."""
-    (kind,) = np.unique(body.celltypes).tolist()
-    return _CELLS[kind], np.asarray(body.cell_connectivity, np.int64).reshape(body.n_cells, -1)
+    facets = _outward(facets, inside, points, cell.corners_of_face)
+    if len(facets) * len(TRIANGLES[facets.shape[1]]) > most:
+        facets = facets[:, : cell.corners_of_face]
+    triangles = facets[:, TRIANGLES[facets.shape[1]]].reshape(-1, 3)
+    return Surface(points, triangles, _sides(facets, cell.corners_of_face), fields).only_used()
 
 
 def _joined(
@@ -146,24 +83,26 @@ def _joined(
 ) -> tuple[Array, dict[str, Array], Integers]:
     """Nodes that pieces of a body share, once.
 
-    Two bodies that touch have nodes at the same places, but these move by other amounts, if only
-    by the penetration. Ranks compute places each for itself, displacements once.
+    Two bodies that touch have nodes at the same places. In files of earlier versions, which do not
+    say what body a node is of, these move by other amounts, if only by the penetration. Ranks
+    compute places each for itself, displacements once.
     """
     places = np.round(points / (_SAME * np.ptp(points, axis=0).max()))
-    rows = np.ascontiguousarray(np.hstack([places, fields["displacement"]]) + 0.0)
+    apart = fields.get(BODY_OF_CELLS, fields["displacement"]).reshape(len(points), -1)
+    rows = np.ascontiguousarray(np.hstack([places, apart]) + 0.0)
     keys = rows.view(np.dtype((np.void, rows.itemsize * rows.shape[1]))).ravel()
     _, kept, inverse = np.unique(keys, return_index=True, return_inverse=True)
     return points[kept], {name: values[kept] for name, values in fields.items()}, inverse[cells]
 
 
-def _facets(cell: _Cell, cells: Integers, points: Array) -> tuple[Integers, Array]:
+def _facets(cell: Cell, cells: Integers, points: Array) -> tuple[Integers, Array]:
     """Facets of the surface, and of each a point on its inner side, (facets, 3)."""
-    facets = np.concatenate([cells[:, list(facet)] for facet in cell.facets])
+    facets = np.concatenate([cells[:, list(facet)] for facet in cell.faces])
     centres = points[cells].mean(axis=1)
-    if len(cell.facets) == 1:
+    if len(cell.faces) == 1:
         return facets, centres - [0.0, 0.0, 1.0]
-    inside = np.tile(centres, (len(cell.facets), 1))
-    alone = _once(facets[:, : cell.corners])
+    inside = np.tile(centres, (len(cell.faces), 1))
+    alone = _once(facets[:, : cell.corners_of_face])
     return facets[alone], inside[alone]
 
 

@@ -1,27 +1,26 @@
-"""The interactive view of a run: what it shows, as data of a page; drawn by plotly there."""
+"""The interactive view of a run: what it shows."""
 
 from __future__ import annotations
 
-import base64
-import json
-from collections.abc import Iterator
-from dataclasses import dataclass
-from importlib import resources
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from markupsafe import Markup
 from scipy.spatial import cKDTree
 
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.plain_text import one_line
 from fenics_contact.report.bodies.obstacles import ObstacleSurface, obstacles_of
+from fenics_contact.report.bodies.view import choose_view
+from fenics_contact.report.contacts.film import frame_numbers
+from fenics_contact.report.drawing.fields import body_of_nodes
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.report.drawing.units import unit_of
-from fenics_contact.report.page.templates import render
 from fenics_contact.report.view.revolved import revolved
-from fenics_contact.report.view.surface import Surface, boundary, surface_of
+from fenics_contact.report.view.surface import Surface, surface_of
 from fenics_contact.results.contact_table import ContactTable
-from fenics_contact.results.point_arrays import PointArray, of_several_contacts
+from fenics_contact.results.point_arrays import BODY_OF_CELLS, PointArray, of_several_contacts
 from fenics_contact.results.records.run import Outcome
 
 if TYPE_CHECKING:
@@ -31,11 +30,9 @@ _MOVE = 0.06  # of what is shown: the largest displacement, where it is magnifie
 _READABLE = 0.02  # from which it is seen as it is
 _MISFIT = 0.01  # of what is shown: false gaps and overlaps that magnification may make
 _NEAR = 0.4  # share of the body, below which the contact zone can be looked at from near by
-_MOST_LINES = 60_000  # pieces of cells' sides
-_MEASURED = {
-    "displacement": "length",
-    **dict.fromkeys(("von Mises stress", "contact pressure", "friction traction"), "stress"),
-}
+# Of the fields of load steps: what may be packed into a page, what a point has at the most, and
+# about how many points there are at the most.
+_MOST_BYTES, _BYTES_OF_A_POINT, _MOST_POINTS = 5e6, 32, 20_000
 
 
 @dataclass(frozen=True)
@@ -51,6 +48,9 @@ class View:
         factors: Of the displacements, that one can choose between.
         zone: Lowest and highest coordinates of the contact zone, (2, 3), if it is small.
         towards: From the body to the eye, (3,).
+        bodies: Names of the connected parts, by their numbers in the field `body`.
+        times: Pseudo-times of the load steps that are shown; fields of all but the last have its
+            number before their names, see ``at_step``.
     """
 
     surface: Surface
@@ -60,6 +60,14 @@ class View:
     factors: list[float]
     zone: Array | None
     towards: Array
+    bodies: list[str]
+    times: list[float]
+
+    def of_steps(self, name: str) -> list[Array]:
+        """A field in every load step, the last one as the surface itself has it."""
+        fields = self.surface.fields
+        earlier = [fields[at_step(number, name)] for number in range(len(self.times) - 1)]
+        return [*earlier, fields[name]]
 
     @property
     def is_flat(self) -> bool:
@@ -67,44 +75,85 @@ class View:
         return self.kinematics.startswith("plane")
 
 
-def make_view(body: UnstructuredGrid, result: Outcome, table: ContactTable) -> View:
+def at_step(number: int, name: str) -> str:
+    """What a field of an earlier load step is called."""
+    return f"{number}: {name}"
+
+
+def make_view(
+    body: UnstructuredGrid,
+    result: Outcome,
+    table: ContactTable,
+    earlier: Iterable[tuple[float, UnstructuredGrid]] = (),
+) -> View:
     """The view of a run.
 
     Args:
         body: A pyvista grid with the fields of its last step, and `von Mises stress`.
         result: The content of its ``result.json``.
         table: The content of its ``contact.csv``.
+        earlier: Pseudo-times of earlier steps, and the same grid with their fields.
     """
-    kinematics = result.model.kinematics
+    kinematics, kinds = result.model.kinematics, _kinds(result)
+    contacts = [(table.of(contact.name), contact) for contact in result.contacts]
+    obstacles = obstacles_of(body, contacts)
     shown = {"von Mises stress": "σ_VM", "displacement": "|u|"}
+    fields, symbols = _fields(body, result, len(kinds) - 1)
+    fields["obstacle"] = _obstacles(body, obstacles)
+    times = []
+    for number, (time, then) in enumerate(earlier):
+        now, more = _fields(then, result, len(kinds) - 1)
+        symbols |= more
+        stood = [moved for one in obstacles if (moved := one.then(then)) is not None]
+        now["obstacle"] = _obstacles(body, stood)
+        fields |= {at_step(number, name): values for name, values in now.items()}
+        times.append(time)
+    shown |= symbols
+    for name in symbols:  # what is zero in a step is not among its fields
+        for number in range(-1, len(times)):
+            fields.setdefault(at_step(number, name) if number >= 0 else name, 0 * fields["status"])
+    of_body = body_of_nodes(body)
+    bodies = [one_line(name) for name in result.model.bodies]
+    if of_body is not None and len(bodies) > 1:
+        fields[BODY_OF_CELLS] = of_body.astype(float)
+    else:
+        bodies = bodies[:1] or ["body"]
+    make = revolved if kinematics == "axisymmetric" else surface_of
+    surface = make(body, fields)
+    zone = _zone(surface)
+    towards = np.ones(3) / np.sqrt(3)  # of bodies of revolution into the quarter that is cut out
+    if kinematics == "3D":
+        towards = choose_view(body, result, table).towards
+    times.append(result.steps[-1].load_factor if result.steps else 1.0)
+    view = View(surface, kinematics, kinds, shown, [], zone, towards, bodies, times)
+    return replace(view, factors=_factors(view, result))
+
+
+def _fields(
+    body: UnstructuredGrid, result: Outcome, most: int
+) -> tuple[dict[str, Array], dict[str, str]]:
+    """Fields of a step at the nodes, and the symbols of those of contacts that are not zero.
+
+    Args:
+        body: The grid with its fields.
+        result: The content of ``result.json``.
+        most: The highest status.
+    """
     fields = {name: np.asarray(body[name], dtype=float) for name in ("displacement", "status")}
-    kinds = _kinds(result)
-    fields["status"] = np.minimum(fields["status"], len(kinds) - 1)
+    fields["status"] = np.minimum(fields["status"], most)
     fields["von Mises stress"] = np.asarray(body["von Mises stress"], dtype=float)
+    symbols: dict[str, str] = {}
     if (fields["status"] >= 0).any():
         fields["contact pressure"] = np.asarray(body["contact_pressure"], dtype=float)
-        shown["contact pressure"] = "p"
+        symbols["contact pressure"] = "p"
         friction = np.linalg.norm(np.asarray(body["friction_traction"], dtype=float), axis=1)
         if friction.any():
             fields["friction traction"] = friction
-            shown["friction traction"] = "|σ_T|"
+            symbols["friction traction"] = "|σ_T|"
         for array, values in _own(body, result):
             unit = unit_of(array.unit) or array.unit
-            fields[array.words], shown[array.words] = values, f"({unit})"
-    contacts = [(table.of(contact.name), contact) for contact in result.contacts]
-    fields["obstacle"] = _obstacles(body, obstacles_of(body, contacts))
-    make = revolved if kinematics == "axisymmetric" else surface_of
-    surface = make(body, fields)
-    front = np.zeros(3)
-    if kinematics == "3D" and len(table.status):
-        front = table.vectors("nx", "ny", "nz").mean(axis=0)
-    zone = _zone(surface)
-    factors = _factors(surface, zone, result)
-    aside = np.zeros(3)
-    if kinematics == "3D" and zone is not None:
-        low, high = surface.points.min(axis=0), surface.points.max(axis=0)
-        aside = (zone.sum(axis=0) - low - high) / (high - low).max()
-    return View(surface, kinematics, kinds, shown, factors, zone, _towards(front, aside))
+            fields[array.words], symbols[array.words] = values, f"({unit})"
+    return fields, symbols
 
 
 def _own(body: UnstructuredGrid, result: Outcome) -> Iterator[tuple[PointArray, Array]]:
@@ -139,13 +188,15 @@ def _obstacles(body: UnstructuredGrid, obstacles: list[ObstacleSurface]) -> Arra
     return found
 
 
-def _factors(surface: Surface, zone: Array | None, result: Outcome) -> list[float]:
+def _factors(view: View, result: Outcome) -> list[float]:
     """Undeformed, as it is and, where that is too little to be seen, magnified.
 
     Gaps between bodies are not magnified: those that have closed would seem open, or overlapped.
     """
-    largest = np.linalg.norm(surface.fields["displacement"], axis=1).max()
-    size = np.linalg.norm(np.ptp(surface.points if zone is None else zone, axis=0))
+    moved = view.of_steps("displacement")
+    largest = max(float(np.linalg.norm(vectors, axis=1).max()) for vectors in moved)
+    box = view.surface.points if view.zone is None else view.zone
+    size = float(np.linalg.norm(np.ptp(box, axis=0)))
     if largest == 0 or largest >= _READABLE * size:
         return [0.0, 1.0]
     factor = _round(_MOVE * size / largest)
@@ -172,109 +223,15 @@ def _zone(surface: Surface) -> Array | None:
     return np.array([low, high])
 
 
-def _towards(front: Array, aside: Array) -> Array:
-    """Before the contact surface, and on that side of the body to which the zone is shifted.
+def steps_shown(steps: int, body: UnstructuredGrid, kinematics: str) -> list[int]:
+    """Numbers of the load steps before the last one that a page has room for, evenly spread.
 
-    Of bodies of revolution it looks into the quarter that is cut out.
+    Args:
+        steps: Of which there are fields.
+        body: The grid.
+        kinematics: Of the model.
     """
-    side = np.where(aside < -0.05, -1.0, 1.0)
-    side = np.where(np.abs(front) > 0.1, np.sign(front), side)
-    return np.asarray(side / np.sqrt(3))
-
-
-def view_html(view: View) -> Markup:
-    """The part of a page that holds the view, with all it needs; plotly's script is in it."""
-    from plotly.offline import get_plotlyjs
-
-    data = json.dumps(_data(view), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
-    script = resources.files(__package__).joinpath("view_3d.js").read_text(encoding="utf-8")
-    return Markup(
-        render(
-            "view.html",
-            buttons=_buttons(view),
-            label=f"Interactive view of the body, coloured by {', '.join(view.shown)} or contact "
-            "status.",
-            help=_help(view),
-            data=Markup(data),
-            plotly=Markup(get_plotlyjs()),
-            script=Markup(script),
-        )
-    )
-
-
-def _data(view: View) -> dict[str, object]:
-    surface = view.surface
-    lines = surface.lines if len(surface.lines) <= _MOST_LINES else surface.lines[:0]
-    displacement = surface.fields["displacement"]
-    size = np.linalg.norm(displacement, axis=1)
-    values = surface.fields | {"displacement": size}
-    fields = [_field(name, symbol, values[name]) for name, symbol in view.shown.items()]
-    status = surface.fields["status"]
-    obstacle = surface.fields["obstacle"]
-    there = np.isfinite(obstacle).all(axis=1)
-    edges = boundary(surface.triangles) if view.is_flat else surface.lines
-    return {
-        "flat": view.is_flat,
-        "points": _floats(surface.points),
-        "displacement": _floats(displacement),
-        "triangles": _integers(surface.triangles),
-        "lines": _integers(lines),
-        "fields": fields,
-        "status": None if not (status >= 0).any() else _floats(status),
-        "statusOfTriangles": _floats(np.median(status[surface.triangles], axis=1)),
-        "statusNames": [kind.label for kind in view.kinds],
-        "statusColours": [kind.colour for kind in view.kinds],
-        "obstacle": _floats(np.nan_to_num(obstacle)) if there.any() else None,
-        "obstacleTriangles": _integers(surface.triangles[there[surface.triangles].all(axis=1)]),
-        "obstacleLines": _integers(edges[there[edges].all(axis=1)]),
-        "factors": view.factors,
-        "zone": None if view.zone is None else view.zone.tolist(),
-        "towards": view.towards.tolist(),
-        "unit": unit_of("length"),
-    }
-
-
-def _field(name: str, symbol: str, values: Array) -> dict[str, object]:
-    """A field with the ends of its colours; what a few points alone have is beyond them."""
-    low, most, high = np.percentile(values, [0, 99.5, 100])
-    peaked = high > 3 * most > 0 and name == "von Mises stress"
-    top = float(most if peaked else high)
-    return {
-        "name": name,
-        "symbol": symbol,
-        "unit": unit_of(_MEASURED.get(name, "")),
-        "values": _floats(values),
-        "low": 0.0 if low < 0.05 * high else float(low),
-        "high": top if top > 0 else 1.0,
-        "beyond": f"up to {high:.3g} at single points" if peaked else "",
-    }
-
-
-def _floats(values: Array) -> str:
-    return base64.b64encode(values.astype("<f4").tobytes()).decode()
-
-
-def _integers(values: Integers) -> str:
-    return base64.b64encode(values.astype("<i4").tobytes()).decode()
-
-
-def _buttons(view: View) -> list[tuple[str, str, list[str]]]:
-    """Groups of buttons: of what, with which title, named how."""
-    names = [*view.shown, *(["status"] if (view.surface.fields["status"] >= 0).any() else [])]
-    words = {0.0: "undeformed", 1.0: "true displacements"}
-    factors = [words.get(factor, f"displacements × {factor:g}") for factor in view.factors]
-    groups = [("field", "Colours", names), ("factor", "Shape", factors)]
-    if view.zone is not None:
-        groups.append(("zone", "Part", ["whole", "contact zone"]))
-    groups.append(("lines", "Cells", ["shown", "hidden"]))
-    if np.isfinite(view.surface.fields["obstacle"]).any():
-        groups.append(("obstacle", "Obstacle", ["shown", "hidden"]))
-    return groups
-
-
-def _help(view: View) -> str:
-    words = "Drag to turn the body" if not view.is_flat else "Drag to move it"
-    words += ", scroll or pinch to come nearer, point at it for its values."
-    if view.kinematics == "axisymmetric":
-        words += " The section is turned around its axis, which is z here; a quarter is cut out."
-    return words
+    points = _MOST_POINTS if kinematics == "axisymmetric" else min(body.n_points, _MOST_POINTS)
+    most = max(int(_MOST_BYTES // (_BYTES_OF_A_POINT * points)), 2)
+    found: list[int] = frame_numbers(steps, most).tolist()
+    return found[:-1]

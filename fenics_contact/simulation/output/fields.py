@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
@@ -13,6 +15,7 @@ from fenics_contact.common.parallel import on_root
 from fenics_contact.contact.state import OPEN, STICK
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
+from fenics_contact.results.point_arrays import BODY_OF_CELLS, facet_flags
 from fenics_contact.simulation.output.vtu import read_collection, write_collection, write_grid
 from fenics_contact.solve.newton.solution import Solution
 
@@ -29,6 +32,8 @@ class FieldSeries:
     Point data: displacement, stress (3 × 3), contact_pressure, friction_traction, status
     (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP), what laws keep of their own (0 off the contacts)
     and, where a contact is not prescribed, reaction_pressure, which knows nothing of the penalty.
+    Cell data: body, the number of the connected part, in the order of `model.bodies`; and of each
+    contact the facets that carry it, see ``facet_flags``.
 
     Args:
         problem: The model.
@@ -48,6 +53,7 @@ class FieldSeries:
             self._grids = {name: time for name, time in found.items() if time <= resumed}
         self.last = max(self._grids.values(), default=None)
         self._stress = NodalStress(problem)
+        self._cells = _cell_fields(problem)
         nodes = problem.spaces.displacement_space.dofmap.index_map.size_global
         self.most = int(np.clip(_MOST_BYTES // (_BYTES_OF_A_NODE * nodes), 2, _MOST_STEPS))
 
@@ -67,7 +73,8 @@ class FieldSeries:
             **_reaction_pressure(forces),
         }
         folder, space = self._path.parent, problem.spaces.displacement_space
-        self._grids[write_grid(folder, self._path.stem, number, space, fields)] = time
+        name = write_grid(folder, self._path.stem, number, space, fields, self._cells)
+        self._grids[name] = time
         on_root(problem.comm, lambda: write_collection(self._path, self._grids))
         self.last = time
 
@@ -124,6 +131,20 @@ def _contact_fields(problem: Problem, solution: Solution) -> dict[str, Array]:
             own[name][nodes] = (_three(values) if values.ndim == 2 else values)[at_nodes]
     fields = {"contact_pressure": pressure, "friction_traction": traction, "status": status}
     return fields | own
+
+
+def _cell_fields(problem: Problem) -> dict[str, NDArray[Any]]:
+    """Of each cell that this rank owns: its body, and its facets that carry each contact."""
+    mesh, spaces = problem.body.mesh, problem.spaces
+    count = mesh.topology.index_map(mesh.topology.dim).size_local
+    of_node = spaces.parts.of_node[spaces.displacement_space.dofmap.list[:count, 0]]
+    fields: dict[str, NDArray[Any]] = {BODY_OF_CELLS: of_node.astype(np.int16)}
+    for contact in problem.contacts:
+        flags = np.zeros(count, dtype=np.uint8)
+        cells, facets = contact.trace.surface.parents.T
+        np.bitwise_or.at(flags, cells, (1 << facets).astype(np.uint8))
+        fields[facet_flags(contact.label)] = flags
+    return fields
 
 
 def _reaction_pressure(forces: BulkForces) -> dict[str, Array]:

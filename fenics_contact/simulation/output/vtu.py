@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from dolfinx import plot
@@ -21,11 +22,16 @@ from fenics_contact.common.parallel import on_root, raise_together
 _ORDER = {"little": "LittleEndian", "big": "BigEndian"}[sys.byteorder]
 # Before 2.1 the nodes of hexahedra of degree 2 had another order.
 _VERSION = "2.2"
-_TYPES = {"float64": "Float64", "int64": "Int64", "uint8": "UInt8"}
+_TYPES = {"float64": "Float64", "int64": "Int64", "int16": "Int16", "uint8": "UInt8"}
 
 
 def write_grid(
-    folder: Path, stem: str, number: int, space: Any, fields: Mapping[str, Array]
+    folder: Path,
+    stem: str,
+    number: int,
+    space: Any,
+    fields: Mapping[str, Array],
+    of_cells: Mapping[str, NDArray[Any]],
 ) -> str:
     """Write a grid with its fields, in one piece a rank; collective.
 
@@ -35,6 +41,7 @@ def write_grid(
         number: With which they end.
         space: Lagrange space whose nodes are the grid's points.
         fields: Values at the nodes of this rank, (nodes,) or (nodes, components).
+        of_cells: Values of the cells that this rank owns, (cells,).
 
     Returns:
         The name of the file that holds the pieces together.
@@ -59,6 +66,7 @@ def write_grid(
         + _block("Points", {"points": points[used]})
         + _block("Cells", topology)
         + _block("PointData", {name: values[used] for name, values in fields.items()})
+        + _block("CellData", of_cells)
         + "</Piece>\n"
     )
     error: MachineError | None = None
@@ -68,15 +76,21 @@ def write_grid(
         error = caught
     raise_together(comm, error)  # they are held together when all are written
     whole = f"{stem}{number:06d}.pvtu"
-    on_root(comm, lambda: _write_whole(folder / whole, pieces, fields))
+    on_root(comm, lambda: _write_whole(folder / whole, pieces, fields, of_cells))
     return whole
 
 
-def _write_whole(path: Path, pieces: list[str], fields: Mapping[str, Array]) -> None:
+def _write_whole(
+    path: Path,
+    pieces: list[str],
+    fields: Mapping[str, Array],
+    of_cells: Mapping[str, NDArray[Any]],
+) -> None:
     """The file that names the pieces of a grid."""
     names = "".join(f'<Piece Source="{piece}"/>\n' for piece in pieces)
     empty = {name: values[:0] for name, values in fields.items()}
     kinds = _block("PPoints", {"points": np.zeros((0, 3))}) + _block("PPointData", empty)
+    kinds += _block("PCellData", of_cells)
     _write(path, "PUnstructuredGrid", kinds + names)
 
 
@@ -115,10 +129,16 @@ def _block(name: str, arrays: Mapping[str, NDArray[Any]]) -> str:
     lines = [f"<{name}>\n"]
     for key, values in arrays.items():
         width = values.shape[1] if values.ndim == 2 else 1
-        kind = f'type="{_TYPES[values.dtype.name]}" Name="{key}" NumberOfComponents="{width}"'
+        kind = f'type="{_TYPES[values.dtype.name]}" Name={_quoted(key)}'
+        kind += f' NumberOfComponents="{width}"'
         content = "" if tag.startswith("P") else _encoded(values)
         lines.append(f'<{tag} {kind} format="binary">{content}</{tag}>\n')
     return "".join([*lines, f"</{name}>\n"])
+
+
+def _quoted(text: str) -> str:
+    """Any text as an attribute of ASCII letters."""
+    return quoteattr(text).encode("ascii", "xmlcharrefreplace").decode("ascii")
 
 
 def _encoded(values: NDArray[Any]) -> str:

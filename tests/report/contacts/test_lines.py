@@ -32,7 +32,7 @@ def test_stress_below_a_sphere(tmp_path):
     most = int(np.argmax(stress.shear))
     assert stress.shear[most] / peak == pytest.approx(0.31, abs=0.01)
     assert stress.depth[most] / radius == pytest.approx(0.48, abs=0.05)
-    value, place = section_at(body, rows, flat=True).peak
+    value, place = section_at(body, rows, contact, flat=True).peak
     assert value / peak == pytest.approx(0.31, abs=0.01)
     assert place == pytest.approx([0, -0.48 * radius], abs=0.06 * radius)
     below = (stress.depth > 0.2 * radius) & (stress.depth < 2 * radius)  # on the fine cells

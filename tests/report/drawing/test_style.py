@@ -12,7 +12,7 @@ from fenics_contact import InputError
 from fenics_contact.report.bodies.obstacles import obstacle_surface
 from fenics_contact.report.bodies.picture import draw_body
 from fenics_contact.report.contacts.curves import draw_curves
-from fenics_contact.report.contacts.maps import draw_maps, triangulation
+from fenics_contact.report.contacts.maps import draw_maps
 from fenics_contact.report.contacts.section_stress import section_at
 from fenics_contact.report.drawing import display
 from fenics_contact.report.drawing.fields import flat_outline, joined
@@ -59,10 +59,11 @@ def test_status_is_told_apart_in_grey(kind, tmp_path):
     """By a fifth of the way from black to white at least."""
     path = tmp_path / "contact_0.png"
     if kind == "line":
-        draw_curves(points(np.linspace(-1, 1, 41)), CONTACT, "xy", path)
+        line = strip(lambda p: 0 * p, lambda x: 0 * x, 41)
+        draw_curves(line, points(np.linspace(-1, 1, 41)), CONTACT, "xy", path)
     else:
         x, y = (grid.ravel() for grid in np.meshgrid(*2 * [np.linspace(-1, 1, 15)]))
-        draw_maps(points(x, y, normal=(0, 0, 1)), CONTACT, path)
+        draw_maps(sheet(15), points(x, y, normal=(0, 0, 1)), CONTACT, path)
     grey = sorted(luminance_of_colours(path).values())
     assert np.diff(grey).min() >= 0.2
     assert path.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
@@ -106,25 +107,27 @@ def test_last_loop():
     assert last_loop(there_and_back, there_and_back) is None
 
 
-def test_triangles_do_not_bridge_holes():
-    x, y = (grid.ravel() for grid in np.meshgrid(*2 * [np.linspace(-1, 1, 21)]))
-    ring = np.hypot(x, y) > 0.6
-    found = triangulation(np.stack([x, y], axis=1)[ring])
-    centres = np.stack([x[ring], y[ring]], axis=1)[found.get_masked_triangles()].mean(axis=1)
-    assert np.hypot(*centres.T).min() > 0.5
-    assert triangulation(np.stack([x, 0 * x], axis=1)) is None
-
-
-def strip(displacement, status):
+def strip(displacement, status, number=11):
     """A flat body of one row of cells with a contact above."""
     import pyvista
 
-    x, y = np.meshgrid(np.linspace(-1, 1, 11), [-1.0, 0.0], indexing="ij")
+    x, y = np.meshgrid(np.linspace(-1, 1, number), [-1.0, 0.0], indexing="ij")
     sheet = [values[:, :, None] for values in (x, y, 0 * x)]
     body = pyvista.StructuredGrid(*sheet).cast_to_unstructured_grid()
     above = np.asarray(body.points)[:, 1] == 0
     body["displacement"] = displacement(np.asarray(body.points))
     body["status"] = np.where(above, status(np.asarray(body.points)[:, 0]), -1.0)
+    return body
+
+
+def sheet(number):
+    """A body in space of one layer of cells with a contact above, at z = 0."""
+    import pyvista
+
+    along = np.linspace(-1, 1, number)
+    corners = np.meshgrid(along, along, [-1.0, 0.0], indexing="ij")
+    body = pyvista.StructuredGrid(*corners).cast_to_unstructured_grid()
+    body["status"] = np.where(np.asarray(body.points)[:, 2] == 0, 0.0, -1.0)
     return body
 
 
@@ -177,16 +180,18 @@ def test_cut_through_half_a_zone_in_space():
     """It lies just inside the plane of symmetry, along the friction; σ_xz = τ is its shear."""
     import pyvista
 
-    grid = pyvista.ImageData(dimensions=(9, 9, 9), spacing=(0.25, 0.125, 0.125), origin=(-1, 0, -1))
-    body = grid.cast_to_unstructured_grid()
+    ends = ((-1, 1), (0, 1), (-1, 0))
+    corners = np.meshgrid(*(np.linspace(*two, 9) for two in ends), indexing="ij")
+    body = pyvista.StructuredGrid(*corners).cast_to_unstructured_grid()
     x, _, z = np.asarray(body.points).T
     shear = 1 - (x - 0.25) ** 2 - (z + 0.5) ** 2
     stress = np.zeros((len(x), 9))
     stress[:, 2] = stress[:, 6] = shear
     body["stress"] = stress
+    body["status"] = np.where(z == 0, 0.0, -1.0)
     across, along = (g.ravel() for g in np.meshgrid(np.linspace(-1, 1, 17), np.linspace(0, 1, 9)))
     status = np.where(np.hypot(across, along) < 0.5, "STICK", "OPEN")
-    section = section_at(body, points(across, along, status, (0, 0, 1)), flat=False)
+    section = section_at(body, points(across, along, status, (0, 0, 1)), CONTACT, flat=False)
     assert section.axes == (0, 2) and 0 < section.across < 0.01
     value, place = section.peak
     assert value == pytest.approx(1) and place == pytest.approx([0.25, -0.5])
