@@ -5,6 +5,7 @@ import importlib.util
 import pytest
 from mpi4py import MPI
 
+from fenics_contact.verification.case import Finding
 from tests.scenes import ROOT
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of files; one rank will do")
@@ -41,3 +42,17 @@ def test_what_python_makes_does_not_count(gallery):
     made.parent.mkdir()
     made.write_bytes(b"1")
     assert gallery.fingerprint([]) == before
+
+
+def test_numbers_have_the_figures_that_their_bars_leave(gallery):
+    findings = [
+        Finding("normal force", 4246.48, 4244.13, 0.01, bar=4.66),
+        Finding("friction work", 12.0301, 12.0, 0.01, bar=None),
+        Finding("reaction", 2400.0, 2400.0, 0.01, bar=1e-12),
+    ]
+    rows = gallery._table(findings, "demos/slab.toml").splitlines()[2:]
+    assert [[cell.strip() for cell in row.split("|")[1:-1]] for row in rows] == [
+        ["normal force", "4244.13", "4246", "0.055 %", "± 5"],
+        ["friction work", "12", "12.0301", "0.25 %", "?"],
+        ["reaction", "2400", "2400", "0 %", ""],
+    ]
