@@ -18,6 +18,7 @@ from fenics_contact.mesh.survey.survey import FoundSurface, Survey
 
 TOLERANCE = 1e-3  # of a gap, over the diagonal of all
 _DEEP = 0.02  # of overlaps as drawn, over the same
+_CLEARANCE = 0.15  # of a shaft in its hole, over the radius: what holes for bolts have, and more
 _LEAST = 0.01  # share of the smaller surface that has to face the other
 _BACK = -0.5  # of the product of two normals that face each other
 _SAMPLES = 400  # points on a surface, at the least
@@ -68,7 +69,12 @@ def _pair(found: Survey, a: int, b: int, limit: float) -> Pair | None:
     one, other = found.surfaces[a], found.surfaces[b]
     if one.bodies > other.bodies:
         a, b, one, other = b, a, other, one
+    exact = _gap_of_shapes(one, other, _ALIKE * found.size)
+    if exact is not None and one.shape.kind == "cylinder" and one.shape.radius is not None:
+        limit = max(limit, _CLEARANCE * one.shape.radius)
     deep = max(_DEEP * found.size, limit)
+    if exact is not None and not -deep <= exact <= limit:
+        return None
     slack = _sag(one) + _sag(other)
     reach = max(limit, deep) + slack
     if (one.box[0] > other.box[1] + reach).any() or (other.box[0] > one.box[1] + reach).any():
@@ -78,7 +84,6 @@ def _pair(found: Survey, a: int, b: int, limit: float) -> Pair | None:
     area = max(area, area_back)
     if area < _LEAST * min(one.measure, other.measure):
         return None
-    exact = _gap_of_shapes(one, other, _ALIKE * found.size)
     gap = float(np.median(np.concatenate([gaps, gaps_back]))) if exact is None else exact
     if gap > limit + (slack if exact is None else 0):
         return None
