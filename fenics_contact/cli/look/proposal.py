@@ -234,7 +234,14 @@ class Proposal:
             if {self._found.surfaces[side[0]].piece for side in sides} & self._bonded:
                 yield f'contact = "bonded"  # {_REPLACE}: "unilateral", once a load presses on it'
             else:
+                if self._may_be_thread(contact.pair):
+                    yield '# if this is a thread, or is glued: contact = "bonded", without friction'
                 yield from ('contact = "unilateral"', f"friction_coefficient = 0.2  # {_REPLACE}")
+
+    def _may_be_thread(self, pair: Pair) -> bool:
+        """Whether a shaft is in a hole without play."""
+        kind = self._found.surfaces[pair.first[0]].shape.kind
+        return kind == "cylinder" and pair.is_exact and pair.gap <= 0
 
     def _about(self, pair: Pair) -> str:
         surfaces = [

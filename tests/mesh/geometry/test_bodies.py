@@ -197,7 +197,7 @@ def test_faces_have_the_labels_of_a_step_file(folder):
 
     file = folder / "faces.step"
     cad.write_shapes(file, build, ("one", "two"))
-    source = MeshSource(str(file), size=0.5, curvature=24)
+    source = MeshSource(str(file), size=1, curvature=8)
     plain = load_body(source, 3, COMM)
     assert not any(group.dimension == 2 for group in plain.groups.values())
     named = [f"face of {number}" for number in range(1, 15)]
