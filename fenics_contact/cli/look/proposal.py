@@ -16,6 +16,7 @@ import tomlkit
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.mesh.geometry.names import plain_name, unique_names
+from fenics_contact.mesh.survey.bolts import bolts
 from fenics_contact.mesh.survey.facing import Pair
 from fenics_contact.mesh.survey.loose import loose_pieces
 from fenics_contact.mesh.survey.survey import FoundSurface, Survey
@@ -85,6 +86,7 @@ class Proposal:
             )
             for name, pair, (one, other) in zip(names, pairs, between, strict=True)
         ]
+        self._bolts = bolts(found, pairs) if curvature is not None and found.are_named else []
         self._held = [self._group("fixed", (n,)) for n in self._places_to_hold()]
 
     def text(self) -> str:
@@ -95,6 +97,7 @@ class Proposal:
                 *self._mesh(),
                 *self._materials(),
                 *self._supports(),
+                *self._preloads(),
                 *self._contacts(),
                 *self._loads(),
                 "",
@@ -224,6 +227,16 @@ class Proposal:
             yield from ("", f"[[support]]  # {_REPLACE}: an example that holds all of a surface")
             yield from (f"on = {_quoted(name)}", f"displacement = {{ {axes} }}")
 
+    def _preloads(self) -> Iterator[str]:
+        """Of bolts in CAD files: there a body can be cut where its shank is."""
+        for bolt in self._bolts:
+            axis = ", ".join(f"{_rounded(part):g}" for part in bolt.axis)
+            first, last = (f"{_rounded(place):g}" for place in bolt.between)
+            yield from ("", f"[[preload]]  # {_REPLACE}: a bolt, with 100 N/mm² in its shank")
+            yield f"on = {_quoted(self._found.bodies[bolt.body].name)}"
+            yield f"between = [{first}, {last}]  # along the axis: it is cut there before meshing"
+            yield from (f"axis = [{axis}]", f"force = {_figures(100 * bolt.area)}")
+
     def _contacts(self) -> Iterator[str]:
         for contact in self.contacts:
             yield from ("", f"# {one_line(self._about(contact.pair))}", "[[contact]]")
@@ -280,6 +293,10 @@ def _quoted(text: str) -> str:
     """A string of TOML, whatever is in the text; what cannot be seen in it is written out."""
     quoted = tomlkit.string(text).as_string()
     return "".join(c if c.isprintable() else f"\\U{ord(c):08X}" for c in quoted)
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.4g}") + 0.0
 
 
 def _figures(value: float) -> str:

@@ -18,7 +18,7 @@ from fenics_contact.mesh.survey.survey import FoundSurface, Survey
 
 TOLERANCE = 1e-3  # of a gap, over the diagonal of all
 _DEEP = 0.02  # of overlaps as drawn, over the same
-_CLEARANCE = 0.15  # of a shaft in its hole, over the radius: what holes for bolts have, and more
+_CLEARANCE = 0.2  # of a shaft in its hole, over the radius: what holes for bolts have
 _LEAST = 0.01  # share of the smaller surface that has to face the other
 _BACK = -0.5  # of the product of two normals that face each other
 _SAMPLES = 400  # points on a surface, at the least

@@ -7,10 +7,12 @@ from mpi4py import MPI
 
 from fenics_contact import MeshSource
 from fenics_contact.mesh.loading import load_to_look
+from fenics_contact.mesh.survey.bolts import bolts
 from fenics_contact.mesh.survey.facing import facing_pairs
 from fenics_contact.mesh.survey.survey import survey
 from tests import cad
 from tests.mesh.test_loading import write
+from tests.scenes import ROOT
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.size > 1, reason="looks on one rank")
 
@@ -87,6 +89,20 @@ def test_joint_has_the_pairs_that_an_engineer_would_name(folder):
     assert [pair.gap for pair in shank] == pytest.approx([0.5, 0.5])
     assert all(pair.is_exact for pair in shank)
     assert facing_pairs(found, tolerance=0.49) == pairs
+
+
+def test_a_shaft_in_its_hole_is_a_pair_and_its_head_is_not():
+    """The joint of the demo: a clearance of .5, and a head whose side is 2 wider than the hole."""
+    found = looked_at(ROOT / "meshes" / "joint.step", curvature=12)
+    pairs = facing_pairs(found)
+    assert {(*first, *second) for first, second in numbers(found, pairs)} == {
+        *((3, 21), (7, 14), (9, 22), (15, 23), (18, 22))
+    }
+    (bolt,) = bolts(found, pairs)
+    assert found.bodies[bolt.body].name == "bolt_M8"
+    assert bolt.axis == pytest.approx((0, 0, 1))
+    assert bolt.between == pytest.approx((-2, 2))  # of a shank from -5 to 5
+    assert bolt.area == pytest.approx(math.pi * 4**2)
 
 
 def test_overlap_of_a_press_fit_is_a_negative_gap(folder):
