@@ -42,6 +42,10 @@ def pytest_addoption(parser):
         "--one-case-in", type=int, default=1, metavar="N", help="of each test, at least one case"
     )
     parser.addoption(
+        "--one-test-in", type=int, default=1, metavar="N",
+        help="of tests that any number of ranks runs, one in N; the next number of ranks the next",
+    )  # fmt: skip
+    parser.addoption(
         "--but-one-case-in", type=int, default=0, metavar="N",
         help="without the cases that two ranks run with --one-case-in N",
     )  # fmt: skip
@@ -49,6 +53,7 @@ def pytest_addoption(parser):
 
 def pytest_collection_modifyitems(config, items):
     left_out = cases_left_out(items, config.getoption("one_case_in"), COMM.size)
+    left_out |= left_to_others(items, config.getoption("one_test_in"), COMM.size)
     if others := config.getoption("but_one_case_in"):
         left_out |= cases_for_two_ranks(items, others)
     if COMM.size > 1:
@@ -80,6 +85,16 @@ def cases_left_out(items, share, ranks):
         first = (zlib.crc32(name.encode()) + ranks) % every
         left_out |= {case for n, case in enumerate(cases) if n % every != first}
     return left_out
+
+
+def left_to_others(items, share, ranks):
+    """All but every n-th test of those that are not serial; which ones depends on the ranks.
+
+    So n numbers of ranks run each test once, with all its cases on the same number.
+    """
+    several = cases_of_tests(item for item in items if not is_serial(item))
+    others = [cases for n, cases in enumerate(several.values()) if n % share != ranks % share]
+    return {case for cases in others for case in cases}
 
 
 def cases_for_two_ranks(items, share):

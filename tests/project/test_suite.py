@@ -5,7 +5,7 @@ from collections import namedtuple
 import pytest
 from dolfinx import jit
 
-from tests.conftest import cases_for_two_ranks, cases_left_out
+from tests.conftest import cases_for_two_ranks, cases_left_out, cases_of_tests, left_to_others
 
 pytestmark = pytest.mark.serial
 
@@ -48,6 +48,18 @@ def test_one_rank_and_two_run_all_cases_together():
 def test_one_rank_runs_other_cases_of_a_test_than_two():
     of_one, of_two = (set(ITEMS) - cases_left_out(ITEMS, 6, ranks) for ranks in (1, 2))
     assert of_one & of_two == {Item("test_alone")}
+
+
+def test_two_numbers_of_ranks_share_the_tests():
+    """Every test is run on one of them, with all its cases; serial ones on one rank, as ever."""
+    serial = [Item(f"test_serial[{case}]") for case in range(4)]
+    of_one, of_two = ({*ITEMS, *serial} - left_to_others([*ITEMS, *serial], 2, n) for n in (1, 2))
+    assert of_one | of_two == {*ITEMS, *serial}
+    assert of_one & of_two == set(serial)
+    assert not set(cases_of_tests(of_one - set(serial))) & set(cases_of_tests(of_two))
+    shares = [len(cases_of_tests(found - set(serial))) for found in (of_one, of_two)]
+    assert abs(shares[0] - shares[1]) <= 1
+    assert not left_to_others([*ITEMS, *serial], 1, 1)
 
 
 def test_forms_are_not_optimised():
