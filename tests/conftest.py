@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from fenics_contact.mesh import loading
+from fenics_contact.report.drawing import style
 from fenics_contact.simulation import scene_run as simulation  # loads FEniCSx in the right order
 from fenics_contact.trust.error_estimates.budget import ErrorBudget
 from tests.scenes import ROOT
@@ -132,6 +133,13 @@ def _error_budget(request, monkeypatch):
     """Only tests of errors have them estimated: it takes about as long as a run."""
     if request.node.get_closest_marker("errors") is None:
         monkeypatch.setattr(simulation, "error_budget", lambda *history: ErrorBudget())
+
+
+@pytest.fixture(autouse=True)
+def _fonts_drawn_quickly(request, monkeypatch):
+    """Outlines of letters instead of parts of fonts, which take a fifth of the time of pictures."""
+    if request.node.get_closest_marker("fonts") is None:
+        monkeypatch.setitem(style.STYLE, "pdf.fonttype", 3)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -27,8 +27,10 @@ NO_ERRORS = 'solver.errors="none"'  # where only answers are looked at
 # Demos of many load steps → coarser, for tests.
 LONG = {
     "cycle": ["mesh.parameters.size=0.14", "steps.number=26", "steps.end=26"],
-    "cattaneo": ["mesh.parameters.size=0.3", "mesh.parameters.cells_outside=3"],
+    "cattaneo": ["mesh.parameters.size=0.3", "mesh.parameters.cells_outside=3", "steps.number=6"],
 }
+# One of each kind has its pictures drawn here; the documentation has those of all demos.
+DRAWN = ("slab", "sphere", "cylinders")
 WEIGHT, SLOPE, FRICTION = 10, 0.1, 0.3  # of the block on an incline
 # Quantity of a demo → value and relative tolerance; of the specification, Section 3.
 FLAT_FORCE = 0.9819 * 2 * 1000 / (1 - 0.3**2) * 0.01  # of the annular punch
@@ -117,12 +119,13 @@ def run_demo(name, folder, *overrides, ranks=1):
 
 @pytest.fixture(scope="module")
 def of_script(tmp_path_factory):
-    """Where a demo's script wrote, by its name: run once, on one rank, with all pictures."""
+    """Where a demo's script wrote, by its name: run once, on one rank, some with all pictures."""
 
     @functools.cache
     def folder(name):
         out = tmp_path_factory.mktemp(name)
-        require_success(start([ROOT / "demos" / f"demo_{name}.py", "--out", out], 1))
+        options = [] if name in DRAWN else ["--no-pictures"]
+        require_success(start([ROOT / "demos" / f"demo_{name}.py", "--out", out, *options], 1))
         return out
 
     return folder
@@ -186,14 +189,15 @@ def test_script_and_scene_on_one_and_two_ranks(name, of_script, tmp_path):
         for key, value in reference.items():
             assert found[key] == pytest.approx(value, rel=1e-9, abs=1e-9), f"{label}: {key}"
         assert_same_table(script, folder)
-    pictures = sorted(path.name for path in script.glob("*.png"))
-    axisymmetric = ["axis_stress.png"] if name in ("annulus", "sphere") else []
-    in_steps = [f"history_{of}.png" for of in ("areas", "energy", "forces", "loops")]
-    flat = ["contact_0.png", "convergence.png", "deformed.png", "surface_displacement.png"]
-    flat += ["stress_0.png"] if name != "slab" else []  # its pressure is given
-    expected = axisymmetric + flat + (in_steps if name in ("cylinders", "incline") else [])
-    assert pictures == sorted(expected)
-    assert (script / "report.html").exists()
+    if name in DRAWN:
+        pictures = sorted(path.name for path in script.glob("*.png"))
+        expected = ["contact_0.png", "convergence.png", "deformed.png", "surface_displacement.png"]
+        expected += ["axis_stress.png"] if name == "sphere" else []
+        expected += ["stress_0.png"] if name != "slab" else []  # its pressure is given
+        if name == "cylinders":
+            expected += [f"history_{of}.png" for of in ("areas", "energy", "forces", "loops")]
+        assert pictures == sorted(expected)
+        assert (script / "report.html").exists()
     if name == "sphere":
         sticks = (reference["stick_area"] / reference["contact_area"]) ** 0.5
         assert sticks == pytest.approx(0.765, rel=3e-3)
@@ -251,7 +255,7 @@ def test_work_of_a_cycle(tmp_path):
 def test_sheared_sphere_sticks_on_cattaneos_circle(tmp_path):
     """And its report has an animation with a frame a step, which changes."""
     steps = history_of("cattaneo", tmp_path, ranks=2)
-    for step in steps[3:]:
+    for step in steps[2:]:
         share = step["friction_force"][0] / (0.3 * step["normal_force"])
         sticks = sqrt(step["stick_area"] / step["contact_area"])
         assert sticks == pytest.approx((1 - share) ** (1 / 3), abs=0.03)
