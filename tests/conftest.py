@@ -19,6 +19,7 @@ from fenics_contact.mesh import loading
 from fenics_contact.report.drawing import style
 from fenics_contact.simulation import scene_run as simulation  # loads FEniCSx in the right order
 from fenics_contact.trust.error_estimates.budget import ErrorBudget
+from tests import compiled_headers
 from tests.scenes import ROOT
 
 from mpi4py import MPI  # isort: skip
@@ -146,6 +147,8 @@ def _fonts_drawn_quickly(request, monkeypatch):
 def _forms_compiled_quickly(tmp_path_factory):
     """The C compiler does not optimise forms: small meshes never give back the time it takes.
 
+    Nor does it read Python's headers again for each of them.
+
     A file for dolfinx says so, hence programs that tests start find it too. Its cache holds these
     forms beside those of users, for the compiler's options are part of a form's name. And
     setuptools looks through all installed packages once, not several times a form.
@@ -153,7 +156,8 @@ def _forms_compiled_quickly(tmp_path_factory):
     config = tmp_path_factory.mktemp("config")
     options = config / "dolfinx" / "dolfinx_jit_options.json"
     options.parent.mkdir()
-    options.write_text(json.dumps({"cffi_extra_compile_args": ["-O0", "-g0"]}))
+    arguments = [*compiled_headers.QUICKLY, "-include", str(compiled_headers.compiled())]
+    options.write_text(json.dumps({"cffi_extra_compile_args": arguments}))
     entry_points = functools.cache(importlib.metadata.entry_points)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CONFIG_HOME", str(config))
