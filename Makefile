@@ -9,14 +9,14 @@ demo: ## run the main example, results in results/slab
 	./bootstrap python demos/demo_slab.py --out results/slab
 
 # Both runs are made and reported, whatever the first one gives. On one rank two processes share
-# the files. Both run every test; of the cases of one that has several, two ranks take a third,
+# the files. Both run every test; of the cases of one that has several, two ranks take a quarter,
 # and one rank the others.
 test: ## run the tests on one and on two ranks
 	@one=0; two=0; \
-	echo './bootstrap python -m pytest -n 2 --dist loadfile --but-one-case-in 3'; \
-	./bootstrap python -m pytest -n 2 --dist loadfile --but-one-case-in 3 --ignore=tests/browser || one=$$?; \
-	echo './bootstrap mpi 2 -m pytest --one-case-in 3'; \
-	./bootstrap mpi 2 -m pytest --one-case-in 3 --ignore=tests/browser || two=$$?; \
+	echo './bootstrap python -m pytest -n 2 --dist loadfile --but-one-case-in 4'; \
+	./bootstrap python -m pytest -n 2 --dist loadfile --but-one-case-in 4 --ignore=tests/browser || one=$$?; \
+	echo './bootstrap mpi 2 -m pytest --one-case-in 4'; \
+	./bootstrap mpi 2 -m pytest --one-case-in 4 --ignore=tests/browser || two=$$?; \
 	[ $$one = 0 ] || echo 'make test: FAILED on one rank'; \
 	[ $$two = 0 ] || echo 'make test: FAILED on two ranks'; \
 	[ $$one = 0 ] && [ $$two = 0 ]

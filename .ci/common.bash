@@ -36,9 +36,13 @@ apt_install() {
         echo "$1 is missing; install: ${*:2}"
         return 1
     fi
-    quietly "apt-$1" apt-get update &&
-        quietly "apt-$1" env DEBIAN_FRONTEND=noninteractive \
-            apt-get install -y --no-install-recommends "${@:2}"
+    mkdir -p "$cache"
+    { # one at a time: apt gives up where another one is at work
+        flock 8 &&
+            quietly "apt-$1" apt-get update 8>&- &&
+            quietly "apt-$1" env DEBIAN_FRONTEND=noninteractive \
+                apt-get install -y --no-install-recommends -o DPkg::Lock::Timeout=300 "${@:2}" 8>&-
+    } 8>"$cache/apt-lock"
 }
 
 # A bare Debian 13 as a tar file, with what this machine needs to reach its mirror.

@@ -16,8 +16,10 @@ from pathlib import Path
 import pytest
 
 from fenics_contact.mesh import loading
+from fenics_contact.report.drawing import style
 from fenics_contact.simulation import scene_run as simulation  # loads FEniCSx in the right order
 from fenics_contact.trust.error_estimates.budget import ErrorBudget
+from tests import compiled_headers
 from tests.scenes import ROOT
 
 from mpi4py import MPI  # isort: skip
@@ -42,6 +44,10 @@ def pytest_addoption(parser):
         "--one-case-in", type=int, default=1, metavar="N", help="of each test, at least one case"
     )
     parser.addoption(
+        "--one-test-in", type=int, default=1, metavar="N",
+        help="of tests that any number of ranks runs, one in N; the next number of ranks the next",
+    )  # fmt: skip
+    parser.addoption(
         "--but-one-case-in", type=int, default=0, metavar="N",
         help="without the cases that two ranks run with --one-case-in N",
     )  # fmt: skip
@@ -49,6 +55,7 @@ def pytest_addoption(parser):
 
 def pytest_collection_modifyitems(config, items):
     left_out = cases_left_out(items, config.getoption("one_case_in"), COMM.size)
+    left_out |= left_to_others(items, config.getoption("one_test_in"), COMM.size)
     if others := config.getoption("but_one_case_in"):
         left_out |= cases_for_two_ranks(items, others)
     if COMM.size > 1:
@@ -80,6 +87,16 @@ def cases_left_out(items, share, ranks):
         first = (zlib.crc32(name.encode()) + ranks) % every
         left_out |= {case for n, case in enumerate(cases) if n % every != first}
     return left_out
+
+
+def left_to_others(items, share, ranks):
+    """All but every n-th test of those that are not serial; which ones depends on the ranks.
+
+    So n numbers of ranks run each test once, with all its cases on the same number.
+    """
+    several = cases_of_tests(item for item in items if not is_serial(item))
+    others = [cases for n, cases in enumerate(several.values()) if n % share != ranks % share]
+    return {case for cases in others for case in cases}
 
 
 def cases_for_two_ranks(items, share):
@@ -119,9 +136,18 @@ def _error_budget(request, monkeypatch):
         monkeypatch.setattr(simulation, "error_budget", lambda *history: ErrorBudget())
 
 
+@pytest.fixture(autouse=True)
+def _fonts_drawn_quickly(request, monkeypatch):
+    """Outlines of letters instead of parts of fonts, which take a fifth of the time of pictures."""
+    if request.node.get_closest_marker("fonts") is None:
+        monkeypatch.setitem(style.STYLE, "pdf.fonttype", 3)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _forms_compiled_quickly(tmp_path_factory):
     """The C compiler does not optimise forms: small meshes never give back the time it takes.
+
+    Nor does it read Python's headers again for each of them.
 
     A file for dolfinx says so, hence programs that tests start find it too. Its cache holds these
     forms beside those of users, for the compiler's options are part of a form's name. And
@@ -130,7 +156,8 @@ def _forms_compiled_quickly(tmp_path_factory):
     config = tmp_path_factory.mktemp("config")
     options = config / "dolfinx" / "dolfinx_jit_options.json"
     options.parent.mkdir()
-    options.write_text(json.dumps({"cffi_extra_compile_args": ["-O0", "-g0"]}))
+    arguments = [*compiled_headers.QUICKLY, "-include", str(compiled_headers.compiled())]
+    options.write_text(json.dumps({"cffi_extra_compile_args": arguments}))
     entry_points = functools.cache(importlib.metadata.entry_points)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CONFIG_HOME", str(config))

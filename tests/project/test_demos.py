@@ -35,6 +35,8 @@ LONG = {
         "steps.times=[1, 1.5, 2, 3, 4, 6]",
     ],
 }
+# One of each kind has its pictures drawn here; the documentation has those of all demos.
+DRAWN = ("slab", "sphere", "cylinders")
 WEIGHT, SLOPE, FRICTION = 10, 0.1, 0.3  # of the block on an incline
 # Quantity of a demo → value and relative tolerance; of the specification, Section 3.
 FLAT_FORCE = 0.9819 * 2 * 1000 / (1 - 0.3**2) * 0.01  # of the annular punch
@@ -123,12 +125,13 @@ def run_demo(name, folder, *overrides, ranks=1):
 
 @pytest.fixture(scope="module")
 def of_script(tmp_path_factory):
-    """Where a demo's script wrote, by its name: run once, on one rank, with all pictures."""
+    """Where a demo's script wrote, by its name: run once, on one rank, some with all pictures."""
 
     @functools.cache
     def folder(name):
         out = tmp_path_factory.mktemp(name)
-        require_success(start([ROOT / "demos" / f"demo_{name}.py", "--out", out], 1))
+        options = [] if name in DRAWN else ["--no-pictures"]
+        require_success(start([ROOT / "demos" / f"demo_{name}.py", "--out", out, *options], 1))
         return out
 
     return folder
@@ -192,14 +195,15 @@ def test_script_and_scene_on_one_and_two_ranks(name, of_script, tmp_path):
         for key, value in reference.items():
             assert found[key] == pytest.approx(value, rel=1e-9, abs=1e-9), f"{label}: {key}"
         assert_same_table(script, folder)
-    pictures = sorted(path.name for path in script.glob("*.png"))
-    axisymmetric = ["axis_stress.png"] if name in ("annulus", "sphere") else []
-    in_steps = [f"history_{of}.png" for of in ("areas", "energy", "forces", "loops")]
-    flat = ["contact_0.png", "convergence.png", "deformed.png", "surface_displacement.png"]
-    flat += ["stress_0.png"] if name != "slab" else []  # its pressure is given
-    expected = axisymmetric + flat + (in_steps if name in ("cylinders", "incline") else [])
-    assert pictures == sorted(expected)
-    assert (script / "report.html").exists()
+    if name in DRAWN:
+        pictures = sorted(path.name for path in script.glob("*.png"))
+        expected = ["contact_0.png", "convergence.png", "deformed.png", "surface_displacement.png"]
+        expected += ["axis_stress.png"] if name == "sphere" else []
+        expected += ["stress_0.png"] if name != "slab" else []  # its pressure is given
+        if name == "cylinders":
+            expected += [f"history_{of}.png" for of in ("areas", "energy", "forces", "loops")]
+        assert pictures == sorted(expected)
+        assert (script / "report.html").exists()
     if name == "sphere":
         sticks = (reference["stick_area"] / reference["contact_area"]) ** 0.5
         assert sticks == pytest.approx(0.765, rel=3e-3)

@@ -1,11 +1,13 @@
 """What `make test` leaves out on one rank, and on two; and how it has forms compiled."""
 
+import subprocess
 from collections import namedtuple
 
 import pytest
 from dolfinx import jit
 
-from tests.conftest import cases_for_two_ranks, cases_left_out
+from tests.compiled_headers import QUICKLY, command_of_forms, compiled
+from tests.conftest import cases_for_two_ranks, cases_left_out, cases_of_tests, left_to_others
 
 pytestmark = pytest.mark.serial
 
@@ -50,6 +52,30 @@ def test_one_rank_runs_other_cases_of_a_test_than_two():
     assert of_one & of_two == {Item("test_alone")}
 
 
+def test_two_numbers_of_ranks_share_the_tests():
+    """Every test is run on one of them, with all its cases; serial ones on one rank, as ever."""
+    serial = [Item(f"test_serial[{case}]") for case in range(4)]
+    of_one, of_two = ({*ITEMS, *serial} - left_to_others([*ITEMS, *serial], 2, n) for n in (1, 2))
+    assert of_one | of_two == {*ITEMS, *serial}
+    assert of_one & of_two == set(serial)
+    assert not set(cases_of_tests(of_one - set(serial))) & set(cases_of_tests(of_two))
+    shares = [len(cases_of_tests(found - set(serial))) for found in (of_one, of_two)]
+    assert abs(shares[0] - shares[1]) <= 1
+    assert not left_to_others([*ITEMS, *serial], 1, 1)
+
+
 def test_forms_are_not_optimised():
     """Their options are in place before dolfinx first looks for them, which it does once."""
-    assert jit.get_options()["cffi_extra_compile_args"] == ["-O0", "-g0"]
+    arguments = jit.get_options()["cffi_extra_compile_args"]
+    assert arguments == [*QUICKLY, "-include", str(compiled())]
+    assert arguments[0] == "-O0"
+
+
+def test_the_compiler_takes_the_headers_that_it_has_compiled(tmp_path):
+    """With the options that forms have; what Python.h includes is then not read."""
+    source = tmp_path / "form.c"
+    source.write_text("#define _CFFI_\n#include <Python.h>\n#include <ufcx.h>\nufcx_form form;\n")
+    command = [*command_of_forms(), "-H", "-c", source, "-o", tmp_path / "form.o"]
+    for included in ([], ["-include", compiled()]):
+        done = subprocess.run([*command, *included], capture_output=True, text=True, check=True)
+        assert ("/object.h" in done.stderr) is not bool(included), done.stderr

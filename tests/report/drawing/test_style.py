@@ -54,6 +54,15 @@ def luminance_of_colours(path):
     return found
 
 
+@pytest.mark.fonts
+def test_text_of_a_pdf_can_be_edited_and_searched(tmp_path):
+    """With parts of TrueType fonts, as publishers want them, and no letters drawn as outlines."""
+    figure, _ = new_figure("of $1", (2, 2))
+    save(figure, tmp_path / "picture.png")
+    written = (tmp_path / "picture.pdf").read_bytes()
+    assert b"/FontFile2" in written and b"/Type3" not in written
+
+
 @pytest.mark.parametrize("kind", ["line", "map"])
 def test_status_is_told_apart_in_grey(kind, tmp_path):
     """By a fifth of the way from black to white at least."""
