@@ -48,9 +48,11 @@ def test_three_solids_of_a_step_file_to_a_scene_that_check_accepts(folder, capsy
     assert [material["on"] for material in scene["material"]] == NAMES
     assert [contact["name"] for contact in scene["contact"]] == [
         "lower_plate-upper_plate",
-        "lower_plate-Bolt",
-        "upper_plate-Bolt",
+        *("lower_plate-Bolt_1", "lower_plate-Bolt_2", "upper_plate-Bolt_1", "upper_plate-Bolt_2"),
     ]
+    (bolt,) = scene["preload"]
+    assert (bolt["on"], bolt["axis"]) == ("Bolt", [0, 0, 1])
+    assert 0 < bolt["between"][0] < bolt["between"][1] < 2 * cad.THICK
     assert len(scene["support"]) == 1  # the head and the nut hold on to the other bodies
     assert scene["mesh"]["file"] == "../joint.step"
 
