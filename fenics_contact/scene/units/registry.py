@@ -62,12 +62,12 @@ def factor(unit: str, length: str, force: str, powers: tuple[float, float]) -> D
     Raises:
         UnknownUnitError: It is not known, or measures something else.
 
-    >>> factor("GPa", "mm", "N", (-2, 1))
-    Decimal('1000')
+    >>> int(factor("GPa", "mm", "N", (-2, 1)))
+    1000
     """
     one, wanted = _parsed(unit), _product(length, force, powers)
     try:
-        return Decimal(one.to(wanted).magnitude).normalize()
+        return Decimal(one.to(wanted).magnitude)
     except _pint().errors.DimensionalityError:
         raise UnknownUnitError(f"'{unit}' measures something else") from None
 
