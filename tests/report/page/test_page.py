@@ -43,7 +43,7 @@ ORDER = [
     *("pictures", "view-3d", "quantities", "checks", "scene", "model", "contacts", "iterations"),
     *("timings", "versions", "cite", "reproduce"),
 ]
-VOID = ("meta", "link", "img", "br")
+VOID = ("meta", "link", "img", "br", "input")
 
 
 class Reader(HTMLParser):
