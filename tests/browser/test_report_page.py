@@ -118,12 +118,8 @@ def seen(browser):
     return np.array(Image.open(io.BytesIO(content)).convert("RGB"), dtype=int)
 
 
-def press(browser, group, number):
-    """Press a button of the view, and wait until it is drawn again."""
-    times = drawn(browser)
-    buttons = browser.driver.find_elements("css selector", f'button[data-group="{group}"]')
-    browser.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", buttons[number])
-    buttons[number].click()
+def drawn_again(browser, times):
+    """Wait until the view has been drawn more often."""
     browser.driver.execute_async_script(
         """const [times, done] = arguments;
         (function look() {
@@ -132,6 +128,15 @@ def press(browser, group, number):
         })();""",
         times,
     )
+
+
+def press(browser, group, number):
+    """Press a button of the view, and wait until it is drawn again."""
+    times = drawn(browser)
+    buttons = browser.driver.find_elements("css selector", f'button[data-group="{group}"]')
+    browser.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", buttons[number])
+    buttons[number].click()
+    drawn_again(browser, times)
     return buttons[number]
 
 
@@ -144,14 +149,7 @@ def pulled(browser, step):
         slider.dispatchEvent(new Event("input"));""",
         step,
     )
-    browser.driver.execute_async_script(
-        """const [times, done] = arguments;
-        (function look() {
-            Number(document.getElementById("view").dataset.drawn) > times
-                ? setTimeout(done, 300) : setTimeout(look, 50);
-        })();""",
-        times,
-    )
+    drawn_again(browser, times)
 
 
 def share(a, b):

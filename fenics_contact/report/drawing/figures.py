@@ -99,6 +99,7 @@ def save(figure: Figure, path: Path, tight: bool = False) -> None:
     """
     box: dict[str, Any] = {}
     with style():
+        _plain_ticks(figure)
         if tight:  # once, and not for each of the two files
             figure.draw_without_rendering()
             figure.set_layout_engine("none")
@@ -108,6 +109,24 @@ def save(figure: Figure, path: Path, tight: bool = False) -> None:
         figure.set_layout_engine("none")  # as it is now: to lay out again takes as long as to draw
         with replaced_file(path.with_suffix(".pdf")) as temporary:
             figure.savefig(temporary, metadata={"CreationDate": None}, **box)
+
+
+def _plain_ticks(figure: Figure) -> None:
+    """Numbers on axes that are no formulas look the same, and take a third of the time."""
+    from matplotlib.ticker import ScalarFormatter
+
+    class Plain(ScalarFormatter):
+        """Formulas are kept for the power of ten beside an axis."""
+
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            """A number on the axis."""
+            text = super().__call__(x, pos)
+            return text.removeprefix(r"$\mathdefault{").removesuffix("}$")
+
+    for panel in figure.axes:
+        for axis in (panel.xaxis, panel.yaxis):
+            if type(axis.get_major_formatter()) is ScalarFormatter:
+                axis.set_major_formatter(Plain())
 
 
 def save_png(figure: Figure, path: Path) -> None:

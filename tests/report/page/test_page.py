@@ -43,7 +43,7 @@ ORDER = [
     *("pictures", "view-3d", "checks", "quantities", "scene", "model", "contacts", "iterations"),
     *("timings", "versions", "cite", "reproduce"),
 ]
-VOID = ("meta", "link", "img", "br")
+VOID = ("meta", "link", "img", "br", "input")
 
 
 class Reader(HTMLParser):

@@ -102,6 +102,10 @@ def test_fields_are_a_time_series(folder):
     def read():
         times, body = series(folder)
         assert times == list(found)
+        # whatever ranks wrote which of the cells: all facets of the upper side, once
+        flags = np.asarray(body(times[-1]).cell_data["facets of y1"])
+        assert len(flags) == 8 * 4 and np.unpackbits(flags).sum() == 8
+        assert (np.asarray(body(times[-1]).cell_data["body"]) == 0).all()
         for time, size in found.items():
             assert np.abs(body(time)["displacement"]).max() == size
 
