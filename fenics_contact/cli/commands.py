@@ -43,6 +43,7 @@ def execute(options: argparse.Namespace) -> int:
     _log_to_terminal(options, logging.WARNING if options.command == "verify" else logging.INFO)
     action = {
         "check": lambda: _check(options),
+        "look": lambda: on_root(MPI.COMM_WORLD, lambda: _look(options)),
         "new": lambda: on_root(MPI.COMM_WORLD, lambda: _new(options)),
         "report": lambda: on_root(MPI.COMM_WORLD, lambda: _report(options.folder, options.quiet)),
         "run": lambda: _run(options),
@@ -179,6 +180,15 @@ def _report(folder: Path, quiet: bool) -> int:
     written = [*(picture.path for picture in write_report(folder)), folder / PAGE]
     for path in [] if quiet else written:
         print(f"  {one_line(str(path))}")
+    return 0
+
+
+def _look(options: argparse.Namespace) -> int:
+    from fenics_contact.cli.look.command import look_at
+
+    said = look_at(options.file, options.out, options.tolerance)
+    if not options.quiet:
+        print(said)
     return 0
 
 

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, NoReturn
 
+from fenics_contact.cli.look import options as look
 from fenics_contact.common.plain_text import printable
 from fenics_contact.common.wording.suggestions import did_you_mean
 
@@ -32,6 +33,7 @@ Exit codes:
 _FIRST = """\
 Examples:
   fenics-contact new hertz              # a scene to start from, with its mesh
+  fenics-contact look joint.step        # a CAD file as a page, and a scene to complete
   fenics-contact check hertz.toml       # what would be modelled
   fenics-contact run hertz.toml         # solves it
   fenics-contact report results/hertz   # pictures and a page
@@ -247,6 +249,12 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
     made = {}
     for name, words, usage, description in (
         ("new", "write a scene to start from", "NAME [options]", _NEW),
+        (
+            "look",
+            "show a CAD or mesh file, and write a scene for it",
+            "FILE [options]",
+            look.DESCRIPTION,
+        ),
         ("check", "say what would be modelled, without solving", "SCENE.toml [options]", _CHECK),
         ("run", "solve a scene", "SCENE.toml [options] [-- PETSc options]", ""),
         ("report", "pictures and a page from the files of a run", "DIR [options]", _REPORT),
@@ -264,6 +272,7 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
     _describe_run(made["run"])
     _describe_check(made["check"])
     _describe_new(made["new"])
+    look.describe(made["look"])
     made["report"].add_argument("folder", metavar="DIR", type=Path, help="results of a run")
     _describe_verify(made["verify"])
     made["completion"].add_argument("shell", choices=SHELLS, help="for which it is")

@@ -63,6 +63,7 @@ class MeshArrays:
         groups: Name → group.
         numbers: Number → group.
         relations: Of the bodies of the geometry that are near each other.
+        sides: Parts of the boundary by Gmsh's numbers, which ``mesh.groups`` takes.
     """
 
     cell: str
@@ -75,6 +76,7 @@ class MeshArrays:
     groups: Mapping[str, Group]
     numbers: Mapping[str, Group]
     relations: tuple[Relation, ...]
+    sides: Mapping[str, Group]
 
 
 def build(
@@ -113,10 +115,11 @@ def build(
     facets, facet_tags, boundary = _unique(facets, facet_parts, corners, len(points))
     facets = facets[:, _permutation(_SIDES[corners], facets.shape[1])]
     tags = _Tags(dimension, body, boundary, outside)
-    groups, numbers = _groups(key, source, description, tags)
+    groups, numbers, sides = _groups(key, source, description, tags)
     relations = tuple(_relation(**found) for found in description.get("relations", ()))
     return MeshArrays(
-        *(cell, order, points, cells, cell_tags, facets, facet_tags, groups, numbers, relations)
+        *(cell, order, points, cells, cell_tags, facets, facet_tags),
+        *(groups, numbers, relations, sides),
     )
 
 
@@ -279,8 +282,8 @@ class _Tags:
 
 def _groups(
     key: str, source: MeshSource, description: Mapping[str, Any], tags: _Tags
-) -> tuple[dict[str, Group], dict[str, Group]]:
-    """Groups by name (of the file, of the scene, the whole body) and by number."""
+) -> tuple[dict[str, Group], dict[str, Group], dict[str, Group]]:
+    """Groups by name (of the file, of the scene, the whole body), by number, and all sides."""
     where = f"{key}.file = '{source.file}'"
     groups: dict[str, Group] = {}
     numbers: dict[str, Group] = {}
@@ -314,7 +317,7 @@ def _groups(
                     f"it has: {', '.join(sides) or 'none'}"
                 )
         groups[name] = tags.group(tags.dimension - 1, parts)
-    return groups, numbers if has_boundaries else sides
+    return groups, numbers if has_boundaries else sides, sides
 
 
 def _joined(where: str, name: str, first: Group | None, second: Group) -> Group:

@@ -52,6 +52,7 @@ def joined(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> MeshA
     facet_shifts = _shifts([mesh.facet_tags for mesh in meshes])
     groups: dict[str, Group] = {}
     numbers: dict[str, Group] = {}
+    sides: dict[str, Group] = {}
     relations: list[Relation] = []
     for source, mesh, cells, facets in zip(sources, meshes, cell_shifts, facet_shifts, strict=True):
         dimension = mesh.points.shape[1]
@@ -59,6 +60,7 @@ def joined(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> MeshA
         groups |= {source.name: _moved(_all_cells(mesh), moved)}
         groups |= _prefixed(source.name, mesh.groups, moved)
         numbers |= _prefixed(source.name, mesh.numbers, moved)
+        sides |= _prefixed(source.name, mesh.sides, moved)
         relations += [_named(source.name, relation) for relation in mesh.relations]
     return MeshArrays(
         meshes[0].cell,
@@ -71,6 +73,7 @@ def joined(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> MeshA
         groups,
         numbers,
         tuple(relations),
+        sides,
     )
 
 

@@ -141,6 +141,40 @@ def _load(
         curved: As for ``load_body``.
         cuts: Of its bodies.
     """
+    description, read = _read(key, source, dimension, sizes, curved, cuts)
+    made = mesh_arrays.build(read, description, source, dimension, key)
+    for relation in made.relations:
+        if relation.kind == "overlapping":
+            logger.warning("%s.file = '%s': %s", key, source.file, relation.words)
+    return made
+
+
+def load_to_look(source: MeshSource) -> tuple[MeshArrays, dict[str, Any]]:
+    """The mesh of a file of whatever dimension, to be looked at; on rank 0.
+
+    Args:
+        source: The file and how to mesh it.
+
+    Returns:
+        The mesh, and the arrays of ``exact_surfaces`` where Gmsh opens the file.
+
+    Raises:
+        InputError: As ``load_body``; or the file is neither plane nor of space.
+    """
+    description, read = _read("mesh", source, 0, None, curved=False, cuts=())
+    dimension = max(description["dimension"], 2)
+    return mesh_arrays.build(read, description, source, dimension, "mesh"), read
+
+
+def _read(
+    key: str,
+    source: MeshSource,
+    dimension: int,
+    sizes: SizeField | None,
+    curved: bool,
+    cuts: Sequence[Cut],
+) -> gmsh_call.Answer:
+    """The description and the arrays of a file; dimension 0 is that of the file."""
     file = mesh_file(f"{key}.file", source.file)
     _check_settings(key, source, file)
     job = _job(key, source, file, dimension) | {"cuts": cuts_of(file, source, cuts)}
@@ -156,12 +190,7 @@ def _load(
         ready = prepared(file, Path(folder))
         job |= {"file": str(ready.path), "version": ready.version, "folder": folder}
         given = b"" if sizes is None else sizes.as_bytes()
-        description, read = gmsh_call.call(ready, job, given, limits)
-    made = mesh_arrays.build(read, description, source, dimension, key)
-    for relation in made.relations:
-        if relation.kind == "overlapping":
-            logger.warning("%s.file = '%s': %s", key, source.file, relation.words)
-    return made
+        return gmsh_call.call(ready, job, given, limits)
 
 
 def _check_settings(key: str, source: MeshSource, file: MeshFile) -> None:

@@ -40,7 +40,7 @@ class Relation:
     Attributes:
         bodies: Their names.
         kind: ``glued``: they share a face; ``touching``: they do not, so that they are apart for
-            the mesh; or ``overlapping``.
+            the mesh; ``overlapping``; or ``unknown``, where their shapes could not be intersected.
         overlap: What they share: a volume, in the plane an area.
         share: The same, over that of the smaller.
     """
@@ -59,6 +59,8 @@ class Relation:
                 f"{both} overlap by {self.overlap:.4g}, {100 * self.share:.2g} % of the smaller: a "
                 "contact between them presses them apart (a press fit), without one they stay so"
             )
+        if self.kind == "unknown":
+            return f"{both} are near each other; whether they overlap could not be found out"
         if self.kind == "glued":
             return f"{both} are glued: they share a face, and move together there"
         return f"{both} touch, and are apart for the mesh: only a contact holds or presses them"

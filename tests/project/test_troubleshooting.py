@@ -23,6 +23,7 @@ TREES = {
 EXPLAINED = ("NoEquilibriumError", "NotConvergedError", "MachineError", "_StalledError")
 NOT_OF_SCENES = {
     "cli/commands.py",
+    "cli/look/command.py",
     "cli/new_scene.py",
     "common/petsc_options.py",
     "report/drawing/display.py",

@@ -34,8 +34,8 @@ class Bodies:
             shares one, unless the file's physical groups do.
         surfaces: Name → Gmsh's numbers of the surfaces, or curves, that the file calls so.
         relations: How bodies lie that are near each other: ``bodies``, two names; ``kind``,
-            ``glued``, ``touching`` or ``overlapping``; and ``overlap``, a volume or an area, with
-            its ``share`` of the smaller.
+            ``glued``, ``touching``, ``overlapping`` or ``unknown``; and ``overlap``, a volume or an
+            area, with its ``share`` of the smaller.
         are_groups: Whether they are the file's physical groups, which are known anyway.
         preloaded: Name → Gmsh's numbers of the pieces of bodies that are preloaded.
     """
@@ -150,6 +150,16 @@ def _relation(
     pairs = list(_near(dimension, first, second))
     if not pairs:
         return "", 0.0, 0.0
+    try:
+        return _compared(dimension, first, second, pairs)
+    except Exception:  # Gmsh raises plain Exceptions, where OpenCASCADE cannot intersect shapes
+        return "unknown", 0.0, 0.0
+
+
+def _compared(
+    dimension: int, first: Sequence[int], second: Sequence[int], pairs: list[tuple[int, int]]
+) -> tuple[str, float, float]:
+    """The same of bodies that share no face, from the shapes of parts that are near."""
     smaller = min(_measure(dimension, first), _measure(dimension, second))
     overlap = sum(_overlap(dimension, *pair) for pair in pairs)
     if overlap > _ROUND_OFF * smaller:
@@ -199,8 +209,10 @@ def _overlap(dimension: int, first: int, second: int) -> float:
     """Volume, or area, that two parts share; the model stays as it is."""
     occ = gmsh.model.occ
     copies = [occ.copy([(dimension, part)]) for part in (first, second)]
-    shared, _ = occ.intersect(*copies)
-    shared = [part for part in shared if part[0] == dimension]
-    measure = float(sum(occ.getMass(*part) for part in shared))
-    occ.remove(shared, recursive=True)
-    return measure
+    try:
+        shared, _ = occ.intersect(*copies, removeObject=False, removeTool=False)
+        copies.append(shared)
+        return float(sum(occ.getMass(*part) for part in shared if part[0] == dimension))
+    finally:
+        for made in copies:
+            occ.remove(made, recursive=True)

@@ -20,9 +20,10 @@ from typing import Any
 import gmsh
 import numpy as np
 
+from fenics_contact.mesh.cuts import cut_bodies
 from fenics_contact.mesh.geometry import process_room as room
 from fenics_contact.mesh.geometry.bodies import Bodies, name_bodies, name_surfaces, relate
-from fenics_contact.mesh.geometry.cuts import cut_bodies
+from fenics_contact.mesh.geometry.exact_surfaces import exact_surfaces
 from fenics_contact.mesh.geometry.process_room import Arrays, Job, RefusedError
 from fenics_contact.mesh.geometry.size_limits import (
     largest_size,
@@ -67,7 +68,10 @@ def _mesh(job: Job) -> tuple[dict[str, Any], Arrays]:
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # PETSc, in Gmsh, dies of what nobody reads
     gmsh.option.setNumber("General.Terminal", 1)
     bodies = _READERS[job["kind"]](job)
-    return _describe(bodies), _elements(bodies)
+    arrays = _elements(bodies)
+    if not job["dimension"]:
+        arrays |= exact_surfaces(gmsh.model.getDimension())
+    return _describe(bodies), arrays
 
 
 def _read_mesh(job: Job) -> Bodies:
@@ -143,8 +147,9 @@ def _set_options(job: Job) -> None:
 
 def _generate(job: Job) -> Bodies:
     """Mesh, if the model has parts of the dimension asked for; the caller sees if not."""
-    bodies = Bodies(job["dimension"])
-    if gmsh.model.getDimension() != job["dimension"]:
+    dimension = job["dimension"] or gmsh.model.getDimension()
+    bodies = Bodies(dimension)
+    if gmsh.model.getDimension() != dimension or dimension < 2:
         return bodies
     for prepare in _PREPARATIONS:
         prepare(job, bodies)
@@ -153,7 +158,7 @@ def _generate(job: Job) -> Bodies:
     if job["sizes"]:
         _mesh_by_sizes(job, bodies)
     else:
-        gmsh.model.mesh.generate(job["dimension"])
+        gmsh.model.mesh.generate(dimension)
     return bodies
 
 

@@ -13,12 +13,14 @@ from mpi4py import MPI
 from ufl import Measure
 
 from fenics_contact import MeshSource, main
+from fenics_contact.mesh.geometry import bodies
 from fenics_contact.mesh.geometry.names import plain_name
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.mesh.size_field import SizeField
+from fenics_contact.mesh.tagged_mesh import Relation
 from tests import cad
 from tests.body.test_connected_parts import parts_of
-from tests.mesh.test_loading import area, refusal, write
+from tests.mesh.test_loading import area, refusal, with_gmsh, write
 
 COMM = MPI.COMM_WORLD
 LABELS = ("lower plate", "upper plate", "Bolt")
@@ -84,6 +86,7 @@ def test_overlap_is_said_with_its_volume(folder, caplog):
         body = load_body(MeshSource(file, size=5), 3, COMM)
     found = {r.bodies: r for r in body.relations if r.kind == "overlapping"}
     assert list(found) == [("lower_plate", "Bolt"), ("upper_plate", "Bolt")]
+    assert list(body.numbers) == [str(number) for number in range(1, 22)]  # nothing is left over
     for relation in found.values():
         exact = math.pi / 4 * (5.2**2 - 5**2) * cad.THICK
         assert relation.overlap == pytest.approx(exact, rel=1e-9)
@@ -92,6 +95,28 @@ def test_overlap_is_said_with_its_volume(folder, caplog):
     told = [record.getMessage() for record in caplog.records]
     assert len(told) == (2 if COMM.rank == 0 else 0)
     assert all("overlap by 6.409" in line and "press fit" in line for line in told)
+
+
+@pytest.mark.serial
+def test_shapes_that_cannot_be_intersected_are_said_and_leave_nothing(monkeypatch):
+    def fails(*shapes, **settings):
+        raise Exception("Could not intersect")
+
+    def look(gmsh):
+        for level in (0, 1):
+            gmsh.model.occ.addBox(0, 0, level, 1, 1, 1)
+        gmsh.model.occ.synchronize()
+        monkeypatch.setattr(gmsh.model.occ, "intersect", fails)
+        found = bodies.Bodies(3)
+        job = {"groups": [], "sizes": False}
+        for prepare in (bodies.name_bodies, bodies.relate):
+            prepare(job, found)
+        assert [relation["kind"] for relation in found.relations] == ["unknown"]
+        gmsh.model.occ.synchronize()
+        assert len(gmsh.model.getEntities(3)) == 2
+
+    with_gmsh(look)
+    assert "could not be found out" in Relation(("a", "b"), "unknown").words
 
 
 def test_body_inside_another_is_refused(folder):
@@ -158,8 +183,8 @@ def test_hostile_labels_of_solids_and_of_faces(folder):
     found = Counter(group.dimension for group in body.groups.values())
     assert found == {2: 6, 3: 7}
     assert all(re.fullmatch(r"[\w-]+", name, re.ASCII) for name in body.groups)
-    bodies = [name for name, group in body.groups.items() if group.dimension == 3]
-    assert bodies == ["b", "plate_1", "plate_2", "body_1", "body_5", "q_a", "body"]
+    called = [name for name, group in body.groups.items() if group.dimension == 3]
+    assert called == ["b", "plate_1", "plate_2", "body_1", "body_5", "q_a", "body"]
 
 
 def test_faces_have_the_labels_of_a_step_file(folder):

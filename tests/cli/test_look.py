@@ -1,0 +1,172 @@
+"""``fenics-contact look``: from a file to a page, and to a scene that ``check`` accepts."""
+
+import json
+import re
+import tomllib
+from html.parser import HTMLParser
+
+import pytest
+
+from fenics_contact import load_scene, main, run
+from tests import cad
+from tests.mesh.geometry.test_bodies import LABELS, NAMES
+from tests.mesh.test_loading import with_gmsh
+from tests.scenes import ROOT
+
+pytestmark = pytest.mark.serial
+
+STACK = """
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 2, 2, 1};
+Box(2) = {0.5, 0.5, 1, 1, 1, 1};
+Mesh.MeshSizeMax = 0.7;
+"""
+GLUED = STACK + "BooleanFragments{ Volume{1}; Delete; }{ Volume{2}; Delete; }\n"
+DISK = 'SetFactory("OpenCASCADE");\nRectangle(1) = {0,0,0,2,1};\nDisk(2) = {1,1.5,0,.5,.5};\n'
+
+
+def look(path, out, *options):
+    code = main(["look", str(path), "--out", str(out), *options])
+    return code, out / "scene.toml"
+
+
+def checked(path, out):
+    """The scene that is proposed for a file, which ``check`` accepts."""
+    code, scene = look(path, out)
+    assert code == 0
+    assert main(["check", str(scene), "--quiet"]) == 0
+    return tomllib.loads(scene.read_text())
+
+
+def test_three_solids_of_a_step_file_to_a_scene_that_check_accepts(folder, capsys):
+    """No number is looked up by hand."""
+    cad.write_shapes(folder / "joint.step", cad.joint, LABELS)
+    scene = checked(folder / "joint.step", folder / "out")
+    said = capsys.readouterr().out
+    assert "joint.step: 3 bodies, 21 surfaces" in said
+    assert "lower_plate-upper_plate: lower_plate: 3; upper_plate: 12; they touch over" in said
+    assert [material["on"] for material in scene["material"]] == NAMES
+    assert [contact["name"] for contact in scene["contact"]] == [
+        "lower_plate-upper_plate",
+        "lower_plate-Bolt",
+        "upper_plate-Bolt",
+    ]
+    assert len(scene["support"]) == 1  # the head and the nut hold on to the other bodies
+    assert scene["mesh"]["file"] == "../joint.step"
+
+
+def test_a_stack_is_held_and_can_be_pressed(folder):
+    """Nothing holds the upper block down before a load does: the example holds both."""
+    (folder / "stack.geo").write_text(STACK)
+    scene = checked(folder / "stack.geo", folder / "out")
+    assert len(scene["support"]) == 2
+    path = folder / "out" / "scene.toml"
+    groups = scene["mesh"]["groups"]
+    assert groups[scene["contact"][0]["against"]] == [11]
+    (top,) = (s["on"] for s in scene["support"] if groups[s["on"]] > [6])  # of the upper block
+    lines = path.read_text().splitlines()
+    place = lines.index(f'on = "{top}"')
+    lines[place - 1 : place + 2] = ["[[load]]", f'on = "{top}"', "pressure = 3"]
+    path.write_text("\n".join(lines))
+    result = run(load_scene(path, ["solver.errors='none'"]))
+    assert result.passed
+    assert result.contacts[0].quantities["normal_force"] == pytest.approx(3)
+
+
+@pytest.mark.parametrize(
+    ("text", "supports", "contacts"),
+    [(GLUED, 1, []), (DISK, 1, ["bonded"]), (STACK.replace("Box(2)", "//"), 1, [])],
+)
+def test_geometries_of_one_body_or_glued_or_of_a_disk(folder, text, supports, contacts):
+    (folder / "g.geo").write_text(text)
+    scene = checked(folder / "g.geo", folder / "out")
+    assert len(scene["support"]) == supports
+    assert [contact["contact"] for contact in scene.get("contact", [])] == contacts
+
+
+HOSTILE = ["<script>x()</script>", "a\"\"\"b''' ]]> [x]", "Ö \u202e\x1b[2J\u2028"]
+
+
+def mesh_with_names(gmsh, path, groups):
+    gmsh.model.occ.addBox(0, 0, 0, 2, 2, 1)
+    gmsh.model.occ.addBox(0.5, 0.5, 1, 1, 1, 1)
+    gmsh.model.occ.synchronize()
+    for number, (dimension, part, name) in enumerate(groups, start=1):
+        gmsh.model.addPhysicalGroup(dimension, [part], number, name)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 0.7)
+    gmsh.model.mesh.generate(3)
+    gmsh.write(str(path))
+
+
+def test_labels_of_files_are_text_and_nothing_else(folder, capsys):
+    """In the page, in the scene and on the terminal."""
+    path = folder / "mesh.msh"
+    groups = [(3, 1, "SOLIDA"), (3, 2, "SOLIDB"), (2, 6, "SIDE"), (2, 11, "b"), (2, 5, "c")]
+    with_gmsh(lambda gmsh: mesh_with_names(gmsh, path, groups))
+    text = path.read_text()
+    for (_, _, name), label in zip(groups, HOSTILE, strict=False):
+        text = text.replace(f'"{name}"', '"' + label.replace('"', "'") + '"')
+    path.write_text(text)
+    scene = checked(path, folder / "out")
+    said = capsys.readouterr()
+    assert "\x1b" not in said.out + said.err and "\u202e" not in said.out
+    (contact,) = scene["contact"]
+    assert re.fullmatch(r"[A-Za-z0-9_-]+", contact["name"])
+    assert (contact["on"], contact["against"]) == (HOSTILE[2], "b")
+    assert {m["on"] for m in scene["material"]} == {h.replace('"', "'") for h in HOSTILE[:2]}
+    page = (folder / "out" / "look.html").read_text()
+    read = Page()
+    read.feed(page)
+    assert read.tags.count("script") == 3  # data, plotly, the page's own
+    assert {surface["called"] for surface in json.loads(read.scripts[0])["surfaces"]} == {
+        "6",
+        "11",
+        "5",
+    }
+    assert "<script>x()</script>" in read.texts
+    ours = read.scripts[0] + "".join(read.texts)
+    assert not any(character in ours for character in "\u202e\u2028\x1b")
+
+
+class Page(HTMLParser):
+    """Tags, texts and scripts of a page, as a browser takes them."""
+
+    def __init__(self):
+        super().__init__()
+        self.tags, self.texts, self.scripts = [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+
+    def handle_data(self, data):
+        (self.scripts if self.tags[-1:] == ["script"] else self.texts).append(data)
+
+
+def test_sets_of_another_program_may_overlap(folder):
+    """Sets of nodes name the same facets as surfaces: each facet stands in one contact."""
+
+    def write(gmsh):
+        gmsh.option.setNumber("Mesh.SaveGroupsOfNodes", 1)
+        names = [(3, 1, "lower"), (3, 2, "upper"), (2, 6, "top"), (2, 11, "foot"), (2, 5, "ground")]
+        mesh_with_names(gmsh, folder / "mesh.inp", names)
+
+    with_gmsh(write)
+    scene = checked(folder / "mesh.inp", folder / "out")
+    assert len(scene["contact"]) == 1
+    assert "groups" not in scene["mesh"]
+
+
+def test_scenes_are_left_alone_and_files_are_refused_as_by_check(folder, capsys):
+    (folder / "out").mkdir()
+    (folder / "out" / "scene.toml").write_text("mine")
+    assert look(ROOT / "meshes" / "bracket.step", folder / "out")[0] == 2
+    assert (folder / "out" / "scene.toml").read_text() == "mine"
+    assert "exists, and is left as it is; give another --out" in capsys.readouterr().err
+    (folder / "bad.geo").write_text('SystemCall "touch x";\n')
+    for name, words in (("bad.geo", "may do nothing else"), ("no.step", "there is no such file")):
+        assert look(folder / name, folder / "new")[0] == 2
+        said = capsys.readouterr().err
+        assert words in said and "Traceback" not in said
+    assert not (folder / "new").exists()
+    with pytest.raises(SystemExit, match="2"):
+        look(folder / "bad.geo", folder / "new", "--tolerance", "-1")
