@@ -20,9 +20,9 @@ from typing import Any
 import gmsh
 import numpy as np
 
+from fenics_contact.mesh.cuts import cut_bodies
 from fenics_contact.mesh.geometry import process_room as room
 from fenics_contact.mesh.geometry.bodies import Bodies, name_bodies, name_surfaces, relate
-from fenics_contact.mesh.geometry.cuts import cut_bodies
 from fenics_contact.mesh.geometry.exact_surfaces import exact_surfaces
 from fenics_contact.mesh.geometry.process_room import Arrays, Job, RefusedError
 from fenics_contact.mesh.geometry.size_limits import (
