@@ -133,10 +133,10 @@ class Preload:
         Text | None, Field(description="name in the results, by default that of the group")
     ] = None
     between: Annotated[
-        tuple[Number, Number] | None,
+        tuple[Annotated[Number, LENGTH], Annotated[Number, LENGTH]] | None,
         Field(
             description="positions along the axis, from and to, at which that body is cut before "
-            "it is meshed; what is between is preloaded (length, from the origin)"
+            "it is meshed, measured from the origin; what is between is preloaded"
         ),
     ] = None
 

@@ -212,9 +212,10 @@ class Contact:
     ] = None
     interference: Annotated[
         Number,
+        LENGTH,
         Field(
             description="by how much the two sides overlap along the normal before they are "
-            "pressed apart, as in a press fit, beside what their meshes do; < 0 is a gap (length)"
+            "pressed apart, as in a press fit, beside what their meshes do; < 0 is a gap"
         ),
     ] = 0.0
     interference_path: Annotated[

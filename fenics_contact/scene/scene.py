@@ -75,10 +75,10 @@ class MeshSource:
         Field(description="largest cell made from a geometry; by default Gmsh's choice"),
     ] = None
     sizes: Annotated[
-        Mapping[str, Positive],
+        Mapping[str, Annotated[Positive, LENGTH]],
         Field(
             description="largest cell of single bodies of a geometry, in place of `size`: name → "
-            "length, such as `{ bolt = 1.5, plate = 3 }`"
+            "size, such as `{ bolt = 1.5, plate = 3 }`"
         ),
     ] = Field(default_factory=dict)
     curvature: Annotated[
