@@ -15,7 +15,7 @@ import tomlkit
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.plain_text import one_line
-from fenics_contact.mesh.geometry.names import plain_name, unique_names
+from fenics_contact.common.wording.plain_names import plain_name, unique_names
 from fenics_contact.mesh.survey.bolts import bolts
 from fenics_contact.mesh.survey.facing import Pair
 from fenics_contact.mesh.survey.loose import loose_pieces

@@ -13,8 +13,8 @@ from mpi4py import MPI
 from ufl import Measure
 
 from fenics_contact import MeshSource, main
+from fenics_contact.common.wording.plain_names import plain_name
 from fenics_contact.mesh.geometry import bodies
-from fenics_contact.mesh.geometry.names import plain_name
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.mesh.size_field import SizeField
 from fenics_contact.mesh.tagged_mesh import Relation
