@@ -1,11 +1,12 @@
 """Pictures of README and docs that are those of a run: ``python docs/make_run_figures.py``.
 
-Runs four scenes and draws into docs/pictures what ``fenics-contact report`` draws of them:
+Runs five scenes and draws into docs/pictures what ``fenics-contact report`` draws of them:
 
 - slab_friction.png, slab_deformed.png: example 1;
 - sphere_pressure.png, sphere_deformed.png: example 3;
 - adapted_mesh.png: example 3 to an accuracy of a thousandth;
-- bracket.png: the bracket of docs/bracket.md.
+- bracket.png: the bracket of docs/bracket.md;
+- joint.png, joint_lap.png: the bolted joint.
 """
 
 import shutil
@@ -24,6 +25,7 @@ RUNS: tuple[tuple[Path, tuple[str, ...], dict[str, str]], ...] = (
     (DEMOS / "sphere.toml", (), {"contact_0": "sphere_pressure", "deformed": "sphere_deformed"}),
     (DEMOS / "sphere.toml", ("accuracy=1e-3",), {"mesh": "adapted_mesh"}),
     (DOCS / "bracket.toml", (), {"deformed": "bracket"}),
+    (DEMOS / "joint.toml", ("solver.errors=none",), {"deformed": "joint", "contact_0": "joint_lap"}),
 )
 
 
