@@ -115,12 +115,12 @@ def _plain_ticks(figure: Figure) -> None:
     """Numbers on axes that are no formulas look the same, and take a third of the time."""
     from matplotlib.ticker import ScalarFormatter
 
-    class Plain(ScalarFormatter):
+    class Plain(ScalarFormatter):  # type: ignore[misc]  # matplotlib has no types here
         """Formulas are kept for the power of ten beside an axis."""
 
         def __call__(self, x: float, pos: int | None = None) -> str:
             """A number on the axis."""
-            text = super().__call__(x, pos)
+            text: str = super().__call__(x, pos)
             return text.removeprefix(r"$\mathdefault{").removesuffix("}$")
 
     for panel in figure.axes:
