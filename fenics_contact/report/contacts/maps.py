@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _CARRIED = ("contact_pressure", "traction_x", "traction_y", "traction_z")
 _MOST_ARROWS = 350
+_SLIPS = 10.0  # width of a panel over the longest arrow of slip
 _SHORT = 0.03  # of the longest: vectors that are left out
 _HEIGHTS = (1.8, 4.5)  # of a panel, in inches
 
@@ -140,7 +141,7 @@ def draw_maps(
     figure, panels = new_figure("", (DOUBLE, height), ncols=len(draw), sharey=True)
     for draw_panel, panel in zip(draw.values(), panels, strict=True):
         draw_panel(figure, panel, surface, contact)
-        panel.margins(0.08)
+        panel.margins(0.1)
         surface.label(panel, panel is panels[0])
     figure.set_layout_engine("compressed")  # for panels of equal scales
     figure.suptitle(plain(title), x=0.01, ha="left", fontsize=8.5)
@@ -159,8 +160,10 @@ def _status(figure: Figure, panel: Axes, surface: Surface, contact: ContactRecor
     panel.legend(loc="lower left", bbox_to_anchor=(-0.05, 1.0), ncols=3, handletextpad=0.1)
     slip = surface.along(surface.rows.vectors("slip_x", "slip_y", "slip_z"))
     slides = surface.arrows[surface.rows.status[surface.arrows] == "SLIP"]
-    if contact.carries_shear and np.linalg.norm(slip[slides], axis=1).any():
-        panel.quiver(*surface.points[slides].T, *slip[slides].T, color="black", width=0.006)
+    most = np.linalg.norm(slip[slides], axis=1).max(initial=0.0)
+    if contact.carries_shear and most > 0:  # the longest reaches just beyond the panel's margin
+        look = {"color": "black", "width": 0.006, "scale": _SLIPS * most, "scale_units": "width"}
+        panel.quiver(*surface.points[slides].T, *slip[slides].T, **look)
 
 
 def draw_status(panel: Axes, surface: Surface, status: Words, contact: ContactRecord) -> None:

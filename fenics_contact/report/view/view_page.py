@@ -150,4 +150,6 @@ def _help(view: View) -> str:
     words += ", scroll or pinch to come nearer, point at it for its values."
     if view.kinematics == "axisymmetric":
         words += " The section is turned around its axis, which is z here; a quarter is cut out."
+    if len(view.bodies) > 1:
+        words += " Fade or hide bodies to see the surfaces between them."
     return words
