@@ -13,7 +13,7 @@ from scipy.sparse import bmat, csr_matrix
 from fenics_contact.body.spaces import summed_over_ranks
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import total
-from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.discrete_body import DiscreteBody
 
 
 class LocalStiffness:
@@ -29,13 +29,13 @@ class LocalStiffness:
         displacements: Displacement dofs among them, by their local number in the space.
     """
 
-    def __init__(self, problem: Problem) -> None:
-        self._problem = problem
-        self.comm = problem.comm
-        spaces, mixed = problem.spaces, problem.elastic.mixed
+    def __init__(self, discrete: DiscreteBody) -> None:
+        self._discrete = discrete
+        spaces, mixed = discrete.spaces, discrete.elastic.mixed
+        self.comm = spaces.comm
         self.is_plane = spaces.components == 2
         fields = [spaces.displacement_space]
-        blocks = [[_local_matrix(problem.elastic.stiffness)]]
+        blocks = [[_local_matrix(discrete.elastic.stiffness)]]
         if mixed is not None:
             fields.append(mixed.mean_stress.function_space)
             gradient, divergence = _local_matrix(mixed.gradient), _local_matrix(mixed.divergence)
@@ -92,7 +92,7 @@ class LocalStiffness:
 
     def forces(self, values: Array) -> Array:
         """K u at the nodes, (nodes, components), of all ranks' cells; collective."""
-        spaces = self._problem.spaces
+        spaces = self._discrete.spaces
         found = np.zeros(spaces.coordinates.shape[0] * spaces.components)
         found[self.displacements] = (self.matrix @ values)[: len(self.displacements)]
         return spaces.summed(found.reshape(-1, spaces.components))
@@ -107,8 +107,8 @@ class LocalStiffness:
     def set_functions(self, values: Array) -> None:
         """Values of the unknowns into displacement and mean stress; collective."""
         count = len(self.displacements)
-        _set(self._problem.displacement, self.displacements, values[:count])
-        mixed = self._problem.elastic.mixed
+        _set(self._discrete.displacement, self.displacements, values[:count])
+        mixed = self._discrete.elastic.mixed
         if mixed is not None:
             _set(mixed.mean_stress, self._stresses, values[count:])
 

@@ -26,7 +26,7 @@ from fenics_contact.solve.load_steps.step_control import AutomaticPace, FixedPac
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.newton.tightening import let_go, tighten
-from fenics_contact.solve.solver_choice import SolverChoice, choose_solver, create_system
+from fenics_contact.solve.solver_choice import Condense, SolverChoice, choose_solver, create_system
 
 logger = logging.getLogger(__name__)
 
@@ -304,6 +304,7 @@ def solve(
     kept: Callable[[LoadSteps], None] | None = None,
     stopped: Callable[[], bool] | None = None,
     ended: Callable[[LoadSteps], None] | None = None,
+    condense: Condense | None = None,
 ) -> Solution:
     """Solve a problem step by step; collective.
 
@@ -316,6 +317,7 @@ def solve(
         kept: As of ``LoadSteps``.
         stopped: As of ``Newton``.
         ended: Called after the last step, while the system can still be solved.
+        condense: As of ``create_system``.
 
     Returns:
         The solution of the last step.
@@ -326,7 +328,7 @@ def solve(
     """
     timings = timings or Timings()
     choice = choice or choose_solver(problem)
-    system = create_system(problem, choice, timings)
+    system = create_system(problem, choice, timings, condense)
     try:
         load_steps = LoadSteps(Newton(problem, system, timings), accepted, kept)
         if stopped is not None:
