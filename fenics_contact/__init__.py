@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.values import Path, Profile
     from fenics_contact.simulation.adaptive.levels import run
     from fenics_contact.simulation.scene_run import Run
+    from fenics_contact.simulation.studies.study import Study
 
 __all__ = [
     "Accuracy",
@@ -64,6 +65,7 @@ __all__ = [
     "Scene",
     "SolverSettings",
     "Steps",
+    "Study",
     "Support",
     "load_scene",
     "main",
@@ -94,6 +96,7 @@ _MODULES = {
     "scene.steps": ("SolverSettings", "Steps"),
     "scene.values": ("Path", "Profile"),
     "simulation.scene_run": ("Run",),
+    "simulation.studies.study": ("Study",),
 }
 
 

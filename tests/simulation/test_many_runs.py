@@ -9,7 +9,17 @@ import gc
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Contact, Material, Obstacle, Run, Scene, SolverSettings, Steps, Support
+from fenics_contact import (
+    Contact,
+    Material,
+    Obstacle,
+    Run,
+    Scene,
+    SolverSettings,
+    Steps,
+    Study,
+    Support,
+)
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.simulation.output.run_folder import solve_and_write
 from fenics_contact.simulation.restart.state_file import StateFile
@@ -84,5 +94,18 @@ def test_one_that_wrote_files_is_freed(folder, no_collector):
     run = Run(SCENES["steps"], COMM, body)
     assert solve_and_write(run, folder, StateFile(folder, run.problem)).converged
     del body, run
+    collect_what_ufl_keeps()
+    assert len(given_back) == len(held)
+
+
+def test_a_study_that_is_done_with_is_freed(no_collector):
+    body, held, given_back = body_and_witness(SCENES["condensed"])
+    study = Study(SCENES["condensed"], COMM, body)
+    assert study.solve({"contact.0.friction_coefficient": 0.2}).converged
+    once = len(held) - len(given_back)
+    assert study.solve({"contact.0.friction_coefficient": 0.1}).converged
+    collect_what_ufl_keeps()
+    assert len(held) - len(given_back) == once  # the second run is all that took the first's place
+    del body, study
     collect_what_ufl_keeps()
     assert len(given_back) == len(held)

@@ -27,6 +27,7 @@ class CondensedBody:
 
     Attributes:
         discrete: The body.
+        sides: The surfaces at which contacts may act.
         stiffness: That of each rank's cells.
         dofs: The contact dofs.
         held: Which of this rank's unknowns of the stiffness supports hold.
@@ -53,7 +54,7 @@ class CondensedBody:
         timings: Timings,
     ) -> None:
         self.discrete = discrete
-        self._constrained, self._sides = constrained, tuple(sides)
+        self._constrained, self.sides = constrained, tuple(sides)
         with timings.phase("assemble"):
             self.stiffness = LocalStiffness(discrete)
         self.dofs = ContactDofs(discrete.spaces, constrained, sides)
@@ -79,7 +80,7 @@ class CondensedBody:
             sides: The surfaces at which contacts act.
         """
         is_held_so = np.array_equal(self._constrained, constrained)
-        has_all = all(any(one is other for other in self._sides) for one in sides)
+        has_all = all(any(one is other for other in self.sides) for one in sides)
         return bool(self.stiffness.comm.allreduce(is_held_so and has_all, op=MPI.LAND))
 
     def destroy(self) -> None:
