@@ -60,6 +60,8 @@ class ContactSurface:
         normal: The law across it.
         friction: The law along it.
         own_arrays: What these keep of their own at the points, and results have.
+        by_points: Whether forces and tangents are worked out point by point, without the compiled
+            forms: the same numbers, sooner where points are few; for nodal points only.
     """
 
     def __init__(
@@ -91,6 +93,7 @@ class ContactSurface:
         self.normal: NormalLaw = acting_law(contact)(site)
         self.friction: FrictionLaw = friction_law(site, self.normal)
         self.own_arrays = of_one_contact(self.normal.state, self.friction.state)
+        self.by_points = False
         before = self.kinematics.gap
         if self.is_one_sided:  # where they overlap at first, pressure pushes the overlap out
             before = np.maximum(before, 0.0)
@@ -134,7 +137,13 @@ class ContactSurface:
     def terms(self) -> list[NormalLaw | FrictionLaw]:
         """The laws whose forces follow the jump."""
         laws: tuple[NormalLaw | FrictionLaw, ...] = (self.normal, self.friction)
-        return [law for law in laws if law.forms]
+        return [law for law in laws if law.follows_jump]
+
+    def force_of(self, law: NormalLaw | FrictionLaw) -> Array:
+        """Forces of one of its laws at all nodes of its surface; collective."""
+        if not self.by_points:
+            return law.force()
+        return self.trace.at_all_nodes(self.trace.weights[:, None] * law.at_points())
 
     def set_time(self, time: float) -> None:
         """Bring the obstacle to where it stands, or to what drives it, at a pseudo-time."""

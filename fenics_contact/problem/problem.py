@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from dolfinx import fem
@@ -41,10 +41,15 @@ from fenics_contact.scene.scene import Scene
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """One energy term: its name, and the forms compiled for it."""
+    """One energy term: its name, and what compiles its forms where they are not yet."""
 
     name: str
-    forms: tuple[fem.Form, ...]
+    compiled: Callable[[], tuple[fem.Form, ...]] = tuple
+
+    @property
+    def forms(self) -> tuple[fem.Form, ...]:
+        """The forms compiled for it; collective."""
+        return self.compiled()
 
     @property
     def integrals(self) -> list[str]:
@@ -59,6 +64,8 @@ class Problem:
         scene: What is done to the body; the body is to be that of the scene.
         discrete: The body, for this problem alone until it is done with.
         timings: What the parts of it took, to add to.
+        by_points: Work out forces of contacts and tangents point by point, where all their points
+            are nodes: without the compiled forms, which a few points cost more than they are worth.
 
     Attributes:
         displacement: The unknown, a dolfinx function.
@@ -74,7 +81,6 @@ class Problem:
         far_field: The outer boundary of a half-space, or None.
         points: Where the displacement is a quantity.
         loads: Those of the scene that are not zero.
-        terms: The energy terms modelled.
         elastic: ½ a(·, ·): law, compiled forms, stress.
         load: Present nodal loads with the prescribed contact pressures, (nodes, components).
         pressure_load: The part of it that is prescribed contact pressures.
@@ -83,7 +89,11 @@ class Problem:
     """
 
     def __init__(
-        self, scene: Scene, discrete: DiscreteBody, timings: Timings | None = None
+        self,
+        scene: Scene,
+        discrete: DiscreteBody,
+        timings: Timings | None = None,
+        by_points: bool = False,
     ) -> None:
         timings = timings or Timings()
         discrete.require_fit(scene)
@@ -105,6 +115,8 @@ class Problem:
                     zip(scene.contact, discrete.sides, strict=True)
                 )
             ]
+            for contact in self.contacts:
+                contact.by_points = by_points and contact.trace.nodal
             own_arrays = [array for contact in self.contacts for array in contact.own_arrays]
             self.own_arrays = of_several_contacts(own_arrays)
             self.unknowns: list[ScalarUnknown] = [
@@ -123,7 +135,9 @@ class Problem:
             self._refuse_held_contacts()
             self.points = DisplacementPoints(scene.point, self.spaces)
             self.loads = given_loads(scene.load, self.spaces)
-            self.terms = self._terms()
+            if not by_points:
+                for term in self.terms:
+                    term.compiled()
         with timings.phase("assemble"):
             self._loads = [(self.spaces.assemble(load.form), load.path) for load in self.loads]
             self._pressures = self._assemble_pressures()
@@ -263,16 +277,19 @@ class Problem:
                     "it along the surface, so nothing can slip"
                 )
 
-    def _terms(self) -> list[Term]:
-        terms = [Term(self.elastic.name, self.elastic.forms)]
-        terms += [Term(load.name, (load.form,)) for load in self.loads]
-        terms += [Term(f"preload of {preload.scene.label}", ()) for preload in self.preloads]
+    @property
+    def terms(self) -> list[Term]:
+        """The energy terms modelled."""
+        terms = [Term(self.elastic.name, lambda: self.elastic.forms)]
+        terms += [Term(load.name, partial(tuple, [load.form])) for load in self.loads]
+        terms += [Term(f"preload of {preload.scene.label}") for preload in self.preloads]
         for contact in self.contacts:
-            terms += [Term(contact.normal.name, (form,)) for form, _ in contact.normal.loads]
+            loads = [form for form, _ in contact.normal.loads]
+            terms += [Term(contact.normal.name, partial(tuple, [form])) for form in loads]
         for contact in self.contacts:
-            terms += [Term(term.name, term.forms) for term in contact.terms]
+            terms += [Term(term.name, partial(getattr, term, "forms")) for term in contact.terms]
             if contact.floats:
-                terms.append(Term(f"force on the obstacle at {contact.label}", ()))
+                terms.append(Term(f"force on the obstacle at {contact.label}"))
         return terms
 
     def _assemble_pressures(self) -> list[tuple[Array, Callable[[float], float]]]:

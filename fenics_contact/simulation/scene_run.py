@@ -103,7 +103,7 @@ class Run:
     def _make_ready(self, scene: Scene, comm: MPI.Comm, body: Body | None) -> None:
         """Mesh, model and solver; collective."""
         if self._kept is not None:
-            self.problem = Problem(scene, self._kept.discrete, self.timings)
+            self.problem = Problem(scene, self._kept.discrete, self.timings, by_points=True)
         else:
             body = body or mesh_of(scene, comm, self.timings)
             self.problem = Problem.on_mesh(scene, body, self.timings)

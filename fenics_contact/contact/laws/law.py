@@ -23,6 +23,7 @@ class ContactLaw:
         checks: Names of the checks of ``trust/checks/run_checks.py`` that judge it.
         state: Arrays at the points that it keeps from load step to load step, its attributes.
             They are saved, gone back to, restarted, written and drawn by what is said here.
+        follows_jump: Whether it exerts forces that follow the jump, so that it has forms.
         name: What is modelled where, for results.
 
     Args:
@@ -33,6 +34,7 @@ class ContactLaw:
     model: ClassVar[str] = ""
     checks: ClassVar[tuple[str, ...]] = ()
     state: ClassVar[tuple[PointArray, ...]] = ()
+    follows_jump: ClassVar[bool] = False
 
     def __init__(self, site: LawSite) -> None:
         self.site = site
@@ -40,7 +42,10 @@ class ContactLaw:
 
     @property
     def forms(self) -> tuple[CompiledForm, ...]:
-        """Compiled forms of the forces that follow the jump; none where nothing does."""
+        """Compiled forms of the forces that follow the jump; none where nothing does.
+
+        They are compiled when they are first asked for.
+        """
         return ()
 
     @property
@@ -52,6 +57,21 @@ class ContactLaw:
         """Forces on the body at all nodes of the surface, (nodes, components); collective."""
         trace = self.site.trace
         return np.zeros((len(trace.all_nodes), trace.surface.components))
+
+    def at_points(self) -> Array:
+        """Traction on the body at the points, (points, components) (stress).
+
+        Of the same energy as ``force``: on nodal points, what that gives over their areas.
+        """
+        return np.zeros_like(self.site.trace.normals)
+
+    def tangent_at_points(self) -> Array:
+        """Minus its derivative in the jump, as the forms of ``tangents`` have it.
+
+        Shape (points, components, components) (stress/length).
+        """
+        normals = self.site.trace.normals
+        return np.zeros((*normals.shape, normals.shape[1]))
 
     def kept(self) -> dict[str, Array]:
         """The arrays of ``state`` as they are, by name."""

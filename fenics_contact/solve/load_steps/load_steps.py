@@ -43,6 +43,8 @@ class LoadSteps:
         pace: Which step comes next.
         tried: Pseudo-time of the step that was tried last.
         guess: Where the first step is thought to end, if that is known.
+        finds_body: Whether the displacement inside the body is found at the end; else when it is
+            asked for.
 
     Args:
         newton: Made for the problem, not started.
@@ -69,6 +71,7 @@ class LoadSteps:
         self._failed_with: float | None = None
         self.tried = 0.0
         self.guess: Unknowns | None = None
+        self.finds_body = True
 
     @property
     def time(self) -> float:
@@ -95,7 +98,8 @@ class LoadSteps:
             self.go_back()
             raise
         assert self.last is not None  # there is a step, or one was resumed
-        self.last.solution.find_body()  # whoever reads it later may no longer have the solver
+        if self.finds_body:  # whoever reads it later may no longer have the solver
+            self.last.solution.find_body()
         return self.last.solution
 
     def resume(self, last: AcceptedStep, pace: Sequence[float], forces: float) -> Solution:

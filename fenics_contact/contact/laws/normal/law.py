@@ -61,6 +61,10 @@ class NormalLaw(ContactLaw):
         """What of the pressure follows the jump, in UFL, for friction that it bounds (stress)."""
         return ufl.as_ufl(0.0)
 
+    def pressure_slope(self, jump: Array) -> Array:
+        """Derivative of ``pressure_ufl`` in the jump, (points, components) (stress/length)."""
+        return np.zeros_like(jump)
+
     def set_time(self, time: float) -> None:
         """Bring what is given to a pseudo-time."""
 
