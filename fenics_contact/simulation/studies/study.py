@@ -18,6 +18,7 @@ from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.scene_run import Run, mesh_of
 from fenics_contact.simulation.studies.changes import with_changes
 from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
 
 logger = logging.getLogger(__name__)
 
@@ -67,6 +68,7 @@ class Study:
         self._mesh, self._own_mesh = body, body is not None
         self._mesh_of = scene.mesh
         self._kept: KeptBody | None = None
+        self._quick: QuickAnswers | None = None
         self._before = 0  # factorisations of bodies that are gone
 
     @property
@@ -116,6 +118,27 @@ class Study:
         self.run = run
         return result
 
+    def quantities(self, changes: Mapping[str, Any] | None = None, follow: bool = False) -> Answer:
+        """Solve the scene with other values, for what its contacts tell alone; collective.
+
+        Without fields, checks and error bars, and mostly from the last answer on: the quickest
+        way to many answers. Where more than one answer may be, it begins as a separate run does.
+
+        Args:
+            changes: As of ``solve``.
+            follow: Begin at the last answer in any case, and follow its branch.
+
+        Raises:
+            InputError: As of ``solve``.
+            MachineError: Likewise.
+        """
+        scene, timings = self.changed(changes), Timings()
+        with failing_together(self._comm):
+            kept = self._body_of(scene, timings)
+            if self._quick is None:
+                self._quick = QuickAnswers(kept)
+            return self._quick.answer(scene, follow)
+
     def prepare(self, changes: Mapping[str, Any] | None = None) -> Run:
         """The run of the scene with other values, to be solved before any other; collective.
 
@@ -151,7 +174,7 @@ class Study:
         assert self._kept is not None
         self._before += self._kept.factorisations
         self._kept.close()
-        self._kept = None
+        self._kept = self._quick = None
         self.run = None
 
     def close(self) -> None:

@@ -43,6 +43,7 @@ class LoadSteps:
         pace: Which step comes next.
         tried: Pseudo-time of the step that was tried last.
         guess: Where the first step is thought to end, if that is known.
+        warm: Solves the first step from an answer of the same body, if there is one; collective.
         finds_body: Whether the displacement inside the body is found at the end; else when it is
             asked for.
 
@@ -71,6 +72,7 @@ class LoadSteps:
         self._failed_with: float | None = None
         self.tried = 0.0
         self.guess: Unknowns | None = None
+        self.warm: Callable[[Newton], Solution] | None = None
         self.finds_body = True
 
     @property
@@ -182,6 +184,13 @@ class LoadSteps:
     def _try(self, time: float) -> Solution:
         """Solve a step, from where it is thought to end or else from where it begins."""
         newton = self.newton
+        if self.last is None and self.warm is not None:
+            try:
+                return self._from_another_answer(time, self.warm)
+            except NotConvergedError as error:
+                logger.debug("  from another answer: %s; next: from the start", error)
+                self.warm = None
+                self.go_back()
         predicted = self._prediction(time)
         newton.forget()
         self._begin(time, predicted)
@@ -194,6 +203,14 @@ class LoadSteps:
         self.go_back()
         self._begin(time, None)
         return self._solve()
+
+    def _from_another_answer(self, time: float, warm: Callable[[Newton], Solution]) -> Solution:
+        """The first step, as ``warm`` solves it; collective."""
+        problem = self.problem
+        problem.reach(np.zeros(len(problem.unknowns)))
+        problem.set_time(time)
+        self.newton.forget()
+        return warm(self.newton)
 
     def _solve(self) -> Solution:
         """A step from its beginning; once more where a preload that was held has a force."""

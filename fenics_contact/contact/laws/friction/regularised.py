@@ -274,6 +274,16 @@ class RegularisedFriction(FrictionLaw):
         self._dual = slip / np.linalg.norm(slip, axis=1)[:, None]
         self._set_tangent_state()
 
+    @property
+    def tangent_state(self) -> tuple[Array, Array]:
+        """Slip and direction that the tangent is at, to take again; (points, components) each."""
+        return self._slip, self._dual
+
+    def take_tangent_state(self, state: tuple[Array, Array]) -> None:
+        """Set the tangent as it was after another solve."""
+        self._slip, self._dual = state
+        self._set_tangent_state()
+
     def follow(self, slip: Array) -> None:
         """Move the tangent to a new state: q by its own linearised equation, |q| ≤ 1.
 
