@@ -37,9 +37,10 @@ def matrix_of(surface):
 
 
 def displaced(contact, random):
-    """Some points touch and some slip."""
-    shape = contact.kinematics.jump.x.array.shape
-    contact.kinematics.jump.x.array[:] = 0.01 * random.normal(size=shape)
+    """Most points touch, and some slip."""
+    into = contact.trace.normals_at_nodes
+    jump = 0.02 * into + 0.01 * random.normal(size=into.shape)
+    contact.kinematics.jump.x.array[:] = jump.reshape(-1)
     contact.kinematics.jump.x.scatter_forward()
     return contact.kinematics.tangential(contact.kinematics.jump_at_points())
 
