@@ -139,6 +139,10 @@ class Study:
                 self._quick = QuickAnswers(kept)
             return self._quick.answer(scene, follow)
 
+    def forget_answer(self) -> None:
+        """Begin the next quick answer as a separate run does, not at the last one."""
+        self._quick = None
+
     def prepare(self, changes: Mapping[str, Any] | None = None) -> Run:
         """The run of the scene with other values, to be solved before any other; collective.
 
