@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.slave_and_master import ContactSides
@@ -9,6 +11,7 @@ from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.studies.saved_body import SavedBody
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import acting_sides
 
@@ -18,7 +21,8 @@ class KeptBody:
 
     Attributes:
         discrete: The body made ready.
-        factorisations: How often it was factorised.
+        condensed: The body condensed, None before a problem needs it.
+        saved: What a file has of that, for the first problem that it suits.
 
     Args:
         scene: Any whose body it is.
@@ -29,8 +33,14 @@ class KeptBody:
     def __init__(self, scene: Scene, body: Body, timings: Timings) -> None:
         with timings.phase("compile"):
             self.discrete = DiscreteBody(BodyDescription.of(scene), body)
-        self.factorisations = 0
-        self._condensed: CondensedBody | None = None
+        self._earlier = 0
+        self.condensed: CondensedBody | None = None
+        self.saved: SavedBody | None = None
+
+    @property
+    def factorisations(self) -> int:
+        """How often it was factorised."""
+        return self._earlier + (0 if self.condensed is None else self.condensed.factorisations)
 
     def condense(self, problem: Problem, timings: Timings) -> CondensedBody:
         """The body condensed, as a problem needs it; collective.
@@ -42,15 +52,20 @@ class KeptBody:
             problem: On this body.
             timings: Seconds so far.
         """
-        sides, before = acting_sides(problem), self._condensed
+        sides, before = acting_sides(problem), self.condensed
         if before is not None:
             if before.serves(problem.constrained, sides):
                 return before
             sides = self._with_earlier(sides, before)
             self.close()
-        self._condensed = CondensedBody(self.discrete, problem.constrained, sides, timings)
-        self.factorisations += 1
-        return self._condensed
+        schur, saved = None, self.saved
+        if saved is not None and saved.suits(self.discrete, problem.constrained, sides):
+            sides, schur = saved.sides(self.discrete), partial(saved.schur, self.discrete)
+        self.condensed = CondensedBody(self.discrete, problem.constrained, sides, timings, schur)
+        if saved is not None and schur is not None:
+            saved.give_loads(self.condensed)
+        self.saved = None
+        return self.condensed
 
     def _with_earlier(self, sides: list[ContactSides], before: CondensedBody) -> list[ContactSides]:
         """Surfaces in scene order, with those that were condensed onto before."""
@@ -59,6 +74,7 @@ class KeptBody:
 
     def close(self) -> None:
         """Free the factorisation; the next answer makes another one."""
-        if self._condensed is not None:
-            self._condensed.destroy()
-            self._condensed = None
+        if self.condensed is not None:
+            self._earlier = self.factorisations
+            self.condensed.destroy()
+            self.condensed = None

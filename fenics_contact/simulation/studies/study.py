@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
@@ -14,11 +16,14 @@ from fenics_contact.common.failures import failing_together
 from fenics_contact.common.timings import Timings
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
+from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.writing import scene_text
 from fenics_contact.simulation.scene_run import Run, mesh_of
 from fenics_contact.simulation.studies.changes import with_changes
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
+from fenics_contact.simulation.studies.saved_body import SavedBody, save_body
 
 logger = logging.getLogger(__name__)
 
@@ -70,6 +75,58 @@ class Study:
         self._kept: KeptBody | None = None
         self._quick: QuickAnswers | None = None
         self._before = 0  # factorisations of bodies that are gone
+
+    @classmethod
+    def load(
+        cls,
+        file: str | Path,
+        scene: Scene | None = None,
+        comm: MPI.Comm = MPI.COMM_WORLD,
+        body: Body | None = None,
+    ) -> Study:
+        """A study whose body was condensed before; collective, on any number of ranks.
+
+        The body is factorised again only when a field inside of it is asked for.
+
+        Args:
+            file: As ``save`` wrote it.
+            scene: What to solve, by default the scene that was saved; of it, only what is no part
+                of the body may be another.
+            comm: Communicator.
+            body: The mesh, if not the one the scene names.
+
+        Raises:
+            InputError: The file is damaged, of another version, or of another body.
+        """
+        path = Path(file)
+        with failing_together(comm):
+            saved = SavedBody(comm, path)
+            if scene is None and not saved.scene:
+                raise InputError(
+                    f"{path}: its scene has what no file can have, such as functions: give it as "
+                    "scene"
+                )
+            study = cls(scene or scene_of_text(saved.scene, path), comm, body)
+            kept = study._body_of(study.scene, Timings())
+            saved.require_fit(kept.discrete.description, kept.discrete.spaces.body)
+            kept.saved = saved
+        return study
+
+    def save(self, file: str | Path) -> None:
+        """Write the condensed body to a file, for ``load``; collective.
+
+        Args:
+            file: Where to; what is there is replaced.
+
+        Raises:
+            InputError: Nothing was solved yet, or a stabilisation holds the body.
+            MachineError: The file could not be written; what was there stays.
+        """
+        path = Path(file)
+        if self._kept is None or self._kept.condensed is None:
+            raise InputError(f"{path}: solve before saving: no body is condensed yet")
+        with failing_together(self._comm):
+            save_body(path, self._kept.condensed, _text_of(self.scene))
 
     @property
     def factorisations(self) -> int:
@@ -198,3 +255,14 @@ def _refuse_accuracy(scene: Scene) -> None:
             "accuracy: a study keeps one mesh for all answers; leave accuracy out, and look at the "
             "error bars"
         )
+
+
+def _text_of(scene: Scene) -> str:
+    """A scene as TOML, its meshes from anywhere; empty if no file can have all of it."""
+    meshes = [dataclasses.replace(mesh, file=str(Path(mesh.file).resolve())) for mesh in scene.mesh]
+    placed = dataclasses.replace(scene, mesh=tuple(meshes))
+    text = scene_text(placed)
+    try:
+        return text if scene_of_text(text, Path("scene.toml")) == placed else ""
+    except InputError:
+        return ""

@@ -6,7 +6,7 @@ obstacles, loads, values of supports and load steps; a problem that is done with
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from mpi4py import MPI
@@ -19,7 +19,7 @@ from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.preload_border import CondensedPreloads
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
-from fenics_contact.solve.condensed.schur import CondensedBulk
+from fenics_contact.solve.condensed.schur import BulkWithoutFactor, CondensedBulk
 
 
 class CondensedBody:
@@ -40,6 +40,7 @@ class CondensedBody:
         constrained: Dofs that supports hold (local indices, owned and ghost).
         sides: The surfaces at which contacts may act.
         timings: Seconds so far.
+        schur: Gives S on rank 0, where it is known, in the order of given contact dofs; collective.
 
     Raises:
         MachineError: There is not the memory for the factorisation; on every rank.
@@ -52,6 +53,7 @@ class CondensedBody:
         constrained: Integers,
         sides: Sequence[ContactSides],
         timings: Timings,
+        schur: Callable[[ContactDofs], Array | None] | None = None,
     ) -> None:
         self.discrete = discrete
         self._constrained, self.sides = constrained, tuple(sides)
@@ -62,10 +64,20 @@ class CondensedBody:
         displacements = self.stiffness.displacements
         self.held[: len(displacements)] = self.dofs.constrained[displacements]
         with timings.phase("factorise"):
-            self.bulk = CondensedBulk(self.stiffness, self.held, self.dofs.free)
+            known = (self.stiffness, self.held, self.dofs.free)
+            self.bulk = (
+                CondensedBulk(*known)
+                if schur is None
+                else BulkWithoutFactor(*known, schur(self.dofs))
+            )
             parts = discrete.elastic.preloaded
             self.preloads = CondensedPreloads(parts, self.stiffness, self.bulk, self.held)
         self.loads = CondensedLoads(self.bulk)
+
+    @property
+    def factorisations(self) -> int:
+        """How often K was factorised."""
+        return self.bulk.factorisations
 
     def take_schur(self) -> Array | None:
         """S on rank 0, None on others; it is large, and not kept here from then on."""

@@ -69,6 +69,13 @@ class LocalStiffness:
             found[count:] = on_mean_stress[self._stresses] / self._sharers[count:]
         return found
 
+    def whole(self, share: Array) -> Array:
+        """Forces of which each rank has its share, at the nodes, (nodes, components); collective."""
+        spaces = self._discrete.spaces
+        found = np.zeros(spaces.coordinates.shape[0] * spaces.components)
+        found[self.displacements] = share[: len(self.displacements)]
+        return spaces.summed(found.reshape(-1, spaces.components))
+
     def load(self, nodal: Array, supported: Array, held: Flags) -> Array:
         """This rank's share of a load, with what supports at given displacements add.
 
@@ -92,10 +99,7 @@ class LocalStiffness:
 
     def forces(self, values: Array) -> Array:
         """K u at the nodes, (nodes, components), of all ranks' cells; collective."""
-        spaces = self._discrete.spaces
-        found = np.zeros(spaces.coordinates.shape[0] * spaces.components)
-        found[self.displacements] = (self.matrix @ values)[: len(self.displacements)]
-        return spaces.summed(found.reshape(-1, spaces.components))
+        return self.whole(self.matrix @ values)
 
     def round_off(self, values: Array) -> float:
         """20 × machine epsilon × ‖|K| |u|‖₁ (force); collective."""
