@@ -70,7 +70,7 @@ class LocalStiffness:
         return found
 
     def whole(self, share: Array) -> Array:
-        """Forces of which each rank has its share, at the nodes, (nodes, components); collective."""
+        """Forces of which each rank has its share, at the nodes; collective."""
         spaces = self._discrete.spaces
         found = np.zeros(spaces.coordinates.shape[0] * spaces.components)
         found[self.displacements] = share[: len(self.displacements)]
