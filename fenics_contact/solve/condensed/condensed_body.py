@@ -16,6 +16,7 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
+from fenics_contact.solve.condensed.constant_tangent import OfSchur
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.preload_border import CondensedPreloads
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
@@ -73,6 +74,14 @@ class CondensedBody:
             parts = discrete.elastic.preloaded
             self.preloads = CondensedPreloads(parts, self.stiffness, self.bulk, self.held)
         self.loads = CondensedLoads(self.bulk)
+        self._of_schur: OfSchur | None = None
+
+    @property
+    def of_schur(self) -> OfSchur | None:
+        """What S tells, on rank 0, None on others; for a body that is kept."""
+        if self._of_schur is None and self.bulk.schur is not None:
+            self._of_schur = OfSchur(self.bulk.schur)
+        return self._of_schur
 
     @property
     def factorisations(self) -> int:

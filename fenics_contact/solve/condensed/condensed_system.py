@@ -131,7 +131,9 @@ class CondensedSystem(System):
         columns = -np.array(condensed).reshape(len(self._driving), len(self.dofs.free)).T
         own = np.array([unknown.own for unknown in self._driving])
         variables = self.variables
-        constant = ConstantTangent(variables.stiffness(schur), columns, own, variables.derived)
+        transformed = variables.stiffness(schur)
+        known = self._body.of_schur if transformed is self._body.bulk.schur else None
+        constant = ConstantTangent(transformed, columns, own, variables.derived, known)
         nodes = self.dofs.free // self.problem.spaces.components
         border = self._preloads.border(variables, self._inner)
         return ContactTangent(constant, nodes, border)
