@@ -5,6 +5,7 @@ One object per ``[[contact]]``.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -139,11 +140,31 @@ class ContactSurface:
         laws: tuple[NormalLaw | FrictionLaw, ...] = (self.normal, self.friction)
         return [law for law in laws if law.follows_jump]
 
+    @property
+    def can_go_by_points(self) -> bool:
+        """Whether all points are nodes, and its laws say what they do at points."""
+        return (
+            self.trace.nodal and self.normal.says_it_at_points and self.friction.says_it_at_points
+        )
+
     def force_of(self, law: NormalLaw | FrictionLaw) -> Array:
         """Forces of one of its laws at all nodes of its surface; collective."""
         if not self.by_points:
             return law.force()
         return self.trace.at_all_nodes(self.trace.weights[:, None] * law.at_points())
+
+    def given_forces(self) -> list[tuple[Array, Callable[[float], float]]]:
+        """Nodal forces that are given, in full, with the share that acts at a pseudo-time.
+
+        At all nodes of its surface, (nodes, components); collective.
+        """
+        trace = self.trace
+        if not self.by_points:
+            return [(trace.surface.assemble(form), path) for form, path in self.normal.loads]
+        return [
+            (trace.at_all_nodes(trace.weights[:, None] * traction), path)
+            for traction, path in self.normal.loads_at_points
+        ]
 
     def set_time(self, time: float) -> None:
         """Bring the obstacle to where it stands, or to what drives it, at a pseudo-time."""

@@ -22,11 +22,12 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.surface.supports import SurfaceSupports
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.far_field import FarField
-from fenics_contact.problem.loads import given_loads
+from fenics_contact.problem.loads import GivenLoad, given_loads
 from fenics_contact.problem.scalar_unknowns import (
     Indentation,
     PreloadState,
@@ -116,7 +117,7 @@ class Problem:
                 )
             ]
             for contact in self.contacts:
-                contact.by_points = by_points and contact.trace.nodal
+                contact.by_points = by_points and contact.can_go_by_points
             own_arrays = [array for contact in self.contacts for array in contact.own_arrays]
             self.own_arrays = of_several_contacts(own_arrays)
             self.unknowns: list[ScalarUnknown] = [
@@ -139,7 +140,11 @@ class Problem:
                 for term in self.terms:
                     term.compiled()
         with timings.phase("assemble"):
-            self._loads = [(self.spaces.assemble(load.form), load.path) for load in self.loads]
+            units = discrete.found.setdefault("loads", {}) if by_points else None
+            self._loads = [
+                (load.nodal() if units is None else load.nodal_of_units(units), load.path)
+                for load in self.loads
+            ]
             self._pressures = self._assemble_pressures()
             self.set_time(scene.steps.all_times[-1])
 
@@ -281,11 +286,12 @@ class Problem:
     def terms(self) -> list[Term]:
         """The energy terms modelled."""
         terms = [Term(self.elastic.name, lambda: self.elastic.forms)]
-        terms += [Term(load.name, partial(tuple, [load.form])) for load in self.loads]
+        terms += [Term(load.name, partial(_form_of, load)) for load in self.loads]
         terms += [Term(f"preload of {preload.scene.label}") for preload in self.preloads]
         for contact in self.contacts:
-            loads = [form for form, _ in contact.normal.loads]
-            terms += [Term(contact.normal.name, partial(tuple, [form])) for form in loads]
+            law = contact.normal
+            if law.loads_at_points:
+                terms.append(Term(law.name, partial(_forms_of_loads, law)))
         for contact in self.contacts:
             terms += [Term(term.name, partial(getattr, term, "forms")) for term in contact.terms]
             if contact.floats:
@@ -295,10 +301,15 @@ class Problem:
     def _assemble_pressures(self) -> list[tuple[Array, Callable[[float], float]]]:
         """Nodal forces of every contact pressure that is given, with their paths."""
         return [
-            (
-                contact.trace.surface.on_body(contact.trace.surface.assemble(form)),
-                path,
-            )
+            (contact.trace.surface.on_body(force), path)
             for contact in self.contacts
-            for form, path in contact.normal.loads
+            for force, path in contact.given_forces()
         ]
+
+
+def _form_of(load: GivenLoad) -> tuple[fem.Form, ...]:
+    return (load.form,)
+
+
+def _forms_of_loads(law: NormalLaw) -> tuple[fem.Form, ...]:
+    return tuple(form for form, _ in law.loads)

@@ -13,6 +13,13 @@ from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import ContactState
 from fenics_contact.results.point_arrays import PointArray
 
+# What a law says twice: by forms, and at the points.
+_TOGETHER = (
+    ("force", "at_points"),
+    ("tangents", "tangent_at_points"),
+    ("loads", "loads_at_points"),
+)
+
 
 class ContactLaw:
     """A law; this one exerts nothing, and others say what they do instead.
@@ -52,6 +59,18 @@ class ContactLaw:
     def tangents(self) -> tuple[CompiledForm, ...]:
         """Forms of the tangent in the present mode."""
         return ()
+
+    @property
+    def says_it_at_points(self) -> bool:
+        """Whether its numbers at the points are made along with its forms.
+
+        Those of a law that has other forms than the one it derives from need not be its own.
+        """
+        return all(self._owner(one) is self._owner(other) for one, other in _TOGETHER)
+
+    def _owner(self, name: str) -> type | None:
+        """The class that says what an attribute is; None where there is none."""
+        return next((one for one in type(self).__mro__ if name in vars(one)), None)
 
     def force(self) -> Array:
         """Forces on the body at all nodes of the surface, (nodes, components); collective."""

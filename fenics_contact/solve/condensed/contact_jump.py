@@ -52,6 +52,8 @@ class ContactJump:
             unknowns: The scalars.
             far: Displacements at the dofs of the surface that each of these adds.
         """
+        if not unknowns:
+            return cls(surface, points, points, points)
         rows = points.shape[0]
         relative, motion, work = np.zeros((3, rows, len(unknowns)))
         for column, unknown in enumerate(unknowns):
@@ -66,9 +68,6 @@ class ContactJump:
         def beside(scalars: Array) -> csr_matrix:
             return csr_matrix(hstack([points[:, :count], scalars, points[:, count:]], "csr"))
 
-        if not unknowns:
-            points = beside(relative)
-            return cls(surface, points, points, points)
         return cls(surface, beside(relative), beside(motion), beside(work))
 
     @cached_property

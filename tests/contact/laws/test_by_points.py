@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from fenics_contact.body.description import BodyDescription
+from fenics_contact.contact.laws import normal
+from fenics_contact.contact.laws.normal.unilateral import Unilateral
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
@@ -73,3 +75,19 @@ def test_both_ways_give_the_same(name):
                 assert np.abs(found - expected).max(initial=0) <= 1e-12 * scale
                 assert held or not contact.normal.follows_jump or scale > 1
                 contact.normal.release()
+
+
+class Twice(Unilateral):
+    """A law that changes its forces, and does not say what they are at the points."""
+
+    def force(self):
+        return 2 * super().force()
+
+
+def test_a_law_with_forces_of_its_own_goes_by_its_forms(monkeypatch):
+    scene, make, _ = CASES["unilateral"]
+    laws = tuple(Twice if law is Unilateral else law for law in normal.LAWS)
+    discrete = DiscreteBody(BodyDescription.of(scene), make())
+    assert Problem(scene, discrete, by_points=True).contacts[0].by_points
+    monkeypatch.setattr(normal, "LAWS", laws)
+    assert not Problem(scene, discrete, by_points=True).contacts[0].by_points

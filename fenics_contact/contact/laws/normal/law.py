@@ -57,6 +57,11 @@ class NormalLaw(ContactLaw):
         """Linear forms of what is given, in full, with the share that acts at a pseudo-time."""
         return []
 
+    @property
+    def loads_at_points(self) -> list[tuple[Array, Callable[[float], float]]]:
+        """The same as tractions on the body at the points, (points, components) (stress)."""
+        return []
+
     def pressure_ufl(self, jump: Expr) -> Expr:
         """What of the pressure follows the jump, in UFL, for friction that it bounds (stress)."""
         return ufl.as_ufl(0.0)
