@@ -190,3 +190,20 @@ def test_beyond_the_limit_of_uniqueness_it_begins_as_a_separate_run():
     followed = study.quantities({MU: 4.8}, follow=True)
     assert followed.start == "followed"
     assert "a separate run may find another one" in followed.said
+
+
+@pytest.mark.errors
+def test_error_bars_are_those_of_a_separate_run():
+    """Of a body that has served another answer before."""
+    body = square()
+    study = Study(ON_A_FLOOR, COMM, body)
+    study.solve({MU: 0})
+    found, expected = study.solve({MU: 0.35}), run(study.changed({MU: 0.35}), COMM, body)
+    assert expected.errors["normal_force"]["total"] > 0
+    for name, row in expected.errors.items():
+        for source, error in row.items():
+            ours = found.errors[name][source]
+            assert (ours is None) == (error is None), (name, source)
+            size = row["total"] or 0.0
+            assert error is None or abs(ours - error) <= 0.01 * size, (name, source)
+    assert study.factorisations == 1
