@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.values import Path, Profile
     from fenics_contact.simulation.adaptive.levels import run
     from fenics_contact.simulation.scene_run import Run
+    from fenics_contact.simulation.studies.study import Study
 
 __all__ = [
     "Accuracy",
@@ -65,6 +66,7 @@ __all__ = [
     "Scene",
     "SolverSettings",
     "Steps",
+    "Study",
     "Support",
     "Units",
     "load_scene",
@@ -97,6 +99,7 @@ _MODULES = {
     "scene.units.table": ("Units",),
     "scene.values": ("Path", "Profile"),
     "simulation.scene_run": ("Run",),
+    "simulation.studies.study": ("Study",),
 }
 
 

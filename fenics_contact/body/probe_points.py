@@ -120,11 +120,13 @@ def _refuse(points: Sequence[Point], number: int, spaces: Spaces) -> NoReturn:
 def _cells_with(spaces: Spaces, at: Array) -> _Found:
     """This rank's own cells that hold the points."""
     mesh, dimension = spaces.body.mesh, spaces.body.dimension
+    nothing = np.zeros(0, dtype=np.int64)
+    if not len(at):
+        return _Found(nothing, nothing, np.zeros((0, dimension)))
     own = np.arange(mesh.topology.index_map(dimension).size_local, dtype=np.int32)
     corners = mesh.geometry.x[compat.geometry_nodes(mesh)[own]][:, :, :dimension]
-    nothing = np.zeros(0, dtype=np.int64)
     parts = [_Found(nothing, nothing, np.zeros((0, dimension)))]
-    if len(own) and len(at):
+    if len(own):
         # Round-off is in units of the coordinates, too, for bodies far from the origin.
         bulge = _BULGE if spaces.geometry_order > 1 else _OUTSIDE
         margin = bulge * np.ptp(corners, axis=1).max() + 1e-12 * np.abs(corners).max()

@@ -5,6 +5,7 @@ One object per ``[[contact]]``.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -60,6 +61,8 @@ class ContactSurface:
         normal: The law across it.
         friction: The law along it.
         own_arrays: What these keep of their own at the points, and results have.
+        by_points: Whether forces and tangents are worked out point by point, without the compiled
+            forms: the same numbers, sooner where points are few; for nodal points only.
     """
 
     def __init__(
@@ -91,6 +94,7 @@ class ContactSurface:
         self.normal: NormalLaw = acting_law(contact)(site)
         self.friction: FrictionLaw = friction_law(site, self.normal)
         self.own_arrays = of_one_contact(self.normal.state, self.friction.state)
+        self.by_points = False
         before = self.kinematics.gap
         if self.is_one_sided:  # where they overlap at first, pressure pushes the overlap out
             before = np.maximum(before, 0.0)
@@ -134,7 +138,33 @@ class ContactSurface:
     def terms(self) -> list[NormalLaw | FrictionLaw]:
         """The laws whose forces follow the jump."""
         laws: tuple[NormalLaw | FrictionLaw, ...] = (self.normal, self.friction)
-        return [law for law in laws if law.forms]
+        return [law for law in laws if law.follows_jump]
+
+    @property
+    def can_go_by_points(self) -> bool:
+        """Whether all points are nodes, and its laws say what they do at points."""
+        return (
+            self.trace.nodal and self.normal.says_it_at_points and self.friction.says_it_at_points
+        )
+
+    def force_of(self, law: NormalLaw | FrictionLaw) -> Array:
+        """Forces of one of its laws at all nodes of its surface; collective."""
+        if not self.by_points:
+            return law.force()
+        return self.trace.at_all_nodes(self.trace.weights[:, None] * law.at_points())
+
+    def given_forces(self) -> list[tuple[Array, Callable[[float], float]]]:
+        """Nodal forces that are given, in full, with the share that acts at a pseudo-time.
+
+        At all nodes of its surface, (nodes, components); collective.
+        """
+        trace = self.trace
+        if not self.by_points:
+            return [(trace.surface.assemble(form), path) for form, path in self.normal.loads]
+        return [
+            (trace.at_all_nodes(trace.weights[:, None] * traction), path)
+            for traction, path in self.normal.loads_at_points
+        ]
 
     def set_time(self, time: float) -> None:
         """Bring the obstacle to where it stands, or to what drives it, at a pseudo-time."""

@@ -6,7 +6,6 @@ from typing import Literal
 
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.contact.slave_and_master import ContactSides
-from fenics_contact.contact.surface.facet_sizes import smallest_edge
 
 # ε = this × g h / E, h the shortest edge at the contact: a stuck point creeps by less
 # than ε, which changes the stress near it by about E ε / h, so the bias is of this order.
@@ -26,10 +25,9 @@ class ContactScales:
 
     def __init__(self, sides: ContactSides, elastic: ElasticBody) -> None:
         self.moduli = elastic.moduli_behind(sides.trace.nodes)
-        self.facet_size = smallest_edge(sides.trace.surface)
+        self.facet_size = sides.facet_size
         if sides.opposite is not None:
             self.moduli = self.moduli.against(elastic.moduli_behind(sides.opposite.nodes))
-            self.facet_size = min(self.facet_size, smallest_edge(sides.opposite.surface))
 
     def penalty_parameter(self, given: float | Literal["auto"]) -> float:
         """The scene's ε₁, or one whose bias in force and peak pressure is below .1 %."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.contact.choice_of_slaves import NamedSurfaces
 from fenics_contact.contact.mortar.pairing import Pairing
+from fenics_contact.contact.surface.facet_sizes import smallest_edge
 from fenics_contact.contact.surface.trace import Trace
 
 # Where mean normals are shorter, no direction stands for the whole surface.
@@ -47,6 +50,14 @@ class ContactSides:
         if master is not None:
             self.master, self.opposite = master.name, master.trace
             self.pairing = Pairing(self.trace, self.opposite, constrained)
+
+    @cached_property
+    def facet_size(self) -> float:
+        """Shortest edge of the cells at both surfaces (length); collective when first asked for."""
+        found = smallest_edge(self.trace.surface)
+        if self.opposite is None:
+            return found
+        return min(found, smallest_edge(self.opposite.surface))
 
     def axis(self, given: Array | None = None) -> Array | None:
         """Unit vector into the body of `on` along which normal forces are measured; collective.

@@ -168,17 +168,30 @@ def global_quantities(
         pressure = float(surface.trace.integral(state.contact_pressure))
         work += pressure * surface.kinematics.interference
     work += sum(state.force * state.shortening for state in solution.preloads)
+    made = of_all_contacts(contacts)
+    return {
+        **{key: made[key] for key in OF_ONE_CONTACT},
+        "reaction": resultant(problem.spaces, reactions[owned]).tolist(),
+        **made,
+        "strain_energy": forces.strain_energy,
+        "external_work": float(work),
+        **problem.points.quantities(solution.displacement),
+    }
+
+
+def of_all_contacts(contacts: list[dict[str, Any]]) -> dict[str, Any]:
+    """Quantities of the whole model that those of its contacts make.
+
+    Args:
+        contacts: Of each contact.
+    """
     summed = ("contact_area", "stick_area", "slip_area", "friction_work", "penalty_energy")
     greatest = ("max_contact_pressure", "max_penetration", "max_slip")
     return {
         **{key: contacts[0][key] if len(contacts) == 1 else None for key in OF_ONE_CONTACT},
-        "reaction": resultant(problem.spaces, reactions[owned]).tolist(),
         **{key: max((c[key] for c in contacts), default=0.0) for key in greatest},
         **{key: float(sum(c[key] for c in contacts)) for key in summed},
-        "strain_energy": forces.strain_energy,
-        "external_work": float(work),
         **_of_the_only(contacts),
-        **problem.points.quantities(solution.displacement),
     }
 
 

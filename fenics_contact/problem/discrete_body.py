@@ -6,6 +6,8 @@ contact, no load and no displacement that is prescribed: these are the problem's
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from dolfinx import fem
 
@@ -36,6 +38,7 @@ class DiscreteBody:
         constrained: Both, sorted (local indices, owned and ghost).
         elastic: ½ a(·, ·): law, compiled forms, stress.
         sides: The surfaces of each contact, in scene order.
+        found: What is worked out of it once, by name.
 
     Raises:
         InputError: Its groups or materials do not fit the mesh, or overlap.
@@ -50,6 +53,7 @@ class DiscreteBody:
         self.outer = self._outer_dofs()
         self.constrained = np.union1d(self.held.dofs, self.outer)
         self.elastic = ElasticBody(description, self.spaces, self.displacement)
+        self.found: dict[str, Any] = {}
         named = [
             NamedSurfaces(contact, f"contact[{number}]", self.spaces, self.held.flat_sides)
             for number, contact in enumerate(description.contacts)

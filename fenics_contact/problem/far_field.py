@@ -60,6 +60,7 @@ class FarField:
         self._modulus, self._ratio = _homogeneous(scene)
         self.dofs: Integers = np.setdiff1d(discrete.outer, discrete.held.dofs)
         self.beyond = np.zeros(len(self.dofs))
+        self._columns: dict[bytes, Array] = discrete.found.setdefault("far field", {})
         self.columns: dict[int, Array] = {}
         self.sideways: dict[int, list[tuple[Array, Array]]] = {}
         self._feet: dict[int, Array] = {}
@@ -87,6 +88,13 @@ class FarField:
 
     def _column(self, foot: Array, inward: Array, along: Array | None) -> Array:
         """Displacement of the dofs over a force into the half-space or along its surface."""
+        parts = (foot, inward, np.zeros(0) if along is None else along)
+        key = b"".join(part.tobytes() for part in parts)
+        if key not in self._columns:
+            self._columns[key] = self._new_column(foot, inward, along)
+        return self._columns[key]
+
+    def _new_column(self, foot: Array, inward: Array, along: Array | None) -> Array:
         points, reach = self._points(), self._reach(foot)
         column = np.zeros_like(points)
         for image, signs in self._images(foot):

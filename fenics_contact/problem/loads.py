@@ -5,7 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Self
+from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 import ufl
@@ -46,6 +47,13 @@ class ActingLoad(ABC):
     def is_constant(self) -> bool:
         """Whether it is the same everywhere, so that nodes say all of it."""
         return not any(callable(value) for value in self.given)
+
+    def of_unit(self, component: int) -> Self:
+        """The same with 1 as a component of its value, and 0 as all others."""
+        nodes = self.spaces.nodes(self.group)
+        nodal = np.zeros((len(nodes), len(self.given)))
+        nodal[:, component] = 1.0
+        return replace(self, value=self.spaces.coefficient(self.field(nodal), nodes))
 
     def as_given(self) -> Self:
         """With values as they are between nodes; collective."""
@@ -155,14 +163,37 @@ class GivenLoad:
     Attributes:
         name: For results.
         acting: As it is where the path is 1.
-        form: Its linear form, compiled.
         path: Its factor over pseudo-time.
     """
 
     name: str
     acting: ActingLoad
-    form: fem.Form
     path: Callable[[float], float]
+
+    @cached_property
+    def form(self) -> fem.Form:
+        """Its linear form, compiled; collective when first asked for."""
+        return _compiled(self.acting)
+
+    def nodal(self) -> Array:
+        """Its nodal forces where the path is 1, (nodes, components); collective (force)."""
+        return self.acting.spaces.assemble(self.form)
+
+    def nodal_of_units(self, found: dict[Any, list[Array]]) -> Array:
+        """The same by what units of its components do, which are found once; collective.
+
+        Args:
+            found: Those of earlier loads on the body, and of this one afterwards.
+        """
+        acting = self.acting
+        if not acting.is_constant:
+            return self.nodal()
+        key = type(acting), acting.group
+        if key not in found:
+            size = range(len(acting.given))
+            units = [acting.of_unit(component) for component in size]
+            found[key] = [acting.spaces.assemble(_compiled(unit)) for unit in units]
+        return np.tensordot(np.array(acting.given, dtype=np.float64), found[key], axes=(0, 0))
 
 
 def given_loads(loads: tuple[Load, ...], spaces: Spaces) -> list[GivenLoad]:
@@ -188,9 +219,13 @@ def _given_load(load: Load, key: str, spaces: Spaces) -> GivenLoad | None:
         return None
     coefficient = spaces.coefficient(law.field(nodal), nodes)
     acting = law(coefficient, group, spaces, given, key_of_value)
-    form = form_cache.form(acting.work(ufl.TestFunction(spaces.displacement_space)))
     name = f"{load.kind.replace('_', ' ')} on {load.on}"
-    return GivenLoad(name, acting, form, KeyedPath(load.path, f"{key}.path"))
+    return GivenLoad(name, acting, KeyedPath(load.path, f"{key}.path"))
+
+
+def _compiled(acting: ActingLoad) -> fem.Form:
+    """The work of a load as a linear form."""
+    return form_cache.form(acting.work(ufl.TestFunction(acting.spaces.displacement_space)))
 
 
 def _further(displacement: Expr, sides: CurvedSides) -> Expr:

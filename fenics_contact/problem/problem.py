@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from dolfinx import fem
@@ -22,11 +22,12 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.surface.supports import SurfaceSupports
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.far_field import FarField
-from fenics_contact.problem.loads import given_loads
+from fenics_contact.problem.loads import GivenLoad, given_loads
 from fenics_contact.problem.scalar_unknowns import (
     Indentation,
     PreloadState,
@@ -41,10 +42,15 @@ from fenics_contact.scene.scene import Scene
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """One energy term: its name, and the forms compiled for it."""
+    """One energy term: its name, and what compiles its forms where they are not yet."""
 
     name: str
-    forms: tuple[fem.Form, ...]
+    compiled: Callable[[], tuple[fem.Form, ...]] = tuple
+
+    @property
+    def forms(self) -> tuple[fem.Form, ...]:
+        """The forms compiled for it; collective."""
+        return self.compiled()
 
     @property
     def integrals(self) -> list[str]:
@@ -59,6 +65,8 @@ class Problem:
         scene: What is done to the body; the body is to be that of the scene.
         discrete: The body, for this problem alone until it is done with.
         timings: What the parts of it took, to add to.
+        by_points: Work out forces of contacts and tangents point by point, where all their points
+            are nodes: without the compiled forms, which a few points cost more than they are worth.
 
     Attributes:
         displacement: The unknown, a dolfinx function.
@@ -74,7 +82,6 @@ class Problem:
         far_field: The outer boundary of a half-space, or None.
         points: Where the displacement is a quantity.
         loads: Those of the scene that are not zero.
-        terms: The energy terms modelled.
         elastic: ½ a(·, ·): law, compiled forms, stress.
         load: Present nodal loads with the prescribed contact pressures, (nodes, components).
         pressure_load: The part of it that is prescribed contact pressures.
@@ -83,7 +90,11 @@ class Problem:
     """
 
     def __init__(
-        self, scene: Scene, discrete: DiscreteBody, timings: Timings | None = None
+        self,
+        scene: Scene,
+        discrete: DiscreteBody,
+        timings: Timings | None = None,
+        by_points: bool = False,
     ) -> None:
         timings = timings or Timings()
         discrete.require_fit(scene)
@@ -105,6 +116,8 @@ class Problem:
                     zip(scene.contact, discrete.sides, strict=True)
                 )
             ]
+            for contact in self.contacts:
+                contact.by_points = by_points and contact.can_go_by_points
             own_arrays = [array for contact in self.contacts for array in contact.own_arrays]
             self.own_arrays = of_several_contacts(own_arrays)
             self.unknowns: list[ScalarUnknown] = [
@@ -123,9 +136,15 @@ class Problem:
             self._refuse_held_contacts()
             self.points = DisplacementPoints(scene.point, self.spaces)
             self.loads = given_loads(scene.load, self.spaces)
-            self.terms = self._terms()
+            if not by_points:
+                for term in self.terms:
+                    term.compiled()
         with timings.phase("assemble"):
-            self._loads = [(self.spaces.assemble(load.form), load.path) for load in self.loads]
+            units = discrete.found.setdefault("loads", {}) if by_points else None
+            self._loads = [
+                (load.nodal() if units is None else load.nodal_of_units(units), load.path)
+                for load in self.loads
+            ]
             self._pressures = self._assemble_pressures()
             self.set_time(scene.steps.all_times[-1])
 
@@ -263,25 +282,34 @@ class Problem:
                     "it along the surface, so nothing can slip"
                 )
 
-    def _terms(self) -> list[Term]:
-        terms = [Term(self.elastic.name, self.elastic.forms)]
-        terms += [Term(load.name, (load.form,)) for load in self.loads]
-        terms += [Term(f"preload of {preload.scene.label}", ()) for preload in self.preloads]
+    @property
+    def terms(self) -> list[Term]:
+        """The energy terms modelled."""
+        terms = [Term(self.elastic.name, lambda: self.elastic.forms)]
+        terms += [Term(load.name, partial(_form_of, load)) for load in self.loads]
+        terms += [Term(f"preload of {preload.scene.label}") for preload in self.preloads]
         for contact in self.contacts:
-            terms += [Term(contact.normal.name, (form,)) for form, _ in contact.normal.loads]
+            law = contact.normal
+            if law.loads_at_points:
+                terms.append(Term(law.name, partial(_forms_of_loads, law)))
         for contact in self.contacts:
-            terms += [Term(term.name, term.forms) for term in contact.terms]
+            terms += [Term(term.name, partial(getattr, term, "forms")) for term in contact.terms]
             if contact.floats:
-                terms.append(Term(f"force on the obstacle at {contact.label}", ()))
+                terms.append(Term(f"force on the obstacle at {contact.label}"))
         return terms
 
     def _assemble_pressures(self) -> list[tuple[Array, Callable[[float], float]]]:
         """Nodal forces of every contact pressure that is given, with their paths."""
         return [
-            (
-                contact.trace.surface.on_body(contact.trace.surface.assemble(form)),
-                path,
-            )
+            (contact.trace.surface.on_body(force), path)
             for contact in self.contacts
-            for form, path in contact.normal.loads
+            for force, path in contact.given_forces()
         ]
+
+
+def _form_of(load: GivenLoad) -> tuple[fem.Form, ...]:
+    return (load.form,)
+
+
+def _forms_of_loads(law: NormalLaw) -> tuple[fem.Form, ...]:
+    return tuple(form for form, _ in law.loads)

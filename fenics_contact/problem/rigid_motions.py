@@ -35,8 +35,11 @@ class RigidMotions:
         self._problem = problem
         spaces = problem.spaces
         self.floating = [contact for contact in problem.contacts if contact.floats]
-        self._names, fields = rigid_fields(spaces)
-        self._fields = apart(spaces.parts, fields)
+        found = problem.discrete.found
+        if "rigid motions" not in found:
+            names, fields = rigid_fields(spaces)
+            found["rigid motions"] = names, apart(spaces.parts, fields)
+        self._names, self._fields = found["rigid motions"]
         free = reduced(self._free_combinations())
         self._body = free[: self._fields.shape[-1]]
         self._obstacles = free[self._fields.shape[-1] :]

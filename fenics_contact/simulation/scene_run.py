@@ -35,6 +35,7 @@ from fenics_contact.simulation import verdict
 from fenics_contact.simulation.description import model_of, record_of, units_of
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
+from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.solve.load_steps.load_steps import LoadSteps, solve
 from fenics_contact.solve.newton.solution import Solution
@@ -66,6 +67,7 @@ class Run:
         scene: What to solve.
         comm: Communicator; collective.
         body: The mesh, if not the one the scene names.
+        kept: The body, where it serves several runs, one after the other.
 
     Raises:
         InputError: The scene or its mesh cannot be used, or has no equilibrium.
@@ -85,8 +87,13 @@ class Run:
     """
 
     def __init__(
-        self, scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None
+        self,
+        scene: Scene,
+        comm: MPI.Comm = MPI.COMM_WORLD,
+        body: Body | None = None,
+        kept: KeptBody | None = None,
     ) -> None:
+        self._kept = kept
         self.scene, self.own_mesh = scene, body is not None
         self.last: Unknowns | None = None
         self.others = OtherAnswers()
@@ -98,18 +105,14 @@ class Run:
 
     def _make_ready(self, scene: Scene, comm: MPI.Comm, body: Body | None) -> None:
         """Mesh, model and solver; collective."""
-        if body is None:
-            if not scene.mesh:
-                raise InputError("mesh: the scene names no mesh and no body was passed")
-            with self.timings.phase("mesh"):
-                curved = scene.accuracy is not None and scene.discretisation.degree > 1
-                body = load_body(
-                    scene.mesh, scene.dimension, comm, curved=curved, preloads=scene.preload
-                )
-        self.problem = Problem.on_mesh(scene, body, self.timings)
+        if self._kept is not None:
+            self.problem = Problem(scene, self._kept.discrete, self.timings, by_points=True)
+        else:
+            body = body or mesh_of(scene, comm, self.timings)
+            self.problem = Problem.on_mesh(scene, body, self.timings)
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)
-        self.choice: SolverChoice = choose_solver(self.problem)
+        self.choice: SolverChoice = choose_solver(self.problem, self._kept is not None)
         self._history = StepHistory(self.problem, self.timings)
 
     @property
@@ -215,7 +218,9 @@ class Run:
                 self.budget = error_budget(load_steps, history.steps)
 
         try:
-            solve(self.problem, self.timings, record, self.choice, begin, keep, stopped, end)
+            condense = None if self._kept is None else self._kept.condense
+            calls = (begin, keep, stopped, end, condense)
+            solve(self.problem, self.timings, record, self.choice, *calls)
         except NotConvergedError as error:
             return self._unconverged(error, begun[0].tried, begun[0].spent)
         except StoppedError:
@@ -319,6 +324,19 @@ class Run:
     def _interrupted(self) -> Result:
         words = "Interrupted" + ("." if self.solution else " before any load step was done.")
         return dataclasses.replace(self._stopped_short(words, self.steps), interrupted=True)
+
+
+def mesh_of(scene: Scene, comm: MPI.Comm, timings: Timings) -> Body:
+    """The mesh that a scene names; collective.
+
+    Raises:
+        InputError: It names none, or one that cannot be used.
+    """
+    if not scene.mesh:
+        raise InputError("mesh: the scene names no mesh and no body was passed")
+    with timings.phase("mesh"):
+        curved = scene.accuracy is not None and scene.discretisation.degree > 1
+        return load_body(scene.mesh, scene.dimension, comm, curved=curved, preloads=scene.preload)
 
 
 def _log_step(units: UnitNames | None, number: int, step: StepRecord) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from fenics_contact.common.errors import InputError, MachineError
@@ -10,6 +11,7 @@ from fenics_contact.common.memory import free_memory_for, memory_limit
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import is_part_free
+from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.iterative.carried_slaves import cannot_be_carried
 from fenics_contact.solve.iterative.iterative_system import IterativeSystem
@@ -39,8 +41,12 @@ class SolverChoice:
     memory: float
 
 
-def choose_solver(problem: Problem) -> SolverChoice:
+def choose_solver(problem: Problem, is_kept: bool = False) -> SolverChoice:
     """The scene's solver, or the one that suits its sizes; collective.
+
+    Args:
+        problem: The problem.
+        is_kept: Whether the body is to serve many problems, so that it is condensed.
 
     Raises:
         InputError: The solver that the scene asks for is not for its model.
@@ -49,7 +55,7 @@ def choose_solver(problem: Problem) -> SolverChoice:
     wanted = problem.scene.solver.solver
     free = free_memory_for(problem.comm)
     if wanted == "auto":
-        choice = _automatic(problem, free)
+        choice = _of_kept_body(problem) if is_kept else _automatic(problem, free)
     else:
         if wanted == "iterative" and not _suits_multigrid(problem):
             raise InputError(
@@ -69,6 +75,12 @@ def choose_solver(problem: Problem) -> SolverChoice:
             f"{memory_limit(problem.comm)}; {LESS_MEMORY}"
         )
     return choice
+
+
+def _of_kept_body(problem: Problem) -> SolverChoice:
+    """What costs least once it is there."""
+    memory = memory_estimate(problem, "condensed")
+    return SolverChoice("condensed", "one factorisation of the bulk for all answers", memory)
 
 
 def _automatic(problem: Problem, free: float) -> SolverChoice:
@@ -106,11 +118,21 @@ def _suits_multigrid(problem: Problem) -> bool:
     return problem.spaces.components == 3 and problem.elastic.mixed is None
 
 
-def create_system(problem: Problem, choice: SolverChoice, timings: Timings) -> System:
-    """What Newton's method is to solve; collective."""
-    systems: dict[Name, type[CondensedSystem] | type[FullSystem] | type[IterativeSystem]] = {
-        "condensed": CondensedSystem,
-        "full": FullSystem,
-        "iterative": IterativeSystem,
-    }
-    return systems[choice.name](problem, timings)
+# Gives a body that is kept, condensed for a problem; collective.
+Condense = Callable[[Problem, Timings], CondensedBody]
+
+
+def create_system(
+    problem: Problem, choice: SolverChoice, timings: Timings, condense: Condense | None = None
+) -> System:
+    """What Newton's method is to solve; collective.
+
+    Args:
+        problem: The problem.
+        choice: The solver.
+        timings: Seconds so far.
+        condense: Gives the body condensed, if one is kept for several problems.
+    """
+    if choice.name == "condensed":
+        return CondensedSystem(problem, timings, condense and condense(problem, timings))
+    return {"full": FullSystem, "iterative": IterativeSystem}[choice.name](problem, timings)

@@ -35,6 +35,8 @@ from cost_cases import all_runs, quick_runs
 from cost_measure import LIMIT_OF_FURTHER_STEP, limit_of, measure
 from cost_page import filled
 from cost_solves import frictional_solve, linear_seconds, linear_solvers
+from study_cost import QUICK, hertz
+from study_cost import measure as measure_study
 
 KEYS = [
     *("case", "dimension", "element", "bodies", "full_contact", "dofs", "contact_dofs"),
@@ -237,3 +239,12 @@ def test_the_page_of_costs_has_a_place_for_every_row(measured, measured_pair):
     assert filled(new, rows) == new
     with pytest.raises(ValueError, match="is to have"):
         filled(page.replace("table: iterative", "table: other"), rows)
+
+
+@pytest.mark.serial
+def test_rows_of_study_cost_say_what_was_asked():
+    row = measure_study(next(asked for asked in QUICK if asked.name == "slab, load"))
+    assert row["factorisations"] == 1
+    assert row["warm_start"] == "warm"
+    assert 0 < row["warm_seconds"] < row["first_seconds"]
+    assert hertz(2)["largest_error"] < 0.005

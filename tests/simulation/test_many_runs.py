@@ -9,7 +9,17 @@ import gc
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Contact, Material, Obstacle, Run, Scene, SolverSettings, Steps, Support
+from fenics_contact import (
+    Contact,
+    Material,
+    Obstacle,
+    Run,
+    Scene,
+    SolverSettings,
+    Steps,
+    Study,
+    Support,
+)
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.simulation.output.run_folder import solve_and_write
 from fenics_contact.simulation.restart.state_file import StateFile
@@ -98,3 +108,22 @@ def test_one_that_wrote_files_is_freed(folder, no_collector):
         assert solve_and_write(run, folder, StateFile(folder, run.problem)).converged
 
     assert is_freed(SCENES["steps"], solve)
+
+
+def study_is_freed():
+    """Whether a study holds no more after two answers than after one, and nothing afterwards."""
+    body, held, given_back = body_and_witness(SCENES["condensed"])
+    study = Study(SCENES["condensed"], COMM, body)
+    assert study.solve({"contact.0.friction_coefficient": 0.2}).converged
+    once = len(held) - len(given_back)
+    assert study.solve({"contact.0.friction_coefficient": 0.1}).converged
+    collect_what_ufl_keeps()
+    twice = len(held) - len(given_back)  # the second run is all that took the first's place
+    del body, study
+    collect_what_ufl_keeps()
+    return twice == once and len(given_back) == len(held)
+
+
+def test_a_study_that_is_done_with_is_freed(no_collector):
+    """Again where forms had to be compiled, which leaves cycles behind."""
+    assert any(COMM.allreduce(study_is_freed(), MPI.LAND) for _ in range(3))

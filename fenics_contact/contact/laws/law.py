@@ -13,6 +13,13 @@ from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import ContactState
 from fenics_contact.results.point_arrays import PointArray
 
+# What a law says twice: by forms, and at the points.
+_TOGETHER = (
+    ("force", "at_points"),
+    ("tangents", "tangent_at_points"),
+    ("loads", "loads_at_points"),
+)
+
 
 class ContactLaw:
     """A law; this one exerts nothing, and others say what they do instead.
@@ -23,6 +30,7 @@ class ContactLaw:
         checks: Names of the checks of ``trust/checks/run_checks.py`` that judge it.
         state: Arrays at the points that it keeps from load step to load step, its attributes.
             They are saved, gone back to, restarted, written and drawn by what is said here.
+        follows_jump: Whether it exerts forces that follow the jump, so that it has forms.
         name: What is modelled where, for results.
 
     Args:
@@ -33,6 +41,7 @@ class ContactLaw:
     model: ClassVar[str] = ""
     checks: ClassVar[tuple[str, ...]] = ()
     state: ClassVar[tuple[PointArray, ...]] = ()
+    follows_jump: ClassVar[bool] = False
 
     def __init__(self, site: LawSite) -> None:
         self.site = site
@@ -40,7 +49,10 @@ class ContactLaw:
 
     @property
     def forms(self) -> tuple[CompiledForm, ...]:
-        """Compiled forms of the forces that follow the jump; none where nothing does."""
+        """Compiled forms of the forces that follow the jump; none where nothing does.
+
+        They are compiled when they are first asked for.
+        """
         return ()
 
     @property
@@ -48,10 +60,37 @@ class ContactLaw:
         """Forms of the tangent in the present mode."""
         return ()
 
+    @property
+    def says_it_at_points(self) -> bool:
+        """Whether its numbers at the points are made along with its forms.
+
+        Those of a law that has other forms than the one it derives from need not be its own.
+        """
+        return all(self._owner(one) is self._owner(other) for one, other in _TOGETHER)
+
+    def _owner(self, name: str) -> type | None:
+        """The class that says what an attribute is; None where there is none."""
+        return next((one for one in type(self).__mro__ if name in vars(one)), None)
+
     def force(self) -> Array:
         """Forces on the body at all nodes of the surface, (nodes, components); collective."""
         trace = self.site.trace
         return np.zeros((len(trace.all_nodes), trace.surface.components))
+
+    def at_points(self) -> Array:
+        """Traction on the body at the points, (points, components) (stress).
+
+        Of the same energy as ``force``: on nodal points, what that gives over their areas.
+        """
+        return np.zeros_like(self.site.trace.normals)
+
+    def tangent_at_points(self) -> Array:
+        """Minus its derivative in the jump, as the forms of ``tangents`` have it.
+
+        Shape (points, components, components) (stress/length).
+        """
+        normals = self.site.trace.normals
+        return np.zeros((*normals.shape, normals.shape[1]))
 
     def kept(self) -> dict[str, Array]:
         """The arrays of ``state`` as they are, by name."""

@@ -92,6 +92,16 @@ class PointDensity:
         """Its second derivative in a scalar variable, (points,)."""
         return self._numbers((of, of), values)[..., 0]
 
+    def curvatures(self, of: str, then: str, **values: Array | float) -> Array:
+        """Its second derivatives in the components of two vector variables.
+
+        Returns:
+            (points, components of the first, components of the second).
+        """
+        found = self._numbers((of, then), values)
+        sizes = [max(len(self._scalars[name]), 1) for name in (of, then)]
+        return found.reshape(len(found), *sizes)
+
     def _numbers(self, along: tuple[str, ...], values: Mapping[str, Array | float]) -> Array:
         if along not in self._programs:
             scalars = [scalar for own in self._scalars.values() for scalar in own]

@@ -115,14 +115,22 @@ class SurfaceSpace:
         return found
 
     def extent(self) -> float:
-        """Diagonal of the box around the surface (length); collective."""
+        """Diagonal of the box around the surface (length); collective when first asked for."""
+        return self._extent
+
+    @cached_property
+    def _extent(self) -> float:
         columns = self.coordinates.T
         return float(
             np.linalg.norm([largest(self.comm, x) - smallest(self.comm, x) for x in columns])
         )
 
     def farthest(self) -> float:
-        """Largest coordinate of the surface (length); collective."""
+        """Largest coordinate of the surface (length); collective when first asked for."""
+        return self._farthest
+
+    @cached_property
+    def _farthest(self) -> float:
         return largest(self.comm, np.abs(self.coordinates).ravel())
 
     def _thickness(self) -> Expr | None:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import ufl
 
+from fenics_contact.body.description import BodyDescription
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.mesh.tagged_mesh import Body
@@ -49,6 +50,18 @@ def of_scene(scene: Scene, body: Body) -> dict[str, str]:
     }
 
 
+def of_body(description: BodyDescription, body: Body) -> dict[str, str]:
+    """The same of all that describes a body besides its mesh; collective.
+
+    Args:
+        description: Of the body.
+        body: Its mesh.
+    """
+    probe = _Probe(body)
+    names = [field.name for field in dataclasses.fields(description)]
+    return {name: _digest(probe.plain(getattr(description, name))) for name in names}
+
+
 def _digest(value: Any) -> str:
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:16]
 
@@ -69,7 +82,8 @@ class _Probe:
         """A part of a scene."""
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
             later = _LATER.get(type(value).__name__, {})
-            parts = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+            fields = [field for field in dataclasses.fields(value) if field.compare]
+            parts = {field.name: getattr(value, field.name) for field in fields}
             return {
                 name: self.plain(part)
                 for name, part in parts.items()

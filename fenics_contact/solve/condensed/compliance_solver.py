@@ -38,7 +38,9 @@ class ComplianceSolver:
         self._added[count:] = np.where(corner > 0, 0.0, constant.stiffest)
         self._inverse = np.zeros((size, size))
         self._inverse[count:, count:] = np.diag(1 / (corner + self._added[count:]))
-        compliance = self._compliance()
+        if constant.of_schur.compliance is None:
+            constant.of_schur.compliance = self._compliance(), self._added[:count].copy()
+        compliance, self._added[:count] = constant.of_schur.compliance
         self._inverse[:count, :count] = compliance
         self._inverse[:count, count:] = -compliance @ columns @ self._inverse[count:, count:]
         if len(constant.derived):

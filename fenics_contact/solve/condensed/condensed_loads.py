@@ -21,6 +21,20 @@ class CondensedLoads:
         self._comm = bulk.comm
         self._known: list[tuple[Array, Array]] = []
 
+    @property
+    def known(self) -> list[tuple[Array, Array]]:
+        """Loads, and on rank 0 what they are condensed."""
+        return self._known
+
+    def know(self, load: Array, condensed: Array) -> None:
+        """Take over one that was condensed before.
+
+        Args:
+            load: This rank's share of the forces on its unknowns.
+            condensed: On the contact dofs, on rank 0.
+        """
+        self._known = [*self._known[-_MOST + 1 :], (load, condensed)]
+
     def condense(self, load: Array) -> Array:
         """The condensed load, on rank 0; collective."""
         shares = self._shares(load)

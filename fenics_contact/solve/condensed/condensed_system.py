@@ -18,15 +18,12 @@ from scipy.sparse import csr_matrix
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import from_root, gathered_on_root
 from fenics_contact.common.timings import Timings
+from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ContactScalar
-from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
+from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
-from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.contact_jump import ContactJump
-from fenics_contact.solve.condensed.preload_border import CondensedPreloads
-from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
-from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.condensed.tangent_operator import TangentOperator
 from fenics_contact.solve.condensed.unknowns import ContactVariables
@@ -49,27 +46,30 @@ class CondensedSystem(System):
         dofs: The contact dofs.
         variables: What stands for them as unknowns.
         held: Which of this rank's unknowns of the stiffness supports hold.
+
+    Args:
+        problem: The problem.
+        timings: Seconds so far.
+        body: The body condensed, which is kept; by default it is condensed for this system alone.
     """
 
     name = "condensed"
     options: ClassVar = {"ksp_type": "preonly"}
 
-    def __init__(self, problem: Problem, timings: Timings) -> None:
+    def __init__(
+        self, problem: Problem, timings: Timings, body: CondensedBody | None = None
+    ) -> None:
         super().__init__(problem)
         with timings.phase("assemble"):
-            self.stiffness = LocalStiffness(problem)
             self._surfaces = [SurfaceMatrix(c) if c.terms else None for c in problem.contacts]
         self._root = self.comm.rank == 0
-        acting = [surface for surface in self._surfaces if surface is not None]
-        self.dofs = ContactDofs(problem, acting)
-        self.held = np.zeros(len(self.stiffness.numbers), dtype=bool)
-        displacements = self.stiffness.displacements
-        self.held[: len(displacements)] = self.dofs.constrained[displacements]
-        with timings.phase("factorise"):
-            self._bulk = CondensedBulk(self.stiffness, self.held, self.dofs.free)
-            self._preloads = CondensedPreloads(problem, self.stiffness, self._bulk, self.held)
+        self._is_own = body is None  # then it ends with the system
+        self._body = body or CondensedBody(
+            problem.discrete, problem.constrained, acting_sides(problem), timings
+        )
+        self.stiffness, self.held = self._body.stiffness, self._body.held
+        self.dofs, self._preloads = self._body.dofs, self._body.preloads
         self.factorisations = 1
-        self._loads = CondensedLoads(self._bulk)
         self._driving = [u for u in problem.unknowns if isinstance(u, ContactScalar)]
         self._far_loads = [self._far_load(unknown.column) for unknown in self._driving]
         self._inner = len(self.dofs.free) + len(self._driving)  # all but the shortenings
@@ -122,17 +122,18 @@ class CondensedSystem(System):
 
     def _dense_tangent(self) -> ContactTangent | None:
         """A on rank 0, with what resultants do to the contact dofs through the bulk."""
-        condensed = [self._loads.condense(load) for load, _ in self._far_loads]
-        schur = self._bulk.schur
-        if not self.problem.can_pair_anew:
-            self._bulk.schur = None
+        condensed = [self._body.loads.condense(load) for load, _ in self._far_loads]
+        once = self._is_own and not self.problem.can_pair_anew
+        schur = self._body.take_schur() if once else self._body.bulk.schur
         if schur is None:
             return None
         condensed = [self.variables.forces(load) for load in condensed]
         columns = -np.array(condensed).reshape(len(self._driving), len(self.dofs.free)).T
         own = np.array([unknown.own for unknown in self._driving])
         variables = self.variables
-        constant = ConstantTangent(variables.stiffness(schur), columns, own, variables.derived)
+        transformed = variables.stiffness(schur)
+        known = self._body.of_schur if transformed is self._body.bulk.schur else None
+        constant = ConstantTangent(transformed, columns, own, variables.derived, known)
         nodes = self.dofs.free // self.problem.spaces.components
         border = self._preloads.border(variables, self._inner)
         return ContactTangent(constant, nodes, border)
@@ -175,8 +176,9 @@ class CondensedSystem(System):
         return moved @ (across @ unknowns).T, [moved @ (way @ unknowns).T for way in ways]
 
     def destroy(self) -> None:
-        """Free PETSc's objects."""
-        self._bulk.destroy()
+        """Free PETSc's objects, but those of a body that is kept."""
+        if self._is_own:
+            self._body.destroy()
         for thing in (self.tangent, self.state, self.residual):
             thing.destroy()
 
@@ -219,7 +221,7 @@ class CondensedSystem(System):
             None if jump is None else self.variables.held_part(jump.surface, self._held_values)
             for jump in self._jumps
         ]
-        self._condensed = self.variables.forces(self._loads.condense(self._load))
+        self._condensed = self.variables.forces(self._body.loads.condense(self._load))
         self._along_loads = self._preloads.from_loads(
             self._load, self.stiffness.at_unknowns(supported)
         )
@@ -347,7 +349,7 @@ class CondensedSystem(System):
 
     def _expanded(self, load: Array, at_contacts: Array) -> BodyAnswer:
         """Displacement and K u at the nodes; the functions follow; collective."""
-        found = self._bulk.expand(load, at_contacts)
+        found = self._body.bulk.expand(load, at_contacts)
         self.stiffness.set_functions(found)
         components = self.problem.spaces.components
         internal = self.stiffness.forces(found)
@@ -365,3 +367,8 @@ def _relative(jump: ContactJump, held: Array, jumps: Array) -> Array:
     surface = jump.surface.contact.trace.surface
     found = jump.relative @ jumps + held
     return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
+
+
+def acting_sides(problem: Problem) -> list[ContactSides]:
+    """The surfaces of the contacts that exert forces."""
+    return [contact.sides for contact in problem.contacts if contact.terms]

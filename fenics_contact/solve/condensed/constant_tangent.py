@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from scipy.linalg import blas
 from scipy.sparse import csr_matrix
@@ -10,6 +12,30 @@ from fenics_contact.common.arrays import Array
 
 # Rows that are made symmetric at a time.
 _ROWS = 512
+
+
+class OfSchur:
+    """What S tells whatever the conditions, each found when it is asked for first.
+
+    Attributes:
+        compliance: Its inverse, and the springs that it took: set by who finds them.
+
+    Args:
+        schur: S, up to round-off; it is made symmetric in place.
+    """
+
+    def __init__(self, schur: Array) -> None:
+        _make_symmetric(schur)
+        self._schur = schur
+        self.compliance: tuple[Array, Array] | None = None
+
+    @cached_property
+    def column_sums(self) -> Array:
+        """Σ |S| over the rows, (displacements,)."""
+        found = np.zeros(len(self._schur))
+        for start in range(0, len(self._schur), _ROWS):
+            found += np.abs(self._schur[start : start + _ROWS]).sum(axis=0)
+        return found
 
 
 class ConstantTangent:
@@ -29,13 +55,21 @@ class ConstantTangent:
         columns: C.
         corner: Diagonal of D.
         derived: R.
+        of_schur: What was worked out of S before, where that is kept.
     """
 
-    def __init__(self, schur: Array, columns: Array, corner: Array, derived: Array) -> None:
+    def __init__(
+        self,
+        schur: Array,
+        columns: Array,
+        corner: Array,
+        derived: Array,
+        of_schur: OfSchur | None = None,
+    ) -> None:
         self.count, scalars = columns.shape
         self.size = self.count + scalars
         self.width = self.size + len(derived)
-        _make_symmetric(schur)
+        self.of_schur = of_schur or OfSchur(schur)
         self.schur, self.columns, self.corner, self.derived = schur, columns, corner, derived
         # 1 where supports hold all contact dofs, and only obstacles move.
         self.stiffest = float(schur.diagonal().max(initial=0.0)) or 1.0
@@ -69,10 +103,7 @@ class ConstantTangent:
     def magnitude(self, sizes: Array) -> float:
         """Σ |A| |y| over all rows."""
         displacements, scalars = sizes[: self.count], sizes[self.count :]
-        bulk = sum(
-            float((np.abs(self.schur[start : start + _ROWS]) @ displacements).sum())
-            for start in range(0, self.count, _ROWS)
-        )
+        bulk = self.of_schur.column_sums @ displacements
         return float(bulk + (np.abs(self.columns) @ scalars).sum() + np.abs(self.corner) @ scalars)
 
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import gather_rows
-from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
+from fenics_contact.contact.slave_and_master import ContactSides
 
 
 class ContactDofs:
@@ -22,23 +22,25 @@ class ContactDofs:
         constrained: Which of all displacement dofs of this rank are held, owned and ghost.
 
     Args:
-        problem: The problem.
-        surfaces: Those of the contacts that exert forces.
+        spaces: The body's.
+        constrained: Dofs that supports hold (local indices, owned and ghost).
+        sides: The surfaces at which contacts may act.
     """
 
-    def __init__(self, problem: Problem, surfaces: Sequence[SurfaceMatrix]) -> None:
-        self._comm = problem.comm
-        components = problem.spaces.components
-        index_map = problem.spaces.displacement_space.dofmap.index_map
+    def __init__(
+        self, spaces: Spaces, constrained: Integers, sides: Sequence[ContactSides]
+    ) -> None:
+        self._comm = spaces.comm
+        components = spaces.components
+        index_map = spaces.displacement_space.dofmap.index_map
         first, last = (number * components for number in index_map.local_range)
         none = np.zeros(0, dtype=np.int64)
-        opposite = [surface.contact.kinematics.pairing for surface in surfaces]
-        masters = [pairing.dofs for pairing in opposite if pairing is not None]
-        every = [none, *(surface.dofs for surface in surfaces), *masters]
+        masters = [side.pairing.dofs for side in sides if side.pairing is not None]
+        every = [none, *(side.trace.surface.dofs for side in sides), *masters]
         self.numbers = np.unique(np.concatenate(every))
         self._mine = self.numbers[(self.numbers >= first) & (self.numbers < last)] - first
-        self.constrained = np.zeros(len(problem.spaces.coordinates) * components, dtype=bool)
-        self.constrained[problem.constrained] = True
+        self.constrained = np.zeros(len(spaces.coordinates) * components, dtype=bool)
+        self.constrained[constrained] = True
         self.is_free = ~self.gathered(self.constrained.astype(float)).astype(bool)
         self.free = self.numbers[self.is_free]
 

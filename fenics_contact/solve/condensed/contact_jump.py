@@ -52,22 +52,23 @@ class ContactJump:
             unknowns: The scalars.
             far: Displacements at the dofs of the surface that each of these adds.
         """
-        none = csr_matrix((points.shape[0], len(unknowns)))
-        points = csr_matrix(hstack([points[:, :count], none, points[:, count:]]))
         if not unknowns:
             return cls(surface, points, points, points)
-        motion, work = points.tolil(), points.tolil()
-        relative = motion.copy()
-        for number, unknown in enumerate(unknowns):
-            column = count + number
+        rows = points.shape[0]
+        relative, motion, work = np.zeros((3, rows, len(unknowns)))
+        for column, unknown in enumerate(unknowns):
             if unknown.column is not None:
-                motion[:, column] = relative[:, column] = far[number][:, None]
-            direction = np.resize(unknown.direction, points.shape[0])[:, None]
+                motion[:, column] = relative[:, column] = far[column]
+            direction = np.resize(unknown.direction, rows)
             if unknown.contact is surface.contact:
                 work[:, column] = -unknown.pushes * direction
                 if unknown.drives:
                     motion[:, column] = -direction
-        return cls(surface, csr_matrix(relative), csr_matrix(motion), csr_matrix(work))
+
+        def beside(scalars: Array) -> csr_matrix:
+            return csr_matrix(hstack([points[:, :count], scalars, points[:, count:]], "csr"))
+
+        return cls(surface, beside(relative), beside(motion), beside(work))
 
     @cached_property
     def _columns(self) -> Integers | None:

@@ -8,14 +8,14 @@ leaves of the parts' own stiffness when the contact dofs are held.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.linalg import lapack
 
+from fenics_contact.body.preloaded_part import PreloadForces
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
-from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.unknowns import ContactVariables
@@ -30,17 +30,20 @@ class CondensedPreloads:
         corner: D, (preloads, preloads) (force/length).
 
     Args:
-        problem: The problem.
+        forces: What the shortening of each part does to the body.
         stiffness: Of this rank's cells.
         bulk: Condensed.
         held: Which of this rank's unknowns supports hold.
     """
 
     def __init__(
-        self, problem: Problem, stiffness: LocalStiffness, bulk: CondensedBulk, held: Flags
+        self,
+        forces: Sequence[PreloadForces],
+        stiffness: LocalStiffness,
+        bulk: CondensedBulk,
+        held: Flags,
     ) -> None:
-        self._comm, self._held = problem.comm, held
-        forces = [preload.bulk for preload in problem.preloads]
+        self._comm, self._held = bulk.comm, held
         shape = (len(forces), len(held))
         shares = [stiffness.share(one.nodal, one.on_mean_stress) for one in forces]
         self._forces = np.array(shares).reshape(shape)

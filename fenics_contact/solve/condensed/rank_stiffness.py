@@ -13,7 +13,7 @@ from scipy.sparse import bmat, csr_matrix
 from fenics_contact.body.spaces import summed_over_ranks
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import total
-from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.discrete_body import DiscreteBody
 
 
 class LocalStiffness:
@@ -29,13 +29,13 @@ class LocalStiffness:
         displacements: Displacement dofs among them, by their local number in the space.
     """
 
-    def __init__(self, problem: Problem) -> None:
-        self._problem = problem
-        self.comm = problem.comm
-        spaces, mixed = problem.spaces, problem.elastic.mixed
+    def __init__(self, discrete: DiscreteBody) -> None:
+        self._discrete = discrete
+        spaces, mixed = discrete.spaces, discrete.elastic.mixed
+        self.comm = spaces.comm
         self.is_plane = spaces.components == 2
         fields = [spaces.displacement_space]
-        blocks = [[_local_matrix(problem.elastic.stiffness)]]
+        blocks = [[_local_matrix(discrete.elastic.stiffness)]]
         if mixed is not None:
             fields.append(mixed.mean_stress.function_space)
             gradient, divergence = _local_matrix(mixed.gradient), _local_matrix(mixed.divergence)
@@ -69,6 +69,13 @@ class LocalStiffness:
             found[count:] = on_mean_stress[self._stresses] / self._sharers[count:]
         return found
 
+    def whole(self, share: Array) -> Array:
+        """Forces of which each rank has its share, at the nodes; collective."""
+        spaces = self._discrete.spaces
+        found = np.zeros(spaces.coordinates.shape[0] * spaces.components)
+        found[self.displacements] = share[: len(self.displacements)]
+        return spaces.summed(found.reshape(-1, spaces.components))
+
     def load(self, nodal: Array, supported: Array, held: Flags) -> Array:
         """This rank's share of a load, with what supports at given displacements add.
 
@@ -92,10 +99,7 @@ class LocalStiffness:
 
     def forces(self, values: Array) -> Array:
         """K u at the nodes, (nodes, components), of all ranks' cells; collective."""
-        spaces = self._problem.spaces
-        found = np.zeros(spaces.coordinates.shape[0] * spaces.components)
-        found[self.displacements] = (self.matrix @ values)[: len(self.displacements)]
-        return spaces.summed(found.reshape(-1, spaces.components))
+        return self.whole(self.matrix @ values)
 
     def round_off(self, values: Array) -> float:
         """20 × machine epsilon × ‖|K| |u|‖₁ (force); collective."""
@@ -107,8 +111,8 @@ class LocalStiffness:
     def set_functions(self, values: Array) -> None:
         """Values of the unknowns into displacement and mean stress; collective."""
         count = len(self.displacements)
-        _set(self._problem.displacement, self.displacements, values[:count])
-        mixed = self._problem.elastic.mixed
+        _set(self._discrete.displacement, self.displacements, values[:count])
+        mixed = self._discrete.elastic.mixed
         if mixed is not None:
             _set(mixed.mean_stress, self._stresses, values[count:])
 

@@ -8,6 +8,8 @@ Python does not wrap the four calls that ask MUMPS for it, so they go through it
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from petsc4py import PETSc
@@ -43,11 +45,14 @@ class CondensedBulk:
         comm: Communicator.
         count: Number of contact dofs.
         schur: S, (contact, contact) (force/length); on rank 0, else None.
+        factorisations: How often K was factorised.
 
     Raises:
         MachineError: MUMPS had not the memory on a rank; on every rank.
         NotConvergedError: Supports and contacts do not hold the body; likewise.
     """
+
+    factorisations = 1
 
     def __init__(self, stiffness: LocalStiffness, held: Flags, contact: Integers) -> None:
         self.comm = stiffness.comm
@@ -131,6 +136,46 @@ class CondensedBulk:
     def destroy(self) -> None:
         """Free PETSc's objects."""
         self._inside.destroy()
+
+
+class BulkWithoutFactor(CondensedBulk):
+    """The same of an S that is known: K is factorised when something else is asked for.
+
+    Args:
+        stiffness: K by ranks.
+        held: Which of this rank's unknowns supports hold.
+        contact: Numbers of the contact dofs over all ranks, sorted, none held.
+        schur: S on rank 0, else None.
+    """
+
+    def __init__(
+        self, stiffness: LocalStiffness, held: Flags, contact: Integers, schur: Array | None
+    ) -> None:
+        self.comm, self.count, self.schur = stiffness.comm, len(contact), schur
+        self.factorisations = 0
+        self._make: Callable[[], CondensedBulk] = partial(CondensedBulk, stiffness, held, contact)
+        self._made: CondensedBulk | None = None
+
+    @property
+    def _whole(self) -> CondensedBulk:
+        if self._made is None:
+            self._made = self._make()
+            self._made.schur = None  # it is known
+            self.factorisations = 1
+        return self._made
+
+    def condense(self, load: Array) -> Array:
+        """As of any bulk; collective."""
+        return self._whole.condense(load)
+
+    def expand(self, load: Array, x: Array) -> Array:
+        """As of any bulk; collective."""
+        return self._whole.expand(load, x)
+
+    def destroy(self) -> None:
+        """Free PETSc's objects."""
+        if self._made is not None:
+            self._made.destroy()
 
 
 class LocalFactor:

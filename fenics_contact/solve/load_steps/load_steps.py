@@ -26,7 +26,7 @@ from fenics_contact.solve.load_steps.step_control import AutomaticPace, FixedPac
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.newton.tightening import let_go, tighten
-from fenics_contact.solve.solver_choice import SolverChoice, choose_solver, create_system
+from fenics_contact.solve.solver_choice import Condense, SolverChoice, choose_solver, create_system
 
 logger = logging.getLogger(__name__)
 
@@ -44,6 +44,9 @@ class LoadSteps:
         tried: Pseudo-time of the step that was tried last.
         spent: Newton steps of tries since the last accepted step, which were all rejected.
         guess: Where the first step is thought to end, if that is known.
+        warm: Solves the first step from an answer of the same body, if there is one; collective.
+        finds_body: Whether the displacement inside the body is found at the end; else when it is
+            asked for.
 
     Args:
         newton: Made for the problem, not started.
@@ -71,6 +74,8 @@ class LoadSteps:
         self.tried = 0.0
         self.spent = 0
         self.guess: Unknowns | None = None
+        self.warm: Callable[[Newton], Solution] | None = None
+        self.finds_body = True
 
     @property
     def time(self) -> float:
@@ -98,7 +103,8 @@ class LoadSteps:
             self.go_back()
             raise
         assert self.last is not None  # there is a step, or one was resumed
-        self.last.solution.find_body()  # whoever reads it later may no longer have the solver
+        if self.finds_body:  # whoever reads it later may no longer have the solver
+            self.last.solution.find_body()
         return self.last.solution
 
     def resume(self, last: AcceptedStep, pace: Sequence[float], forces: float) -> Solution:
@@ -184,6 +190,13 @@ class LoadSteps:
     def _try(self, time: float) -> Solution:
         """Solve a step, from where it is thought to end or else from where it begins."""
         newton = self.newton
+        if self.last is None and self.warm is not None:
+            try:
+                return self._from_another_answer(time, self.warm)
+            except NotConvergedError as error:
+                logger.debug("  from another answer: %s; next: from the start", error)
+                self.warm = None
+                self.go_back()
         predicted = self._prediction(time)
         newton.forget()
         self._begin(time, predicted)
@@ -196,6 +209,14 @@ class LoadSteps:
         self.go_back()
         self._begin(time, None)
         return self._solve()
+
+    def _from_another_answer(self, time: float, warm: Callable[[Newton], Solution]) -> Solution:
+        """The first step, as ``warm`` solves it; collective."""
+        problem = self.problem
+        problem.reach(np.zeros(len(problem.unknowns)))
+        problem.set_time(time)
+        self.newton.forget()
+        return warm(self.newton)
 
     def _solve(self) -> Solution:
         """A step from its beginning; once more where a preload that was held has a force."""
@@ -311,6 +332,7 @@ def solve(
     kept: Callable[[LoadSteps], None] | None = None,
     stopped: Callable[[], bool] | None = None,
     ended: Callable[[LoadSteps], None] | None = None,
+    condense: Condense | None = None,
 ) -> Solution:
     """Solve a problem step by step; collective.
 
@@ -323,6 +345,7 @@ def solve(
         kept: As of ``LoadSteps``.
         stopped: As of ``Newton``.
         ended: Called after the last step, while the system can still be solved.
+        condense: As of ``create_system``.
 
     Returns:
         The solution of the last step.
@@ -333,7 +356,7 @@ def solve(
     """
     timings = timings or Timings()
     choice = choice or choose_solver(problem)
-    system = create_system(problem, choice, timings)
+    system = create_system(problem, choice, timings, condense)
     try:
         load_steps = LoadSteps(Newton(problem, system, timings), accepted, kept)
         if stopped is not None:

@@ -74,6 +74,8 @@ def let_go(newton: Newton, found: Solution) -> bool:
     Returns:
         Whether there is one.
     """
+    if not newton.problem.preloads:  # nothing to ask the body for
+        return False
     limit = max(found.imbalance_limit, found.bulk_round_off)
     again = False
     for preload, state in zip(newton.problem.preloads, found.preloads, strict=True):

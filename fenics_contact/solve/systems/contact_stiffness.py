@@ -9,7 +9,7 @@ import numpy as np
 from dolfinx import fem
 from scipy.sparse import csr_matrix
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.mortar.pairing import Pairing
 from fenics_contact.contact.surface.point_rule import needs_centres
@@ -49,11 +49,27 @@ class SurfaceMatrix:
 
         They are at the same places every time.
         """
+        if self.contact.by_points:
+            trace = self.contact.trace
+            blocks = sum(term.tangent_at_points() for term in self.contact.terms)
+            weighted = trace.weights[:, None, None] * np.asarray(blocks)
+            rows, columns = self._point_dofs
+            return rows, columns, weighted[trace.owned].ravel()
         if self.assembled is None:
             none = np.zeros(0, dtype=np.int64)
             return none, none, np.zeros(0)
         forms = [form for term in self.contact.terms for form in term.tangents]
         return self.assembled.rows, self.assembled.columns, self.assembled.values(forms)
+
+    @cached_property
+    def _point_dofs(self) -> tuple[Integers, Integers]:
+        """Dofs of the surface at rows and columns of the blocks of this rank's points."""
+        trace, size = self.contact.trace, self._surface.components
+        nodes = self._surface.numbers[trace.numbers[trace.owned]].astype(np.int64)
+        dofs = nodes[:, None] * size + np.arange(size)
+        shape = (len(nodes), size, size)
+        rows = np.broadcast_to(dofs[:, :, None], shape).ravel()
+        return rows, np.broadcast_to(dofs[:, None, :], shape).ravel()
 
     def _between_bodies(self, pairing: Pairing) -> PairStiffness:
         index_map = self._surface.spaces.displacement_space.dofmap.index_map

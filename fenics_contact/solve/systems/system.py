@@ -176,7 +176,7 @@ class System(ABC):
 
     def contact_forces(self, terms: str) -> list[Array]:
         """Forces on the body at the nodes of each surface, by a kind of term; collective."""
-        return [getattr(contact, terms).force() for contact in self.problem.contacts]
+        return [c.force_of(getattr(c, terms)) for c in self.problem.contacts]
 
     def all_contact_forces(self) -> list[Array]:
         """Those of all terms together; remembers their 1-norm; collective."""

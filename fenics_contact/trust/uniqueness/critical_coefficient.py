@@ -34,7 +34,7 @@ _NONE = 1e-9
 _TOLERANCE = 1e-3
 
 
-def uniqueness_limit(system: CondensedSystem, number: int) -> float | None:
+def uniqueness_limit(system: CondensedSystem, number: int, every: bool = False) -> float | None:
     """Largest friction coefficient of a contact that leaves one answer, estimated; collective.
 
     The others are taken to be open. Where the coefficient varies, its largest value counts, the
@@ -45,13 +45,15 @@ def uniqueness_limit(system: CondensedSystem, number: int) -> float | None:
     Args:
         system: Its state says what touches.
         number: Of a contact with Coulomb's friction, in scene order.
+        every: Let all points count, whatever touches: what leaves these one answer leaves it to
+            any of them.
 
     Returns:
         The coefficient; None where none takes uniqueness away (forces along the contact move
         nothing across it), where only contact holds a body, or too many points touch.
     """
     contact = system.problem.contacts[number]
-    rows = _points(contact)
+    rows = _points(contact, every)
     if len(rows) == 0:
         return None
     size = contact.spaces.components
@@ -65,7 +67,7 @@ def uniqueness_limit(system: CondensedSystem, number: int) -> float | None:
     return float(coefficient.max() / share) if share is not None and share > _NONE else None
 
 
-def _points(contact: ContactSurface) -> Array:
+def _points(contact: ContactSurface, every: bool) -> Array:
     """Place among the surface's nodes, coefficient and normal of the points to look at."""
     trace, comm = contact.trace, contact.spaces.comm
     count = len(contact.nodes)
@@ -73,12 +75,13 @@ def _points(contact: ContactSurface) -> Array:
     counted = contact.owned_nodes & contact.supports.free_across & (coefficient > 0)
     # Points that displacements as large as those found may close.
     kinematics = contact.kinematics
-    depth = largest(comm, np.abs(kinematics.normal(kinematics.jump_at_points())))
+    moved = largest(comm, np.abs(kinematics.normal(kinematics.jump_at_points())))
+    depth = np.inf if every else moved
     counted &= kinematics.gap[:count] <= depth
     places = trace.surface.numbers[trace.numbers]
     rows = np.column_stack([places, coefficient, trace.normals[:count]])
     found = gather_rows(comm, rows[counted])
-    if len(found) > _MOST:
+    if len(found) > _MOST and not every:
         found = gather_rows(comm, rows[counted & (contact.pressure()[:count] > 0)])
     if len(found) > _MOST:
         return found[:0]

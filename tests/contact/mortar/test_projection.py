@@ -254,7 +254,7 @@ def test_the_condensed_unknowns_are_kept_and_used_without_their_square():
     """Also where supports hold dofs of the slave; only the tangent has those jumps written out."""
     problem = problem_of(((24, 24), (22, 22)))
     surfaces = [SurfaceMatrix(contact) for contact in problem.contacts]
-    dofs = ContactDofs(problem, surfaces)
+    dofs = ContactDofs(problem.spaces, problem.constrained, problem.discrete.sides)
     tracemalloc.start()
     variables = ContactVariables(dofs, surfaces)
     moved = variables.displacements(np.ones(variables.count))

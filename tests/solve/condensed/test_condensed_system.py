@@ -260,7 +260,7 @@ def test_schur_complement_against_dense_elimination(nu, ordering, kind, monkeypa
     monkeypatch.setattr(mumps, "fastest", lambda is_plane, unknowns: chosen)
     problem = Run(pressed(nu=nu), COMM, box_body((6, 5), (1, 1))).problem
     system = CondensedSystem(problem, Timings())
-    stiffness = LocalStiffness(problem)
+    stiffness = LocalStiffness(problem.discrete)
     whole = dense(stiffness)
     index_map = problem.spaces.displacement_space.dofmap.index_map
     nodes = index_map.local_to_global((problem.constrained // 2).astype(np.int32))

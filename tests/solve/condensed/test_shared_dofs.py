@@ -119,7 +119,7 @@ def test_bodies_that_slide_are_paired_anew(slaves):
 def variables_of(scene, body):
     problem = Problem.on_mesh(scene, body)
     surfaces = [SurfaceMatrix(contact) for contact in problem.contacts]
-    dofs = ContactDofs(problem, surfaces)
+    dofs = ContactDofs(problem.spaces, problem.constrained, problem.discrete.sides)
     return ContactVariables(dofs, surfaces), surfaces, dofs
 
 

@@ -77,7 +77,10 @@ def derived_of(scene, body):
     """How many jumps are no unknowns, and how many unknowns there are."""
     problem = Problem.on_mesh(scene, body)
     surfaces = [SurfaceMatrix(contact) for contact in problem.contacts]
-    variables = ContactVariables(ContactDofs(problem, surfaces), surfaces)
+    variables = ContactVariables(
+        ContactDofs(problem.spaces, problem.constrained, problem.discrete.sides),
+        surfaces,
+    )
     return variables.derived_count, variables.count
 
 

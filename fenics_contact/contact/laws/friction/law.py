@@ -109,6 +109,15 @@ class FrictionLaw(ContactLaw):
             slip: As the law counts it, nowhere 0, (points, components) (length).
         """
 
+    @property
+    def tangent_state(self) -> tuple[Array, Array]:
+        """Slip and direction that the tangent is at, to take again; (points, components) each."""
+        nothing = np.zeros_like(self.reference)
+        return nothing, nothing
+
+    def take_tangent_state(self, state: tuple[Array, Array]) -> None:
+        """Set the tangent as it was after another solve."""
+
     def follow(self, slip: Array) -> None:
         """Move the tangent to a new state.
 

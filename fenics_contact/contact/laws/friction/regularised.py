@@ -10,7 +10,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from fenics_contact.body.forms import CompiledForm, Expr
+from fenics_contact.body.forms import CompiledForm, Expr, Form
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags, Words
 from fenics_contact.common.parallel import largest
@@ -22,6 +22,7 @@ from fenics_contact.contact.laws.energies import (
     traction_work,
 )
 from fenics_contact.contact.laws.friction.law import FrictionLaw
+from fenics_contact.contact.laws.friction.tangent_at_points import PrimalDual
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
@@ -34,14 +35,9 @@ _LEFT_STIFF = 1e-10
 
 
 class RegularisedFriction(FrictionLaw):
-    """j_ε (paper, (2.7)) with its primal-dual tangent.
+    """j_ε (paper, (2.7)) with its primal-dual tangent."""
 
-    Attributes:
-        energy: j_ε as a UFL form.
-        residual: Its first derivative, compiled.
-        tangent: The primal-dual tangent, compiled.
-    """
-
+    follows_jump: ClassVar[bool] = True
     model: ClassVar[str] = "regularised friction"
     rubs: ClassVar[bool] = True
     carries_shear: ClassVar[bool] = True
@@ -60,7 +56,6 @@ class RegularisedFriction(FrictionLaw):
         surface = trace.surface
         count = len(trace.weights)
         self._accepted = trace.function(self.reference) if self.follows_path else None
-        slipped = jump if self._accepted is None else jump - self._accepted.ufl
         self._bound = trace.function(self.bound)
         self._epsilon = fem.Constant(surface.mesh, 1.0)
         self._chosen, self._left = 1.0, 1.0
@@ -70,12 +65,35 @@ class RegularisedFriction(FrictionLaw):
         self._direction = trace.function(self._dual)
         # Not 0 anywhere: it divides, also where the weight is 0.
         self._length = trace.function(np.ones(count), empty=1.0)
-        self._test = ufl.TestFunction(surface.space)
-        self.energy = friction_energy(
-            slipped, trace.normal, self._bound.ufl, self._epsilon, trace.weight, trace.measure
+        self._held = np.zeros_like(self._slip)
+        self.stick_all()
+        given = site.contact.regularisation_parameter
+        if given != "auto":
+            self.set_scale(float(given))
+
+    @property
+    def _slipped(self) -> Expr:
+        """The jump that counts, in UFL (length)."""
+        return self._jump if self._accepted is None else self._jump - self._accepted.ufl
+
+    @cached_property
+    def _test(self) -> Expr:
+        return ufl.TestFunction(self._trace.surface.space)
+
+    @cached_property
+    def energy(self) -> Form:
+        """j_ε as a UFL form."""
+        trace = self._trace
+        return friction_energy(
+            self._slipped, trace.normal, self._bound.ufl, self._epsilon, trace.weight, trace.measure
         )
-        self._modified = primal_dual_residual(
-            slipped,
+
+    @cached_property
+    def _modified(self) -> Form:
+        """What the primal-dual tangent is the derivative of."""
+        trace = self._trace
+        return primal_dual_residual(
+            self._slipped,
             self._test,
             trace.normal,
             self._bound.ufl,
@@ -85,12 +103,16 @@ class RegularisedFriction(FrictionLaw):
             trace.weight,
             trace.measure,
         )
-        self.stick_all()
-        self.residual = form_cache.form(ufl.derivative(self.energy, jump))
-        self.tangent = form_cache.form(ufl.derivative(self._modified, jump))
-        given = site.contact.regularisation_parameter
-        if given != "auto":
-            self.set_scale(float(given))
+
+    @cached_property
+    def residual(self) -> CompiledForm:
+        """Its first derivative."""
+        return form_cache.form(ufl.derivative(self.energy, self._jump))
+
+    @cached_property
+    def tangent(self) -> CompiledForm:
+        """The primal-dual tangent."""
+        return form_cache.form(ufl.derivative(self._modified, self._jump))
 
     @property
     def forms(self) -> tuple[CompiledForm, ...]:
@@ -183,7 +205,13 @@ class RegularisedFriction(FrictionLaw):
 
     def hold(self, traction: Array) -> None:
         """Set the tractions of the modes ``held`` and ``status``, (points, components)."""
-        self._tractions[0].set(traction)
+        self._held = traction
+
+    def _held_force(self) -> Array:
+        """Of the tractions that are held, at all nodes of the surface; collective."""
+        function, work = self._tractions
+        function.set(self._held)
+        return self._trace.surface.assemble(work)
 
     def force(self) -> Array:
         """Forces on the body at all nodes of the surface, (nodes, components); collective."""
@@ -191,10 +219,44 @@ class RegularisedFriction(FrictionLaw):
         if self.mode == "off":
             return np.zeros((len(self._trace.all_nodes), self._slip.shape[1]))
         if self.mode == "held":
-            return assemble(self._tractions[1])
+            return self._held_force()
         if self.mode == "status":
-            return assemble(self._tractions[1]) - assemble(self._springs)
+            return self._held_force() - assemble(self._springs)
         return -assemble(self.residual)
+
+    def at_points(self) -> Array:
+        """Traction on the body at the points, (points, components) (stress)."""
+        kinematics = self.site.kinematics
+        if self.mode == "off":
+            return super().at_points()
+        if self.mode == "held":
+            return kinematics.tangential(self._held)
+        if self.mode == "status":
+            return kinematics.tangential(self._held) - self._primal_dual.springs
+        return self.traction(kinematics.tangential(kinematics.jump_at_points()))
+
+    def tangent_at_points(self) -> Array:
+        """The primal-dual tangent in the present mode, (points, components, components)."""
+        if self.mode not in ("law", "status", "coupled"):
+            return super().tangent_at_points()
+        found = self._primal_dual.tangent
+        if self.mode == "coupled":
+            slope = self.normal.pressure_slope(self.site.kinematics.jump_at_points())
+            found += self._primal_dual.coupling(self.bound_of(np.ones(len(slope)))[:, None] * slope)
+        return found
+
+    @property
+    def _primal_dual(self) -> PrimalDual:
+        """Of the present state."""
+        jump = self.site.kinematics.jump_at_points()
+        return PrimalDual(
+            jump=jump - self.reference,
+            normal=self._trace.normals,
+            bound=self.bound,
+            epsilon=self.regularisation_parameter,
+            direction=(1 - _LEFT_STIFF) * self._dual,
+            length=self._lengths_and_directions()[0],
+        )
 
     def stick_all(self) -> None:
         """Set the tangent to the adhesive start: u_T = 0 and no friction yet."""
@@ -210,6 +272,16 @@ class RegularisedFriction(FrictionLaw):
         """
         self._slip = slip
         self._dual = slip / np.linalg.norm(slip, axis=1)[:, None]
+        self._set_tangent_state()
+
+    @property
+    def tangent_state(self) -> tuple[Array, Array]:
+        """Slip and direction that the tangent is at, to take again; (points, components) each."""
+        return self._slip, self._dual
+
+    def take_tangent_state(self, state: tuple[Array, Array]) -> None:
+        """Set the tangent as it was after another solve."""
+        self._slip, self._dual = state
         self._set_tangent_state()
 
     def follow(self, slip: Array) -> None:

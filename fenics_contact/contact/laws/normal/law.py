@@ -57,9 +57,18 @@ class NormalLaw(ContactLaw):
         """Linear forms of what is given, in full, with the share that acts at a pseudo-time."""
         return []
 
+    @property
+    def loads_at_points(self) -> list[tuple[Array, Callable[[float], float]]]:
+        """The same as tractions on the body at the points, (points, components) (stress)."""
+        return []
+
     def pressure_ufl(self, jump: Expr) -> Expr:
         """What of the pressure follows the jump, in UFL, for friction that it bounds (stress)."""
         return ufl.as_ufl(0.0)
+
+    def pressure_slope(self, jump: Array) -> Array:
+        """Derivative of ``pressure_ufl`` in the jump, (points, components) (stress/length)."""
+        return np.zeros_like(jump)
 
     def set_time(self, time: float) -> None:
         """Bring what is given to a pseudo-time."""

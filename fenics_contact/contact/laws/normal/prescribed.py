@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -29,8 +31,9 @@ class Prescribed(NormalLaw):
         super().__init__(site)
         self._in_full = site.given(site.contact.pressure or 0.0, "pressure")
         self._present = self._in_full
-        self._form = self._work() if largest(site.trace.spaces.comm, self._in_full) > 0 else None
+        self._acts = largest(site.trace.spaces.comm, self._in_full) > 0
 
+    @cached_property
     def _work(self) -> CompiledForm:
         """The work f on Γ_C as a linear form: minus the derivative of ∫ p v_n."""
         trace = self.site.trace
@@ -47,7 +50,15 @@ class Prescribed(NormalLaw):
     @property
     def loads(self) -> list[GivenLoad]:
         """The pressure's work, unless it is 0 everywhere."""
-        return [] if self._form is None else [(self._form, self.site.paths.pressure_factor)]
+        return [(self._work, self.site.paths.pressure_factor)] if self._acts else []
+
+    @property
+    def loads_at_points(self) -> list[tuple[Array, Callable[[float], float]]]:
+        """The same as tractions on the body at the points, (points, components) (stress)."""
+        if not self._acts:
+            return []
+        traction = -self._in_full[:, None] * self.site.trace.normals
+        return [(traction, self.site.paths.pressure_factor)]
 
     def set_time(self, time: float) -> None:
         """Take the share of the pressure that acts at a pseudo-time."""

@@ -15,7 +15,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from fenics_contact.body.forms import CompiledForm, Expr
+from fenics_contact.body.forms import CompiledForm, Expr, Form
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.energies import prescribed_pressure_energy
@@ -36,14 +36,9 @@ def positive(depth: Expr) -> Expr:
 
 
 class SpringLaw(NormalLaw):
-    """A law with an energy density ψ of depth and jump; pressure and tangent are its derivatives.
+    """A law with an energy density ψ of depth and jump; forces and tangent are its derivatives."""
 
-    Attributes:
-        energy: ∫ ψ as a UFL form.
-        residual: Its first derivative in the jump, compiled.
-        tangent: Its second derivative, compiled.
-    """
-
+    follows_jump: ClassVar[bool] = True
     pushes_only: ClassVar[bool] = True
     checks: ClassVar[tuple[str, ...]] = (
         "contact_law",
@@ -58,17 +53,31 @@ class SpringLaw(NormalLaw):
         self._fields = dict(self.fields())
         self._in_ufl = {name: trace.coefficient(found) for name, found in self._fields.items()}
         self._softness = fem.Constant(trace.surface.mesh, 1.0)
-        self._held: Array | None = None
+        self._held: Array | None = None  # pressures
+        self._held_force: Array | None = None
         # Where no obstacle stands, a gap that nothing closes.
         self._far = 1e3 * trace.extent()
         self._gap = trace.function(np.zeros(len(trace.weights)))
         self.set_gap(kinematics.gap)
-        jump = kinematics.jump
+
+    @cached_property
+    def energy(self) -> Form:
+        """∫ ψ as a UFL form."""
+        trace, jump = self.site.trace, self.site.kinematics.jump
         depth = depth_of(jump, trace.normal, self._gap.ufl)
         density = self.density(depth, jump, **self._in_ufl) / self._softness
-        self.energy = trace.weight * density * trace.measure
-        self.residual = form_cache.form(ufl.derivative(self.energy, jump))
-        self.tangent = form_cache.form(ufl.derivative(ufl.derivative(self.energy, jump), jump))
+        return trace.weight * density * trace.measure
+
+    @cached_property
+    def residual(self) -> CompiledForm:
+        """Its first derivative in the jump."""
+        return form_cache.form(ufl.derivative(self.energy, self.site.kinematics.jump))
+
+    @cached_property
+    def tangent(self) -> CompiledForm:
+        """Its second derivative."""
+        jump = self.site.kinematics.jump
+        return form_cache.form(ufl.derivative(ufl.derivative(self.energy, jump), jump))
 
     @abstractmethod
     def fields(self) -> Mapping[str, Array]:
@@ -107,14 +116,16 @@ class SpringLaw(NormalLaw):
     def force(self) -> Array:
         """Forces on the body at all nodes of the surface, (nodes, components); collective."""
         if self._held is not None:
-            return self._held
+            if self._held_force is None:
+                function, work = self._pressures
+                function.set(self._held)
+                self._held_force = self.site.trace.surface.assemble(work)
+            return self._held_force
         return -self.site.trace.surface.assemble(self.residual)
 
     def hold(self, pressure: Array) -> None:
         """Press with a given pressure from now on, whatever the jump; collective."""
-        function, work = self._pressures
-        function.set(pressure)
-        self._held = self.site.trace.surface.assemble(work)
+        self._held, self._held_force = pressure, None
 
     def release(self) -> None:
         """Follow the jump again."""
@@ -154,6 +165,34 @@ class SpringLaw(NormalLaw):
     def pressure(self, jump: Array) -> Array:
         """Contact pressure at the points at a jump, > 0 in compression (stress)."""
         return self.site.kinematics.normal(self._slopes(jump))
+
+    def at_points(self) -> Array:
+        """Traction on the body at the points, (points, components) (stress)."""
+        if self._held is not None:
+            return -self._held[:, None] * self.site.trace.normals
+        return -self._slopes(self.site.kinematics.jump_at_points())
+
+    def tangent_at_points(self) -> Array:
+        """Second derivative of ψ in the jump, (points, components, components)."""
+        if self._held is not None:
+            return super().tangent_at_points()
+        values = self._values(self.site.kinematics.jump_at_points())
+        normals, points = self.site.trace.normals, self._at_points
+        across = points.curvature("depth", **values)
+        found = across[:, None, None] * normals[:, :, None] * normals[:, None, :]
+        mixed = points.curvatures("depth", "jump", **values)[:, 0]
+        if mixed.any():
+            product = normals[:, :, None] * mixed[:, None, :]
+            found += product + product.swapaxes(1, 2)
+        found += points.curvatures("jump", "jump", **values)
+        return found / float(self._softness.value)
+
+    def pressure_slope(self, jump: Array) -> Array:
+        """Derivative of ``pressure_ufl`` in the jump, (points, components) (stress/length)."""
+        values, points = self._values(jump), self._at_points
+        found = points.curvature("depth", **values)[:, None] * self.site.trace.normals
+        found = found + points.curvatures("depth", "jump", **values)[:, 0]
+        return found / float(self._softness.value)
 
     def stiffness(self, depth: Array) -> Array:
         """Derivative of the pressure in the depth, at a depth of the points (stress/length)."""

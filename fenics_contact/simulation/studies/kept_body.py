@@ -1,0 +1,80 @@
+"""A body that is kept between answers: made ready once, condensed once, and found again."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from fenics_contact.body.description import BodyDescription
+from fenics_contact.common.timings import Timings
+from fenics_contact.contact.slave_and_master import ContactSides
+from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.problem.discrete_body import DiscreteBody
+from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.studies.saved_body import SavedBody
+from fenics_contact.solve.condensed.condensed_body import CondensedBody
+from fenics_contact.solve.condensed.condensed_system import acting_sides
+
+
+class KeptBody:
+    """A body with its factorisation, for one problem after the other; collective.
+
+    Attributes:
+        discrete: The body made ready.
+        condensed: The body condensed, None before a problem needs it.
+        saved: What a file has of that, for the first problem that it suits.
+
+    Args:
+        scene: Any whose body it is.
+        body: Its mesh.
+        timings: Seconds so far.
+    """
+
+    def __init__(self, scene: Scene, body: Body, timings: Timings) -> None:
+        with timings.phase("compile"):
+            self.discrete = DiscreteBody(BodyDescription.of(scene), body)
+        self._earlier = 0
+        self.condensed: CondensedBody | None = None
+        self.saved: SavedBody | None = None
+
+    @property
+    def factorisations(self) -> int:
+        """How often it was factorised."""
+        return self._earlier + (0 if self.condensed is None else self.condensed.factorisations)
+
+    def condense(self, problem: Problem, timings: Timings) -> CondensedBody:
+        """The body condensed, as a problem needs it; collective.
+
+        Again only where a surface is to carry forces that never did before, or where a
+        stabilisation holds the body in another way.
+
+        Args:
+            problem: On this body.
+            timings: Seconds so far.
+        """
+        sides, before = acting_sides(problem), self.condensed
+        if before is not None:
+            if before.serves(problem.constrained, sides):
+                return before
+            sides = self._with_earlier(sides, before)
+            self.close()
+        schur, saved = None, self.saved
+        if saved is not None and saved.suits(self.discrete, problem.constrained, sides):
+            sides, schur = saved.sides(self.discrete), partial(saved.schur, self.discrete)
+        self.condensed = CondensedBody(self.discrete, problem.constrained, sides, timings, schur)
+        if saved is not None and schur is not None:
+            saved.give_loads(self.condensed)
+        self.saved = None
+        return self.condensed
+
+    def _with_earlier(self, sides: list[ContactSides], before: CondensedBody) -> list[ContactSides]:
+        """Surfaces in scene order, with those that were condensed onto before."""
+        chosen = {id(one) for one in (*sides, *before.sides)}
+        return [one for one in self.discrete.sides if id(one) in chosen]
+
+    def close(self) -> None:
+        """Free the factorisation; the next answer makes another one."""
+        if self.condensed is not None:
+            self._earlier = self.factorisations
+            self.condensed.destroy()
+            self.condensed = None

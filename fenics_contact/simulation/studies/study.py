@@ -1,0 +1,274 @@
+"""One scene asked again and again: what the answers share is made once and kept."""
+
+from __future__ import annotations
+
+import dataclasses
+import logging
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from mpi4py import MPI
+
+from fenics_contact.body.description import BodyDescription
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.failures import failing_together
+from fenics_contact.common.timings import Timings
+from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.results.result import Result
+from fenics_contact.scene.reading import scene_of_text
+from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.writing import scene_text
+from fenics_contact.simulation.scene_run import Run, mesh_of
+from fenics_contact.simulation.studies.changes import with_changes
+from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
+from fenics_contact.simulation.studies.saved_body import SavedBody, save_body
+
+logger = logging.getLogger(__name__)
+
+
+class Study:
+    """A scene whose answers are asked for under many conditions; on any number of ranks.
+
+    The mesh, the stiffness, its factorisation and what is left of it at the contacts are made when
+    the first answer needs them, and kept. Coefficients and laws of contacts, obstacles, loads,
+    values of supports, preloads, load steps and the solver's settings may change from one answer to
+    the next at little cost. Where something changes that the stiffness depends on, such as a
+    material or the mesh, the body is made anew, and a line in the log says so.
+
+    Attributes:
+        scene: As it is without changes.
+        run: The last answer's run, with its fields; None before there is one.
+        factorisations: How often a body was factorised.
+
+    Args:
+        scene: What to solve.
+        comm: Communicator; collective.
+        body: The mesh, if not the one the scene names.
+
+    Raises:
+        InputError: The scene asks for an accuracy, for which every answer needs its own mesh.
+
+    A block that is pressed and pulled, on floors of different roughness; equilibrium says what
+    the floor has to carry:
+
+    >>> from fenics_contact import load_scene, main
+    >>> main(["new", "own", "--quiet"])  # writes own.toml and own.geo
+    0
+    >>> study = Study(load_scene("own.toml"))
+    >>> found = [study.solve({"contact.0.friction_coefficient": c}) for c in (0.5, 0.4)]
+    >>> [abs(each.quantities["friction_force"][0] + 3) < 1e-8 for each in found]
+    [True, True]
+    >>> study.factorisations
+    1
+    """
+
+    def __init__(
+        self, scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None
+    ) -> None:
+        _refuse_accuracy(scene)
+        self.scene, self._comm = scene, comm
+        self.run: Run | None = None
+        self._mesh, self._own_mesh = body, body is not None
+        self._mesh_of = _mesh_key(scene)
+        self._kept: KeptBody | None = None
+        self._quick: QuickAnswers | None = None
+        self._before = 0  # factorisations of bodies that are gone
+
+    @classmethod
+    def load(
+        cls,
+        file: str | Path,
+        scene: Scene | None = None,
+        comm: MPI.Comm = MPI.COMM_WORLD,
+        body: Body | None = None,
+    ) -> Study:
+        """A study whose body was condensed before; collective, on any number of ranks.
+
+        The body is factorised again only when a field inside of it is asked for.
+
+        Args:
+            file: As ``save`` wrote it.
+            scene: What to solve, by default the scene that was saved; of it, only what is no part
+                of the body may be another.
+            comm: Communicator.
+            body: The mesh, if not the one the scene names.
+
+        Raises:
+            InputError: The file is damaged, of another version, or of another body.
+        """
+        path = Path(file)
+        with failing_together(comm):
+            saved = SavedBody(comm, path)
+            if scene is None and not saved.scene:
+                raise InputError(
+                    f"{path}: its scene has what no file can have, such as functions: give it as "
+                    "scene"
+                )
+            study = cls(scene or scene_of_text(saved.scene, path), comm, body)
+            kept = study._body_of(study.scene, Timings())
+            saved.require_fit(kept.discrete.description, kept.discrete.spaces.body)
+            kept.saved = saved
+        return study
+
+    def save(self, file: str | Path) -> None:
+        """Write the condensed body to a file, for ``load``; collective.
+
+        Args:
+            file: Where to; what is there is replaced.
+
+        Raises:
+            InputError: Nothing was solved yet, or a stabilisation holds the body.
+            MachineError: The file could not be written; what was there stays.
+        """
+        path = Path(file)
+        if self._kept is None or self._kept.condensed is None:
+            raise InputError(f"{path}: solve before saving: no body is condensed yet")
+        with failing_together(self._comm):
+            save_body(path, self._kept.condensed, _text_of(self.scene))
+
+    @property
+    def factorisations(self) -> int:
+        """How often a body was factorised."""
+        return self._before + (0 if self._kept is None else self._kept.factorisations)
+
+    def changed(self, changes: Mapping[str, Any] | None = None) -> Scene:
+        """The scene with other values.
+
+        Args:
+            changes: Key → value; keys as of ``--set``, such as ``contact.0.friction_coefficient``.
+
+        Raises:
+            InputError: A key is none of the scene, or the scene cannot have such a value.
+        """
+        found = with_changes(self.scene, changes or {})
+        _refuse_accuracy(found)
+        return found
+
+    def other_parts(self, changes: Mapping[str, Any]) -> list[str]:
+        """What of the body other values change, so that it is made anew; mostly nothing.
+
+        Args:
+            changes: As of ``changed``.
+        """
+        scene = self.changed(changes)
+        found = list(BodyDescription.of(self.scene).differences(BodyDescription.of(scene)))
+        same_mesh = self._own_mesh or _mesh_key(scene) == _mesh_key(self.scene)
+        return found if same_mesh else ["mesh", *found]
+
+    def solve(self, changes: Mapping[str, Any] | None = None) -> Result:
+        """Solve and evaluate the scene with other values; collective.
+
+        Args:
+            changes: Key → value; keys as of ``--set``, such as ``contact.0.friction_coefficient``.
+
+        Returns:
+            What ``fenics_contact.run`` of the changed scene gives.
+
+        Raises:
+            InputError: A key is none of the scene, or the scene cannot have such a value, or has no
+                equilibrium with it.
+            MachineError: The machine failed: memory, a file.
+        """
+        run = self.prepare(changes)
+        result = run.solve()
+        self.run = run
+        return result
+
+    def quantities(self, changes: Mapping[str, Any] | None = None, follow: bool = False) -> Answer:
+        """Solve the scene with other values, for what its contacts tell alone; collective.
+
+        Without fields, checks and error bars, and mostly from the last answer on: the quickest
+        way to many answers. Where more than one answer may be, it begins as a separate run does.
+
+        Args:
+            changes: As of ``solve``.
+            follow: Begin at the last answer in any case, and follow its branch.
+
+        Raises:
+            InputError: As of ``solve``.
+            MachineError: Likewise.
+        """
+        scene, timings = self.changed(changes), Timings()
+        with failing_together(self._comm):
+            kept = self._body_of(scene, timings)
+            if self._quick is None:
+                self._quick = QuickAnswers(kept)
+            return self._quick.answer(scene, follow)
+
+    def forget_answer(self) -> None:
+        """Begin the next quick answer as a separate run does, not at the last one."""
+        self._quick = None
+
+    def prepare(self, changes: Mapping[str, Any] | None = None) -> Run:
+        """The run of the scene with other values, to be solved before any other; collective.
+
+        Args:
+            changes: As of ``solve``.
+
+        Raises:
+            InputError: As of ``solve``.
+        """
+        scene, timings = self.changed(changes), Timings()
+        with failing_together(self._comm):
+            kept = self._body_of(scene, timings)
+        return Run(scene, self._comm, kept=kept)
+
+    def _body_of(self, scene: Scene, timings: Timings) -> KeptBody:
+        """That of a scene, made anew if the last one was another; collective."""
+        description, kept = BodyDescription.of(scene), self._kept
+        same_mesh = self._own_mesh or _mesh_key(scene) == self._mesh_of
+        if kept is not None:
+            other = list(kept.discrete.description.differences(description))
+            other += [] if same_mesh else ["mesh"]
+            if not other:
+                return kept
+            logger.info("the body is made anew: other %s", ", ".join(other))
+            self._forget_body()
+        if self._mesh is None or not same_mesh:
+            self._mesh = mesh_of(scene, self._comm, timings)
+            self._mesh_of = _mesh_key(scene)
+        self._kept = KeptBody(scene, self._mesh, timings)
+        return self._kept
+
+    def _forget_body(self) -> None:
+        assert self._kept is not None
+        self._before += self._kept.factorisations
+        self._kept.close()
+        self._kept = self._quick = None
+        self.run = None
+
+    def close(self) -> None:
+        """Free the factorisation; the next answer makes another one."""
+        if self._kept is not None:
+            self._kept.close()
+
+
+def _mesh_key(scene: Scene) -> Sequence[object]:
+    """What the mesh of a scene depends on: its files, and where preloads have bodies cut."""
+    return scene.mesh, [(p.on, p.axis, p.between) for p in scene.preload if p.between is not None]
+
+
+def _refuse_accuracy(scene: Scene) -> None:
+    """One that asks for an accuracy has its own meshes.
+
+    Raises:
+        InputError: It does.
+    """
+    if scene.accuracy is not None:
+        raise InputError(
+            "accuracy: a study keeps one mesh for all answers; leave accuracy out, and look at the "
+            "error bars"
+        )
+
+
+def _text_of(scene: Scene) -> str:
+    """A scene as TOML, its meshes from anywhere; empty if no file can have all of it."""
+    meshes = [dataclasses.replace(mesh, file=str(Path(mesh.file).resolve())) for mesh in scene.mesh]
+    placed = dataclasses.replace(scene, mesh=tuple(meshes))
+    text = scene_text(placed)
+    try:
+        return text if scene_of_text(text, Path("scene.toml")) == placed else ""
+    except InputError:
+        return ""

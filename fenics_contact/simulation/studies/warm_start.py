@@ -1,0 +1,130 @@
+"""Where the next answer begins: at the last one, where that cannot change what is found.
+
+Contact without friction, and friction under given pressures, have one answer, wherever Newton's
+method begins. So has Coulomb's friction, by an estimate, up to a coefficient that is a matter of
+the body and its contact surfaces (``trust/uniqueness``). Beyond it an answer that begins at another
+one may follow a branch that a separate run would not be on: then it begins as that does, unless it
+is asked to follow.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import largest, smallest
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.coulomb.monolithic import fit_scale
+from fenics_contact.solve.coulomb.without_friction import contact_without_friction
+from fenics_contact.solve.newton.newton import Newton
+from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.uniqueness.critical_coefficient import uniqueness_limit
+
+_WORDS = "Newton's method on contact and friction together, from the last answer"
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedState:
+    """The unknowns of an answer.
+
+    Attributes:
+        position: Displacements as ``System.position`` gives them (length).
+        scalars: Values of the scalar unknowns.
+    """
+
+    position: Array
+    scalars: Array
+
+    @classmethod
+    def of(cls, newton: Newton) -> SolvedState:
+        """The present one; collective."""
+        system = newton.system
+        return cls(system.position(), system.scalar_values(system.state))
+
+
+class WarmStart:
+    """Solves a first load step from that of another answer on the same body; collective.
+
+    Attributes:
+        answer: Of the other answer's first step.
+        without_friction: The same without friction, which tells ε; None until it is found.
+
+    Args:
+        newton: That has solved it.
+        before: What it began from itself.
+    """
+
+    def __init__(self, newton: Newton, before: WarmStart | None = None) -> None:
+        self.answer = SolvedState.of(newton)
+        earlier = None if before is None else before.without_friction
+        self.without_friction: SolvedState | None = earlier
+        self._tangents = [c.friction.tangent_state for c in newton.problem.contacts]
+
+    def suits(self, problem: Problem) -> bool:
+        """Whether the unknowns are the same, and no bolt is to be tightened from nothing."""
+        is_tight = all(preload.scene.force for preload in problem.preloads)
+        points = [len(contact.trace.weights) for contact in problem.contacts]
+        same_points = points == [len(slip) for slip, _ in self._tangents]
+        return is_tight and same_points and len(problem.unknowns) == len(self.answer.scalars)
+
+    def solve(self, newton: Newton) -> Solution:
+        """The present step; collective.
+
+        Raises:
+            NotConvergedError: In words, with the history of the force imbalance.
+        """
+        problem = newton.problem
+        if not problem.coulomb:
+            self._place(newton, self.answer)
+            self._take_tangents(problem)
+            newton.run()
+            return newton.solution()
+        self._place(newton, self.without_friction or self.answer)
+        contact_without_friction(newton)
+        self.without_friction = SolvedState.of(newton)
+        self._place(newton, self.answer)
+        self._take_tangents(problem)
+        for contact in problem.coulomb:
+            contact.friction.mode = "coupled"
+        newton.run(search_energy=False)
+        fit_scale(newton)
+        return newton.solution(0, _WORDS)
+
+    def _place(self, newton: Newton, state: SolvedState) -> None:
+        for preload in newton.problem.preloads:
+            preload.keep(None)
+        newton.begin.at(state.position, state.scalars)
+
+    def _take_tangents(self, problem: Problem) -> None:
+        for contact, state in zip(problem.contacts, self._tangents, strict=True):
+            contact.friction.take_tangent_state(state)
+
+
+class Uniqueness:
+    """Up to which coefficients the contacts of a body have one answer, worked out once each.
+
+    Of all points of a contact, so that it holds whatever touches.
+    """
+
+    def __init__(self) -> None:
+        self._limits: dict[int, float | None] = {}
+
+    def is_sure(self, system: CondensedSystem) -> bool:
+        """Whether the present problem has but one answer, by the estimate; collective."""
+        contacts = system.problem.contacts
+        return all([self._is_below(system, n, c) for n, c in enumerate(contacts) if c.is_coulomb])
+
+    def _is_below(self, system: CondensedSystem, number: int, contact: ContactSurface) -> bool:
+        comm = contact.spaces.comm
+        coefficient = contact.friction.bound_of(np.ones(len(contact.trace.weights)))
+        most = largest(comm, coefficient)
+        if contact.kinematics.pairing is not None or smallest(comm, coefficient) < most:
+            return False
+        if number not in self._limits:
+            self._limits[number] = uniqueness_limit(system, number, every=True)
+        limit = self._limits[number]
+        return limit is not None and most <= limit

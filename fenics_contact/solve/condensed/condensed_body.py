@@ -1,0 +1,109 @@
+"""A body condensed onto the surfaces at which contacts may act: whatever no condition changes.
+
+One factorisation of the bulk, and the Schur complement S. It holds for any laws, coefficients,
+obstacles, loads, values of supports and load steps; a problem that is done with leaves it behind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from mpi4py import MPI
+
+from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.timings import Timings
+from fenics_contact.contact.slave_and_master import ContactSides
+from fenics_contact.problem.discrete_body import DiscreteBody
+from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
+from fenics_contact.solve.condensed.constant_tangent import OfSchur
+from fenics_contact.solve.condensed.contact_dofs import ContactDofs
+from fenics_contact.solve.condensed.preload_border import CondensedPreloads
+from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
+from fenics_contact.solve.condensed.schur import BulkWithoutFactor, CondensedBulk
+
+
+class CondensedBody:
+    """K, its factorisation, S and the loads condensed so far; collective.
+
+    Attributes:
+        discrete: The body.
+        sides: The surfaces at which contacts may act.
+        stiffness: That of each rank's cells.
+        dofs: The contact dofs.
+        held: Which of this rank's unknowns of the stiffness supports hold.
+        bulk: The factorisation, and S on rank 0.
+        loads: Those condensed so far.
+        preloads: What shortenings of preloaded parts do.
+
+    Args:
+        discrete: The body.
+        constrained: Dofs that supports hold (local indices, owned and ghost).
+        sides: The surfaces at which contacts may act.
+        timings: Seconds so far.
+        schur: Gives S on rank 0, where it is known, in the order of given contact dofs; collective.
+
+    Raises:
+        MachineError: There is not the memory for the factorisation; on every rank.
+        NotConvergedError: Supports and contacts do not hold the body; likewise.
+    """
+
+    def __init__(
+        self,
+        discrete: DiscreteBody,
+        constrained: Integers,
+        sides: Sequence[ContactSides],
+        timings: Timings,
+        schur: Callable[[ContactDofs], Array | None] | None = None,
+    ) -> None:
+        self.discrete = discrete
+        self._constrained, self.sides = constrained, tuple(sides)
+        with timings.phase("assemble"):
+            self.stiffness = LocalStiffness(discrete)
+        self.dofs = ContactDofs(discrete.spaces, constrained, sides)
+        self.held = np.zeros(len(self.stiffness.numbers), dtype=bool)
+        displacements = self.stiffness.displacements
+        self.held[: len(displacements)] = self.dofs.constrained[displacements]
+        with timings.phase("factorise"):
+            known = (self.stiffness, self.held, self.dofs.free)
+            self.bulk = (
+                CondensedBulk(*known)
+                if schur is None
+                else BulkWithoutFactor(*known, schur(self.dofs))
+            )
+            parts = discrete.elastic.preloaded
+            self.preloads = CondensedPreloads(parts, self.stiffness, self.bulk, self.held)
+        self.loads = CondensedLoads(self.bulk)
+        self._of_schur: OfSchur | None = None
+
+    @property
+    def of_schur(self) -> OfSchur | None:
+        """What S tells, on rank 0, None on others; for a body that is kept."""
+        if self._of_schur is None and self.bulk.schur is not None:
+            self._of_schur = OfSchur(self.bulk.schur)
+        return self._of_schur
+
+    @property
+    def factorisations(self) -> int:
+        """How often K was factorised."""
+        return self.bulk.factorisations
+
+    def take_schur(self) -> Array | None:
+        """S on rank 0, None on others; it is large, and not kept here from then on."""
+        found, self.bulk.schur = self.bulk.schur, None
+        return found
+
+    def serves(self, constrained: Integers, sides: Sequence[ContactSides]) -> bool:
+        """Whether contacts on such surfaces of the body, so held, may act; collective.
+
+        Args:
+            constrained: Dofs that supports hold (local indices, owned and ghost).
+            sides: The surfaces at which contacts act.
+        """
+        is_held_so = np.array_equal(self._constrained, constrained)
+        has_all = all(any(one is other for other in self.sides) for one in sides)
+        return bool(self.stiffness.comm.allreduce(is_held_so and has_all, op=MPI.LAND))
+
+    def destroy(self) -> None:
+        """Free PETSc's objects."""
+        self.bulk.destroy()

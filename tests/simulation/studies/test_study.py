@@ -1,0 +1,217 @@
+"""Answers of a study are those of separate runs, from one factorisation."""
+
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import Contact, InputError, Material, Study, Support, load_scene, run
+from tests.scenes import ROOT, slab
+from tests.simulation.studies.cases import CASES, DEPTH, MU, ON_A_FLOOR, square
+
+COMM = MPI.COMM_WORLD
+# Quantities of one kind: what each is small against is the largest of them.
+KINDS = {
+    "share": ("slip_since_pairing",),
+    "force": ("force", "reaction", "pressure_integral"),
+    "area": ("area",),
+    "energy": ("energy", "work", "defect"),
+    "length": ("slip", "penetration", "indentation", "gap", "displacement", "radius"),
+}
+
+
+# Quantities of single points.
+AT_POINTS = ("max_contact_pressure", "max_penetration", "max_slip", "area")
+
+
+def kind_of(name):
+    return next((kind for kind, ends in KINDS.items() if name.endswith(ends)), name)
+
+
+def require_same(found, expected, tolerance=1e-9):
+    assert found.converged == expected.converged
+    assert found.verdict == expected.verdict
+    assert list(found.checks) == list(expected.checks)
+    for name, check in expected.checks.items():
+        assert found.checks[name].passed == check.passed, name
+    assert len(found.steps) == len(expected.steps)
+    pairs = [(found.quantities, expected.quantities)]
+    for ours, theirs in zip(found.contacts, expected.contacts, strict=True):
+        pairs.append((ours.quantities, theirs.quantities))
+    require_same_numbers(pairs, expected, tolerance)
+
+
+def require_same_numbers(pairs, expected, tolerance, at_points=None):
+    """Each over the largest of its kind; those of single points may differ more."""
+    sizes = {"share": 1.0}
+    for theirs in (expected.quantities, *(c.quantities for c in expected.contacts)):
+        for name, value in theirs.items():
+            if value is not None:
+                size = np.abs(value).max()
+                sizes[kind_of(name)] = max(sizes.get(kind_of(name), 0.0), size)
+    for support in expected.supports:
+        sizes["force"] = max(sizes["force"], np.abs(support.reaction).max())
+    for ours, theirs in pairs:
+        assert ours.keys() == theirs.keys()
+        for name, value in theirs.items():
+            if value is None:
+                assert ours[name] is None
+                continue
+            off = np.abs(np.array(ours[name]) - np.array(value)).max()
+            allowed = at_points if at_points and name.endswith(AT_POINTS) else tolerance
+            assert off <= allowed * sizes[kind_of(name)], (name, off, value)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_each_answer_is_that_of_its_own_run(name):
+    scene, make, every = CASES[name]
+    body = make()
+    study = Study(scene, COMM, body)
+    for changes in every:
+        found = study.solve(changes)
+        require_same(found, run(study.changed(changes), COMM, body))
+        assert not study.other_parts(changes)
+    assert study.factorisations == 1
+
+
+@pytest.mark.parametrize(
+    ("load", "sticks_from"),
+    [(100, 8), (200, 7.75), (300, 6.25), (400, 5.25), (600, 3), (700, 1.75)],
+)
+def test_the_papers_slab_from_one_body(load, sticks_from, slab_study):
+    """Where it sticks last, along a slab of 8: example 1 of Campos, Oden and Kikuchi (1982)."""
+    points = slab_study.solve({"load.0.traction.0": -load}).points
+    sticking = points.coordinates[points.status == "STICK", 0]
+    assert sticking.max(initial=0.0) == pytest.approx(sticks_from, abs=1e-9)
+    assert slab_study.factorisations == 1
+
+
+@pytest.fixture(scope="module")
+def slab_study():
+    study = Study(slab())
+    yield study
+    study.close()
+
+
+def test_the_body_is_made_anew_only_where_it_is_another(caplog):
+    study = Study(ON_A_FLOOR, COMM, square())
+    softer = {"material.0": Material(500, 0.3)}
+    assert study.other_parts(softer) == ["material"]
+    before, after = study.solve(), study.solve(softer)
+    assert study.factorisations == 2
+    assert after.quantities["normal_force"] < 0.6 * before.quantities["normal_force"]
+    assert study.solve({"material.0": Material(500, 0.3), MU: 0.1}).converged
+    assert study.factorisations == 2
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"contact.0.friction": 1}, "change of contact.0.friction: there is no such key"),
+        ({"contact.1.pressure": 1}, "contact.1: '1' must be a number from 0 to 0"),
+        ({"contact.x.pressure": 1}, "contact.x: 'x' must be a number from 0 to 0"),
+        ({MU: -1}, "change of contact.0.friction_coefficient: Contact: "),
+        ({"title.0": 1}, "change of title.0: 'title' is not a table"),
+        ({"contact.0": ON_A_FLOOR.contact[0], MU: 1}, "another change is of a part of it"),
+        ({"accuracy": 0.01}, "a study keeps one mesh"),
+    ],
+)
+def test_a_change_that_cannot_be_is_refused_in_one_sentence(changes, said):
+    with pytest.raises(InputError, match=re.escape(said)) as caught:
+        Study(ON_A_FLOOR, COMM, square()).solve(changes)
+    assert "\n" not in str(caught.value)
+
+
+def require_same_of_contacts(found, expected):
+    """Of a quick answer, all that it has.
+
+    An automatic ε follows from pressures without friction that a separate run finds to 1e-6 where
+    an obstacle floats; its bias, a thousandth of that, is seen in the largest pressure.
+    """
+    assert found.converged == expected.converged
+    pairs = [(found.quantities, {n: expected.quantities[n] for n in found.quantities})]
+    pairs += [(o, t.quantities) for o, t in zip(found.contacts, expected.contacts, strict=True)]
+    require_same_numbers(pairs, expected, 1e-9, at_points=1e-7)
+    assert (found.points.status == expected.points.status).all()
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_quick_answers_are_those_of_separate_runs(name):
+    """From whatever answer they began."""
+    scene, make, every = CASES[name]
+    study = Study(scene, COMM, make())
+    starts = []
+    for changes in [{}, *every, {}]:
+        found = study.quantities(changes)
+        starts.append(found.start)
+        require_same_of_contacts(found, study.solve(changes))
+    assert study.factorisations == 1
+    assert starts[0] == "cold"
+    assert "followed" not in starts
+    assert "warm" in starts or name in ("two bodies", "bolt", "stabilised"), starts
+
+
+def test_hertz_from_one_body():
+    """F ~ d^(3/2) of a sphere on a half-space, whatever the mesh makes of the constant.
+
+    K. L. Johnson, Contact Mechanics, 1985, (4.23).
+    """
+    study = Study(load_scene(ROOT / "demos" / "sphere.toml", ["contact.0.friction_coefficient=0"]))
+    depths = np.array([0.25, 0.5, 1.0, 2.0])
+    found = [study.quantities({DEPTH: depth}) for depth in depths]
+    forces = np.array([answer.quantities["normal_force"] for answer in found])
+    exact = 4 / 3 * 1000 / (1 - 0.3**2) * 8**0.5 * depths**1.5
+    assert forces == pytest.approx(exact, rel=5e-3)
+    assert [answer.start for answer in found] == ["cold", "warm", "warm", "warm"]
+    assert study.factorisations == 1
+
+
+def lifted_block():
+    """Two feet on a floor with much friction: it jams, or lifts off, as it came there."""
+    return dataclasses.replace(
+        ON_A_FLOOR,
+        support=(Support("y1", {"x": 0.002, "y": -0.002}),),
+        load=(),
+        contact=(Contact("y0", friction_coefficient=5),),
+    )
+
+
+def test_beyond_the_limit_of_uniqueness_it_begins_as_a_separate_run():
+    """Unless it is to follow, which it says."""
+    study = Study(lifted_block(), COMM, square())
+    study.quantities()
+    limit = study.solve().contacts[0].uniqueness_limit
+    assert limit < 5
+    above, below = study.quantities({MU: 4.9}), study.quantities({MU: 0.1})
+    assert (above.start, above.said) == ("cold", "")
+    assert (below.start, below.said) == ("warm", "")
+    followed = study.quantities({MU: 4.8}, follow=True)
+    assert followed.start == "followed"
+    assert "a separate run may find another one" in followed.said
+
+
+@pytest.mark.errors
+def test_error_bars_are_those_of_a_separate_run():
+    """Of a body that has served another answer before."""
+    body = square()
+    study = Study(ON_A_FLOOR, COMM, body)
+    study.solve({MU: 0})
+    found, expected = study.solve({MU: 0.35}), run(study.changed({MU: 0.35}), COMM, body)
+    assert expected.errors["normal_force"]["total"] > 0
+    for name, row in expected.errors.items():
+        for source, error in row.items():
+            ours = found.errors[name][source]
+            assert (ours is None) == (error is None), (name, source)
+            size = row["total"] or 0.0
+            assert error is None or abs(ours - error) <= 0.01 * size, (name, source)
+    assert study.factorisations == 1
+
+
+def test_another_cut_is_another_mesh():
+    """A preload's `between` has its body cut before it is meshed."""
+    scene = load_scene(ROOT / "demos" / "joint.toml")
+    study = Study(scene, COMM)
+    assert study.other_parts({"preload.0.between": (-2, 2)}) == ["mesh", "preloads"]
+    assert study.other_parts({"preload.0.force": 5e3}) == []
