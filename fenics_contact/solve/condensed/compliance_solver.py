@@ -13,6 +13,8 @@ from scipy.sparse import csr_matrix
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 
+_BLOCK = 256  # rows that are mirrored at a time
+
 # A pivot of this share of the largest diagonal entry belongs to a rigid motion. Where it does
 # not, the spring that it gets is taken out again just as exactly.
 _SINGULAR = 1e-9
@@ -36,13 +38,14 @@ class ComplianceSolver:
         # A resultant's own entry is 1; a driven obstacle, which has none, gets a spring.
         self._added = np.zeros(size)
         self._added[count:] = np.where(corner > 0, 0.0, constant.stiffest)
-        self._inverse = np.zeros((size, size))
-        self._inverse[count:, count:] = np.diag(1 / (corner + self._added[count:]))
         if constant.of_schur.compliance is None:
             constant.of_schur.compliance = self._compliance(), self._added[:count].copy()
-        compliance, self._added[:count] = constant.of_schur.compliance
-        self._inverse[:count, :count] = compliance
-        self._inverse[:count, count:] = -compliance @ columns @ self._inverse[count:, count:]
+        self._inverse, self._added[:count] = constant.of_schur.compliance
+        if size > count:
+            own = np.diag(1 / (corner + self._added[count:]))
+            beside = -(self._inverse @ columns) @ own
+            below = np.zeros((size - count, count))
+            self._inverse = np.block([[self._inverse, beside], [below, own]])
         if len(constant.derived):
             self._extend(constant.derived)
 
@@ -66,7 +69,8 @@ class ComplianceSolver:
             self._added[order[rank:] - 1] = self._constant.stiffest
             factor, _ = cho_factor(schur + np.diag(self._added[:count]), lower=True)
         inverse, _ = lapack.dpotri(factor, lower=1, overwrite_c=1)
-        return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)
+        _mirror(inverse)
+        return np.asarray(inverse)
 
     @property
     def compliance(self) -> Array | None:
@@ -105,3 +109,12 @@ class ComplianceSolver:
         found = free - self._inverse[:, self._active] @ (self._extra @ active)
         found[self._active] = active  # no difference of long numbers under a stiff penalty
         return np.asarray(found[:size])
+
+
+def _mirror(lower: Array) -> None:
+    """Write the lower triangle of a square matrix into the upper one, without a copy of all."""
+    for first in range(0, len(lower), _BLOCK):
+        last = first + _BLOCK
+        corner = lower[first:last, first:last]
+        corner[:] = np.tril(corner) + np.tril(corner, -1).T
+        lower[first:last, last:] = lower[last:, first:last].T
