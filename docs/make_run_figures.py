@@ -25,7 +25,11 @@ RUNS: tuple[tuple[Path, tuple[str, ...], dict[str, str]], ...] = (
     (DEMOS / "sphere.toml", (), {"contact_0": "sphere_pressure", "deformed": "sphere_deformed"}),
     (DEMOS / "sphere.toml", ("accuracy=1e-3",), {"mesh": "adapted_mesh"}),
     (DOCS / "bracket.toml", (), {"deformed": "bracket"}),
-    (DEMOS / "joint.toml", ("solver.errors=none",), {"deformed": "joint", "contact_0": "joint_lap"}),
+    (
+        DEMOS / "joint.toml",
+        ("solver.errors=none",),
+        {"deformed": "joint", "contact_0": "joint_lap"},
+    ),
 )
 
 
