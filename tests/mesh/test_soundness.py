@@ -175,7 +175,7 @@ def test_entity_counts_beyond_all_memory(folder, capfd, meshes):
         ("[-300, 0]", "[-300, inf]", r"load[0].traction[1] = inf: must be a finite number"),
         ('on = "top"', "on = 3", "contact[0].on = 3: must be a text, in quotes"),
         ('"m.msh"', '"m\\u0000.msh"', "there is no such file"),
-        ('"m.msh"', '"."', "there is no such file"),
+        ('"m.msh"', '"."', "is a folder, not a file"),
         ('"m.msh"', '"/dev/zero"', "there is no such file"),
         ('"m.msh"', '"scene.toml"', "must end in .geo, .msh"),
         ('"m.msh"', '"m.msh"\ngroups = { a = [-1] }', "mesh.groups.a: "),

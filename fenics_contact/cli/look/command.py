@@ -51,7 +51,7 @@ def look_at(path: Path, out: Path | None, tolerance: float | None) -> str:
     logger.info("reading '%s'", path)
     mesh, exact = load_to_look(MeshSource(str(path), curvature=curvature))
     found = survey(mesh, exact)
-    logger.info("looking for pairs among %d surfaces", len(found.surfaces))
+    logger.info("looking for pairs of surfaces, among %d", len(found.surfaces))
     pairs = facing_pairs(found, tolerance)
     name = os.path.relpath(path, folder).replace(os.sep, "/")
     proposal = Proposal(found, pairs, name, curvature, is_geometry(MeshSource(str(path))))

@@ -268,7 +268,7 @@ class Proposal:
         return f"{of_both}: {gap_words(pair)}"
 
     def _loads(self) -> Iterator[str]:
-        yield from ("", "# [[load]]  # what acts on it: pressure, traction or force, on a surface")
+        yield from ("", "# [[load]]  # what acts on it: a pressure or a traction, on a surface")
         free = [s for s in self._found.surfaces if s.number is not None and not s.is_inside]
         name = free[-1].number if free else "NAME"
         yield from (f'# on = "{name}"  # a name, or a number in quotes', "# pressure = 1")
@@ -276,7 +276,7 @@ class Proposal:
 
 def gap_words(pair: Pair) -> str:
     """How far apart the surfaces of a pair are."""
-    area = f"over about {pair.area:.3g}"
+    area = f"over about {float(f'{pair.area:.3g}'):.12g}"
     if pair.gap == 0 or abs(pair.gap) < 1e-9 * math.sqrt(pair.area):
         return f"touch {area}"
     about = "" if pair.is_exact else "about "

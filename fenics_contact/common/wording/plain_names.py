@@ -16,13 +16,21 @@ _NONE = re.compile(
 )
 
 
+# Letters that have no plain one in Unicode's decompositions.
+_PLAIN = str.maketrans(
+    {"ß": "ss", "ẞ": "SS", "Ø": "O", "ø": "o", "Æ": "AE", "æ": "ae", "Ł": "L", "ł": "l"}
+)
+
+
 def plain_name(text: str) -> str:
     """A text as a name; empty if nothing of it can stand in one, or it is a mere number.
 
-    >>> plain_name("Prüfkörper <1>: 'M8'")
-    'Prufkorper_1_M8'
+    >>> plain_name("Prüfkörper <1>: 'M8'"), plain_name("Fuß Ø8")
+    ('Prufkorper_1_M8', 'Fuss_O8')
     """
-    letters = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+    letters = (
+        unicodedata.normalize("NFKD", text.translate(_PLAIN)).encode("ascii", "ignore").decode()
+    )
     name = re.sub(r"[^A-Za-z0-9_-]+", "_", letters.strip()).strip("_-")[:_LONGEST].strip("_-")
     return "" if name.isdigit() else name
 

@@ -60,8 +60,13 @@ def nearest_file(path: Path) -> str:
         names = [entry.name for entry in path.parent.iterdir()]
     except OSError:
         return ""
-    same = [name for name in names if Path(name).suffix.lower() == path.suffix.lower()]
-    return question(path.name, same or names)
+    same = {
+        Path(name).stem: name for name in names if Path(name).suffix.lower() == path.suffix.lower()
+    }
+    if not same:
+        return question(path.name, names)
+    near = nearest(path.stem, same)  # a common ending makes no two names alike
+    return f" (did you mean '{same[near[0]]}'?)" if near else ""
 
 
 def _plain(word: str) -> str:

@@ -110,6 +110,8 @@ def mesh_file(key: str, name: str) -> MeshFile:
         InputError: It is not there, or of no kind that can be read.
     """
     path = Path(name)
+    if os.path.isdir(path):
+        raise InputError(f"{key} = '{name}': is a folder, not a file")
     if not os.path.isfile(path):  # of any name; pathlib raises for one that is too long
         raise InputError(f"{key} = '{name}': there is no such file{nearest_file(path)}")
     suffix = path.suffix.lower()

@@ -35,4 +35,5 @@ def test_files_are_sought_among_those_of_their_kind(tmp_path):
     for name in ("slab.toml", "slab.geo"):
         (tmp_path / name).touch()
     assert nearest_file(tmp_path / "slap.geo") == " (did you mean 'slab.geo'?)"
+    assert nearest_file(tmp_path / "bar.geo") == ""  # but for its ending, it is no word like slab
     assert nearest_file(tmp_path / "none" / "slab.geo") == ""
