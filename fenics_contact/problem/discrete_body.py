@@ -6,7 +6,8 @@ contact, no load and no displacement that is prescribed: these are the problem's
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import numpy as np
 from dolfinx import fem
@@ -21,6 +22,8 @@ from fenics_contact.contact.choice_of_slaves import NamedSurfaces, choose_slaves
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.scene import Scene
+
+_T = TypeVar("_T")
 
 
 class DiscreteBody:
@@ -39,6 +42,7 @@ class DiscreteBody:
         elastic: ½ a(·, ·): law, compiled forms, stress.
         sides: The surfaces of each contact, in scene order.
         found: What is worked out of it once, by name.
+        is_kept: Whether it is for many problems, so that what each would work out is kept.
 
     Raises:
         InputError: Its groups or materials do not fit the mesh, or overlap.
@@ -53,6 +57,7 @@ class DiscreteBody:
         self.outer = self._outer_dofs()
         self.constrained = np.union1d(self.held.dofs, self.outer)
         self.elastic = ElasticBody(description, self.spaces, self.displacement)
+        self.is_kept = False
         self.found: dict[str, Any] = {}
         named = [
             NamedSurfaces(contact, f"contact[{number}]", self.spaces, self.held.flat_sides)
@@ -62,6 +67,20 @@ class DiscreteBody:
             ContactSides(surfaces, keeps, why, self.constrained)
             for surfaces, (keeps, why) in zip(named, choose_slaves(named), strict=True)
         ]
+
+    def once(self, name: str, make: Callable[[], _T]) -> _T:
+        """What is worked out of it: once where it is kept, else whenever it is asked for.
+
+        Args:
+            name: Of what is worked out.
+            make: Works it out.
+        """
+        if not self.is_kept:
+            return make()
+        if name not in self.found:
+            self.found[name] = make()
+        kept: _T = self.found[name]
+        return kept
 
     def require_fit(self, scene: Scene) -> None:
         """Refuse a scene of another body.

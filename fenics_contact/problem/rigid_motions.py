@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from fenics_contact.body.connected_parts import Parts
@@ -35,11 +37,9 @@ class RigidMotions:
         self._problem = problem
         spaces = problem.spaces
         self.floating = [contact for contact in problem.contacts if contact.floats]
-        found = problem.discrete.found
-        if "rigid motions" not in found:
-            names, fields = rigid_fields(spaces)
-            found["rigid motions"] = names, apart(spaces.parts, fields)
-        self._names, self._fields = found["rigid motions"]
+        self._names, self._fields = problem.discrete.once(
+            "rigid motions", partial(_of_parts, spaces)
+        )
         free = reduced(self._free_combinations())
         self._body = free[: self._fields.shape[-1]]
         self._obstacles = free[self._fields.shape[-1] :]
@@ -214,6 +214,12 @@ class RigidMotions:
             if abs(share) > _TAKES_PART * scale:
                 words.append(f"the obstacle at '{contact.label}'")
         return ", ".join(words)
+
+
+def _of_parts(spaces: Spaces) -> tuple[list[tuple[str, int]], Array]:
+    """Kinds and axes of motions, and those of each part as fields of the whole."""
+    names, fields = rigid_fields(spaces)
+    return names, apart(spaces.parts, fields)
 
 
 def rigid_fields(spaces: Spaces) -> tuple[list[tuple[str, int]], Array]:

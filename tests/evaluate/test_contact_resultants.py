@@ -217,7 +217,7 @@ def test_what_has_no_value_is_said_in_words(tmp_path, capsys):
     said = capsys.readouterr().out
     assert "none, the surface wraps around" in said
     assert "pressure integral" in said
-    page = quantities_table(result, result.contacts, "Quantities")
+    page = quantities_table(result, result.contacts, "Quantities", result)
     assert "<td>none, the surface wraps around</td>" in page
 
 

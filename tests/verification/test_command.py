@@ -379,14 +379,14 @@ def test_run_that_its_checks_refuse_is_a_finding_that_failed(capsys, monkeypatch
     solve = simulation.solve
 
     def wrong(*arguments):
-        *others, end = arguments
+        *others, end, condense = arguments
 
         def spoiled(history):
             for force in history.last.solution.friction_force:
                 force *= 0.9
             end(history)
 
-        return solve(*others, spoiled)
+        return solve(*others, spoiled, condense)
 
     monkeypatch.setattr(simulation, "solve", wrong)
     assert main(["verify", "slab", "--quick"]) == 4

@@ -138,7 +138,8 @@ class _Conversion:
         if isinstance(value, Mapping):
             named = {name: self.of(part, [*path, name], dimension) for name, part in value.items()}
             return named if any(named[name] is not value[name] for name in named) else value
-        return self._of_table(value, path, dimension) if dataclasses.is_dataclass(value) else value
+        is_table = hasattr(type(value), "__pydantic_fields__")  # and no function of the user's
+        return self._of_table(value, path, dimension) if is_table else value
 
     def _of_table(self, table: Any, path: Sequence[object], outer: Dimension | None) -> Any:
         """A part of a scene.

@@ -33,6 +33,7 @@ class KeptBody:
     def __init__(self, scene: Scene, body: Body, timings: Timings) -> None:
         with timings.phase("compile"):
             self.discrete = DiscreteBody(BodyDescription.of(scene), body)
+            self.discrete.is_kept = True
         self._earlier = 0
         self.condensed: CondensedBody | None = None
         self.saved: SavedBody | None = None

@@ -13,7 +13,7 @@ from fenics_contact.report.histories.load_steps import draw_history
 from fenics_contact.results.records.units import UnitsRecord
 from tests.records import made_contact, made_run
 from tests.report.contacts.test_captions import cycled
-from tests.report.drawing.test_style import CONTACT, points
+from tests.report.drawing.test_style import CONTACT, points, sheet, strip
 
 pytestmark = pytest.mark.serial
 MM_N = UnitsRecord(length="mm", force="N", stress="MPa", energy="mJ")
@@ -36,9 +36,10 @@ def labels(monkeypatch):
 
 def draw_all(folder, units):
     with in_units(units):
-        draw_curves(points(np.linspace(-1, 1, 41)), CONTACT, "xy", folder / "line.png")
+        line = strip(lambda p: 0 * p, lambda x: 0 * x, 41)
+        draw_curves(line, points(np.linspace(-1, 1, 41)), CONTACT, "xy", folder / "line.png")
         x, y = (grid.ravel() for grid in np.meshgrid(*2 * [np.linspace(-1, 1, 15)]))
-        draw_maps(points(x, y, normal=(0, 0, 1)), CONTACT, folder / "map.png")
+        draw_maps(sheet(15), points(x, y, normal=(0, 0, 1)), CONTACT, folder / "map.png")
         draw_history(folder, made_run(cycled()))
 
 
