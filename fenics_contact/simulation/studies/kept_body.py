@@ -12,6 +12,7 @@ from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.studies.saved_body import SavedBody
+from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import acting_sides
 
@@ -28,12 +29,14 @@ class KeptBody:
         scene: Any whose body it is.
         body: Its mesh.
         timings: Seconds so far.
+        factors: Of the parts of the body before it; those of its own parts are added.
     """
 
-    def __init__(self, scene: Scene, body: Body, timings: Timings) -> None:
+    def __init__(self, scene: Scene, body: Body, timings: Timings, factors: KnownFactors) -> None:
         with timings.phase("compile"):
             self.discrete = DiscreteBody(BodyDescription.of(scene), body)
             self.discrete.is_kept = True
+        self._factors = factors
         self._earlier = 0
         self.condensed: CondensedBody | None = None
         self.saved: SavedBody | None = None
@@ -62,7 +65,9 @@ class KeptBody:
         schur, saved = None, self.saved
         if saved is not None and saved.suits(self.discrete, problem.constrained, sides):
             sides, schur = saved.sides(self.discrete), partial(saved.schur, self.discrete)
-        self.condensed = CondensedBody(self.discrete, problem.constrained, sides, timings, schur)
+        self.condensed = CondensedBody(
+            self.discrete, problem.constrained, sides, timings, schur, self._factors
+        )
         if saved is not None and schur is not None:
             saved.give_loads(self.condensed)
         self.saved = None

@@ -24,6 +24,7 @@ from fenics_contact.simulation.studies.changes import with_changes
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
 from fenics_contact.simulation.studies.saved_body import SavedBody, save_body
+from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 
 logger = logging.getLogger(__name__)
 
@@ -74,6 +75,7 @@ class Study:
         self._mesh_of = _mesh_key(scene)
         self._kept: KeptBody | None = None
         self._quick: QuickAnswers | None = None
+        self._factors = KnownFactors()
         self._before = 0  # factorisations of bodies that are gone
 
     @classmethod
@@ -229,7 +231,7 @@ class Study:
         if self._mesh is None or not same_mesh:
             self._mesh = mesh_of(scene, self._comm, timings)
             self._mesh_of = _mesh_key(scene)
-        self._kept = KeptBody(scene, self._mesh, timings)
+        self._kept = KeptBody(scene, self._mesh, timings, self._factors)
         return self._kept
 
     def _forget_body(self) -> None:
@@ -243,6 +245,7 @@ class Study:
         """Free the factorisation; the next answer makes another one."""
         if self._kept is not None:
             self._kept.close()
+        self._factors.destroy()
 
 
 def _mesh_key(scene: Scene) -> Sequence[object]:

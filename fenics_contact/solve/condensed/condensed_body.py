@@ -15,12 +15,13 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.discrete_body import DiscreteBody
+from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
+from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
+from fenics_contact.solve.condensed.bulk.schur import BulkWithoutFactor, CondensedBulk
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.preload_border import CondensedPreloads
-from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
-from fenics_contact.solve.condensed.schur import BulkWithoutFactor, CondensedBulk
 
 
 class CondensedBody:
@@ -42,6 +43,7 @@ class CondensedBody:
         sides: The surfaces at which contacts may act.
         timings: Seconds so far.
         schur: Gives S on rank 0, where it is known, in the order of given contact dofs; collective.
+        factors: Those of a body before, which serve where a part of the body is the same.
 
     Raises:
         MachineError: There is not the memory for the factorisation; on every rank.
@@ -55,6 +57,7 @@ class CondensedBody:
         sides: Sequence[ContactSides],
         timings: Timings,
         schur: Callable[[ContactDofs], Array | None] | None = None,
+        factors: KnownFactors | None = None,
     ) -> None:
         self.discrete = discrete
         self._constrained, self.sides = constrained, tuple(sides)
@@ -67,9 +70,9 @@ class CondensedBody:
         with timings.phase("factorise"):
             known = (self.stiffness, self.held, self.dofs.free)
             self.bulk = (
-                CondensedBulk(*known)
+                CondensedBulk(*known, factors)
                 if schur is None
-                else BulkWithoutFactor(*known, schur(self.dofs))
+                else BulkWithoutFactor(*known, schur(self.dofs), factors)
             )
             parts = discrete.elastic.preloaded
             self.preloads = CondensedPreloads(parts, self.stiffness, self.bulk, self.held)

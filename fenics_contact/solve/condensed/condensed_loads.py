@@ -6,7 +6,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
-from fenics_contact.solve.condensed.schur import CondensedBulk
+from fenics_contact.solve.condensed.bulk.schur import CondensedBulk
 
 # Round-off of a combination of loads, of its size.
 _SAME = 1e-13

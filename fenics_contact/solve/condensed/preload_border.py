@@ -16,8 +16,8 @@ from scipy.linalg import lapack
 from fenics_contact.body.preloaded_part import PreloadForces
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
-from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
-from fenics_contact.solve.condensed.schur import CondensedBulk
+from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
+from fenics_contact.solve.condensed.bulk.schur import CondensedBulk
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 
 

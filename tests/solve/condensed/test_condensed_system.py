@@ -24,12 +24,12 @@ from fenics_contact import (
 )
 from fenics_contact.common.errors import MachineError
 from fenics_contact.common.timings import Timings
-from fenics_contact.solve.condensed import schur
+from fenics_contact.solve.condensed.bulk import local_factor
+from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
+from fenics_contact.solve.condensed.bulk.schur import CondensedBulk
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
-from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
-from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.systems import mumps
 from tests.scenes import box_body, with_solver
@@ -358,7 +358,7 @@ def test_obstacle_that_only_held_nodes_touch():
 
 def test_failed_factorisation_is_an_error_on_every_rank(monkeypatch):
     """MUMPS runs out of workspace on the last rank; S would be anything."""
-    plain = schur._factorised_by_mumps
+    plain = local_factor._factorised_by_mumps
 
     def without_memory(operator, kind):
         found = plain(operator, kind)
@@ -366,8 +366,8 @@ def test_failed_factorisation_is_an_error_on_every_rank(monkeypatch):
         return found
 
     if COMM.rank == COMM.size - 1:
-        monkeypatch.setattr(schur, "_factorised_by_mumps", without_memory)
-        monkeypatch.setattr(schur, "_SPARE_WORKSPACE", -90)
+        monkeypatch.setattr(local_factor, "_factorised_by_mumps", without_memory)
+        monkeypatch.setattr(local_factor, "_SPARE_WORKSPACE", -90)
     scene = with_solver(pressed(), solver="condensed")
     with pytest.raises(MachineError, match="MUMPS"):
         Run(scene, COMM, box_body((40, 40), (1, 1))).solve()

@@ -55,6 +55,16 @@ class LocalStiffness:
         self.displacements = touched[touched < sizes[0]]
         self._stresses = touched[touched >= sizes[0]] - sizes[0]
 
+    def places(self) -> tuple[Array, Integers]:
+        """Where each unknown is (unknowns, 3) (length), and which one of its node it is."""
+        spaces, mixed = self._discrete.spaces, self._discrete.elastic.mixed
+        nodes, kinds = np.divmod(self.displacements, spaces.components)
+        if mixed is None:
+            return spaces.coordinates[nodes], kinds
+        stresses = mixed.mean_stress.function_space.tabulate_dof_coordinates()[self._stresses]
+        last = np.full(len(self._stresses), spaces.components)
+        return np.vstack([spaces.coordinates[nodes], stresses]), np.concatenate([kinds, last])
+
     def share(self, nodal: Array, on_mean_stress: Array | None = None) -> Array:
         """This rank's share of forces, at its unknowns.
 

@@ -1,0 +1,1 @@
+"""The stiffness condensed onto the contact dofs: one factorisation for any conditions."""
