@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.contacts.line import SurfaceLine
-from fenics_contact.report.contacts.own_arrays import label, shown_arrays, sizes
+from fenics_contact.report.contacts.line_values import (
+    BOUND,
+    FRICTION,
+    GAP,
+    PRESSURE,
+    LineValues,
+    line_values,
+)
 from fenics_contact.report.drawing.figures import (
     in_words,
     legend_beside,
@@ -22,10 +27,9 @@ from fenics_contact.report.drawing.figures import (
 )
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import FORMULA, WIDE
-from fenics_contact.report.drawing.units import labelled, with_unit
+from fenics_contact.report.drawing.units import with_unit
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
-from fenics_contact.results.point_arrays import PointArray
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:
@@ -33,12 +37,10 @@ if TYPE_CHECKING:
     from pyvista import UnstructuredGrid
 
 _MARGIN, _STRIP = 0.45, 0.16
-_HEIGHTS = {"contact pressure": 1.9, "friction traction": 1.9, "gap": 1.05}
+_HEIGHTS = {PRESSURE: 1.9, FRICTION: 1.9, GAP: 1.05}
 _OWN_HEIGHT = 1.05  # of what a law keeps of its own
-_SYMBOLS = {"contact pressure": " p", "friction traction": " σ_T"}
+_SYMBOLS = {PRESSURE: " p", FRICTION: " σ_T"}
 _POINTS = 400  # of a formula's curve
-
-_Draw: TypeAlias = "Callable[[Axes, SurfaceLine, ContactRecord], None]"
 
 
 def draw_curves(
@@ -60,8 +62,8 @@ def draw_curves(
         analytic: What formulas give, where there are some.
     """
     line = SurfaceLine.of(body, rows, contact)
-    own = shown_arrays(rows, contact)
-    names = [*_panels(line, contact), *own]
+    every = line_values(line, contact)
+    names = [found.name for found in every]
     heights = [*(_HEIGHTS.get(name, _OWN_HEIGHT) for name in names), _STRIP]
     title = title_of(names, contact)
     figure, panels = new_figure(
@@ -73,14 +75,10 @@ def draw_curves(
     )
     low, high = line.view
     shown = np.linspace(low, high, _POINTS)
-    draw: dict[str, _Draw] = {
-        **{"contact pressure": _pressure, "friction traction": _friction, "gap": _gap},
-        **{name: partial(_own, array=array) for name, array in own.items()},
-    }
-    for name, panel in zip(names, panels, strict=False):
-        draw[name](panel, line, contact)
+    for found, panel in zip(every, panels, strict=False):
+        _draw_values(panel, line, found)
         if analytic is not None and line.circle is None:
-            _formula(panel, name, line, analytic, shown)
+            _formula(panel, found.name, line, analytic, shown)
         panel.axhline(0, color="black", linewidth=0.5, zorder=0)
     _legends(panels[:-1])
     draw_strip(panels[-1], line, contact)
@@ -137,49 +135,15 @@ def _legends(panels: list[Axes]) -> None:
         said |= set(new)
 
 
-def _panels(line: SurfaceLine, contact: ContactRecord) -> list[str]:
-    """The curves worth drawing: what is found, and what is not zero all along."""
-    found, frictional = not contact.pressure_is_given, contact.carries_shear
-    apart = np.isfinite(line.rows.numbers["gap"]) & ~line.rows.closed
-    return [
-        *(["contact pressure"] if found or not frictional else []),
-        *(["friction traction"] if frictional else []),
-        *(["gap"] if found and apart.any() else []),
-    ]
-
-
-def _pressure(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
-    _plot(panel, line, line.rows.numbers["contact_pressure"])
-    cut_peaks(panel, line.rows.numbers["contact_pressure"][line.rows.closed])
-    panel.set_ylabel(labelled("contact pressure, $p$", "stress"))
-
-
-def _friction(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
-    """With the friction bound ±g, on the side (or sides) where the traction lies."""
-    traction = line.traction
-    _plot(panel, line, traction)
-    cut_peaks(panel, traction[line.rows.closed])
-    panel.set_ylabel(labelled(r"friction traction, $\sigma_T$", "stress"))
-    coefficient = contact.parameters["friction_coefficient"]
-    if not isinstance(coefficient, float | int) or coefficient == 0:
-        return
-    bound = coefficient * line.rows.numbers["contact_pressure"]
-    label: str | None = r"friction bound, $\pm\mu p$"
-    for side in (1, -1):
-        if (side * traction > 0.02 * bound.max()).any():
-            panel.plot(*line.curve(side * bound), ":", color="0.3", label=label, zorder=1)
-            label = None
-
-
-def _gap(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
-    gap = line.rows.numbers["gap"]
-    _plot(panel, line, np.where(np.isfinite(gap), gap, np.nan))
-    panel.set_ylabel(labelled("gap", "length"))
-
-
-def _own(panel: Axes, line: SurfaceLine, contact: ContactRecord, array: PointArray) -> None:
-    _plot(panel, line, sizes(line.rows, array))
-    panel.set_ylabel(label(array))
+def _draw_values(panel: Axes, line: SurfaceLine, found: LineValues) -> None:
+    """A panel's curves, with their axis named."""
+    _plot(panel, line, found.values)
+    if found.is_peaked:
+        cut_peaks(panel, found.values[line.rows.closed])
+    panel.set_ylabel(found.label)
+    for number, bound in enumerate(found.bounds):
+        words = BOUND if number == 0 else None
+        panel.plot(*line.curve(bound), ":", color="0.3", label=words, zorder=1)
 
 
 def _formula(
@@ -188,9 +152,9 @@ def _formula(
     """The formula's curve; it leaves the panel's limits as they are where it is infinite."""
     distance = np.abs(shown - analytic.centre[line.axis])
     limits = panel.get_ylim() if analytic.punch else None
-    if name == "contact pressure":
+    if name == PRESSURE:
         panel.plot(shown, analytic.pressure(distance), label=analytic.label, **FORMULA)
-    elif name == "friction traction" and analytic.direction == line.axis:
+    elif name == FRICTION and analytic.direction == line.axis:
         friction = analytic.friction(distance)
         panel.plot(shown, friction, "--", label="Cattaneo, Mindlin", **FORMULA)
     if limits:

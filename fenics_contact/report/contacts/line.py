@@ -100,10 +100,16 @@ class SurfaceLine:
     @property
     def traction(self) -> Array:
         """Friction traction along the tangents."""
-        traction: Array = np.sum(
-            self.rows.vectors("traction_x", "traction_y") * self.tangents, axis=1
-        )
-        return traction
+        return self._along("traction_x", "traction_y")
+
+    @property
+    def slip(self) -> Array:
+        """Slip since the start along the tangents (length)."""
+        return self._along("slip_x", "slip_y")
+
+    def _along(self, *names: str) -> Array:
+        found: Array = np.sum(self.rows.vectors(*names) * self.tangents, axis=1)
+        return found
 
     def curve(self, values: Array, shown: Flags | None = None) -> tuple[Array, Array]:
         """Positions and values for a curve that is interrupted where the surface is.

@@ -87,7 +87,6 @@ def page(content: Content) -> str:
     result = content.result
     last = result.steps[-1] if result.steps else None
     imbalances = [f"{x:.3e}" for x in last.imbalances] if last else []
-    style = resources.files(__package__).joinpath("report.css").read_text(encoding="utf-8")
     return render(
         "page.html",
         content=content,
@@ -96,7 +95,7 @@ def page(content: Content) -> str:
         tables=tables,
         program=program,
         title=result.title or content.name,
-        style=Markup(style),
+        style=style_sheet(),
         outcome=_outcome(result),
         headlines=headlines(result),
         failures=tables.failures(result),
@@ -107,6 +106,11 @@ def page(content: Content) -> str:
         ranks=result.model.ranks,
         is_of_script=result.scene.startswith("# This file cannot be run"),
     )
+
+
+def style_sheet() -> Markup:
+    """How pages look."""
+    return Markup(resources.files(__package__).joinpath("report.css").read_text(encoding="utf-8"))
 
 
 def _outcome(result: RunRecord) -> str:
