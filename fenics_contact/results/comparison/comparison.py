@@ -166,13 +166,12 @@ class Comparison:
                 f"{_counted(names)} by more than the sum of both error bars; most of all "
                 f"{name}, {farthest}."
             )
-        unknown = any(
-            found is None or found.count is None
-            for _, row in differing
-            for found in row.differences
-        )
-        where = "where bars are known" if unknown else "all of them"
-        return f"{_counted(len(differing))}, but {where} by less than the sum of both error bars."
+        apart = [found for _, row in differing for found in row.differences]
+        unknown = [found is None or found.count is None for found in apart]
+        if all(unknown):
+            return f"{_counted(len(differing))}; by how many error bars is not known."
+        where = "where bars are known" if any(unknown) else "all"
+        return f"{_counted(len(differing))}, {where} by less than the sum of both error bars."
 
     def _shown(self, rows: list[list[str]]) -> list[list[str]]:
         return [row for row in rows if self.every or len(set(row[1:])) > 1]

@@ -82,7 +82,7 @@ def difference(first: Estimate, second: Estimate, size: float) -> Difference:
 
     >>> found = difference(Estimate(10.0, {"total": 0.5}), Estimate(12.0, {"total": 1.5}), 0.0)
     >>> found.words, found.share, found.bars
-    ('2', '20 %', '1')
+    ('2.0', '20 %', '1')
     >>> difference(Estimate(10.0, {"total": None}), Estimate(12.0, {"total": 1.5}), 0.0).bars
     '?'
     """
@@ -100,7 +100,7 @@ def difference(first: Estimate, second: Estimate, size: float) -> Difference:
     total = _sum_of_bars(first, second)
     row = None if total is None else {"total": total}
     words = rounded(apart if len(apart) > 1 else apart[0], row, size)[0]
-    share = "" if is_none(whole, scale) else f"{100 * length / whole:.2g} %"
+    share = "" if is_none(whole, scale) else f"{_in_two_figures(100 * length / whole)} %"
     if not first.has_bar:
         return Difference(words, share, "", None, True)
     if total is None:
@@ -108,7 +108,12 @@ def difference(first: Estimate, second: Estimate, size: float) -> Difference:
     if is_none(total, scale):
         return Difference(words, share, NO_BARS, math.inf, True)
     count = length / total
-    return Difference(words, share, f"{count:.2g}" if count < 100 else f"{count:.3g}", count, True)
+    return Difference(words, share, _in_two_figures(count), count, True)
+
+
+def _in_two_figures(number: float) -> str:
+    """Of a large one in more, so that it has no power of ten."""
+    return f"{number:.2g}" if number < 100 else f"{number:.0f}"
 
 
 def _parts(value: QuantityValue) -> list[float]:
