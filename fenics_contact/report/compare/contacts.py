@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,7 +18,8 @@ from fenics_contact.report.contacts.line_values import (
     pressure_along,
     slip_along,
 )
-from fenics_contact.report.contacts.maps import Surface, draw_status, draw_values
+from fenics_contact.report.contacts.map_values import Surface, map_values
+from fenics_contact.report.contacts.maps import draw_status, draw_values
 from fenics_contact.report.drawing.figures import (
     in_words,
     legend_beside,
@@ -30,7 +31,6 @@ from fenics_contact.report.drawing.figures import (
 )
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import DOUBLE, WIDE
-from fenics_contact.report.drawing.units import labelled
 from fenics_contact.results.records.contacts import ContactRecord
 
 _HEIGHT, _MARGIN = 1.7, 0.45
@@ -130,15 +130,16 @@ def _draw_lines(lines: list[_Along], path: Path) -> Picture:
 
 def _draw_maps(runs: Sequence[DrawnRun], name: str, path: Path) -> Picture:
     """Status, pressure and friction traction, a column a run, in the same colours."""
-    found = [run.contact(name) for run in runs]
-    contacts = [(rows, contact) for rows, contact in filter(None, found)]
+    contacts = [found for run in runs if (found := run.contact(name)) is not None]
     surfaces = [
         Surface.of(run.body, rows, contact)
         for run, (rows, contact) in zip(runs, contacts, strict=True)
     ]
-    kinds = {"contact pressure, $p$": _pressure}
-    if any(contact.carries_shear for _, contact in contacts):
-        kinds[r"friction traction, $|\sigma_T|$"] = _friction
+    every = [
+        {shown.name: shown for shown in map_values(surface, surface.rows, contact)}
+        for surface, (_, contact) in zip(surfaces, contacts, strict=True)
+    ]
+    kinds = list(dict.fromkeys(name for found in every for name in found))
     across, up = surfaces[0].size
     width = DOUBLE / len(runs)
     height = float(np.clip((width - 0.4) * up / across + 0.5, 1.4, 4.0))
@@ -150,28 +151,16 @@ def _draw_maps(runs: Sequence[DrawnRun], name: str, path: Path) -> Picture:
         surface.label(panel, panel is panels[0])
         set_title(panel, run.name)
     panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.12), ncols=3, handletextpad=0.1)
-    for row, (label, values_of) in enumerate(kinds.items(), start=1):
+    for row, kind in enumerate(kinds, start=1):
         own = panels[row * len(runs) : (row + 1) * len(runs)]
-        values = [values_of(surface) for surface in surfaces]
-        high = max(float(one.max(initial=0.0)) for one in values)
-        low = min(0.0, *(float(one.min(initial=0.0)) for one in values))
-        for surface, shown, panel in zip(surfaces, values, own, strict=True):
-            colours = draw_values(panel, surface, shown, low, high)
+        there = [found[kind] for found in every if kind in found]
+        low, high = min(one.limits[0] for one in there), max(one.limits[1] for one in there)
+        for surface, found, panel in zip(surfaces, every, own, strict=True):
+            if kind in found:
+                colours = draw_values(panel, surface, found[kind].values, low, high)
             surface.label(panel, panel is own[0])
-        figure.colorbar(colours, ax=own, label=labelled(label, "stress"), aspect=25)
+        figure.colorbar(colours, ax=own, label=there[0].label, aspect=25)
     figure.suptitle(plain(f"Contact zone '{name}'"), x=0.01, ha="left", fontsize=8.5)
     save_png(figure, path)
     said = "Status of the points, and what they carry, of each run in the same colours."
     return Picture(path, f"Contact zone '{name}'", said)
-
-
-_Values = Callable[[Surface], Array]
-
-
-def _pressure(surface: Surface) -> Array:
-    return surface.rows.numbers["contact_pressure"]
-
-
-def _friction(surface: Surface) -> Array:
-    traction = surface.rows.vectors("traction_x", "traction_y", "traction_z")
-    return np.asarray(np.linalg.norm(traction, axis=1))

@@ -5,6 +5,7 @@ Still pictures, the slider of the report and pages of several runs all draw thes
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -38,22 +39,26 @@ class LineValues:
     is_peaked: bool = False
 
 
-def line_values(line: SurfaceLine, contact: ContactRecord) -> list[LineValues]:
+def line_values(
+    line: SurfaceLine, contact: ContactRecord, kept: Collection[str] = ()
+) -> list[LineValues]:
     """The curves worth drawing: what is found, and what is not zero all along.
 
     Args:
         line: The contact line.
         contact: Its entry in ``result.json``.
+        kept: Names of those that are worth it in another load step.
     """
     found, frictional = not contact.pressure_is_given, contact.carries_shear
     gap = line.rows.numbers["gap"]
     is_apart = (np.isfinite(gap) & ~line.rows.closed).any()
-    own = shown_arrays(line.rows, contact).items()
+    own = {array.words: array for array in contact.own_arrays if array.words in kept}
+    own |= shown_arrays(line.rows, contact)
     return [
         *([pressure_along(line)] if found or not frictional else []),
         *([friction_along(line, contact)] if frictional else []),
-        *([gap_along(line)] if found and is_apart else []),
-        *(LineValues(name, label(array), sizes(line.rows, array)) for name, array in own),
+        *([gap_along(line)] if found and (is_apart or GAP in kept) else []),
+        *(LineValues(name, label(array), sizes(line.rows, array)) for name, array in own.items()),
     ]
 
 
