@@ -63,9 +63,7 @@ class _Run:
     @property
     def axes(self) -> str:
         """Letters of the axes."""
-        if not self.flat:
-            return "xyz"
-        return "rz" if self.result.model.kinematics == "axisymmetric" else "xy"
+        return axes_of(self.result.model.kinematics)
 
     @property
     def contacts(self) -> list[tuple[ContactTable, ContactRecord]]:
@@ -76,6 +74,15 @@ class _Run:
     def far(self) -> tuple[str, ...]:
         """Names of supports that are no drives."""
         return far_supports(self.scene)
+
+
+def axes_of(kinematics: str) -> str:
+    """Letters of the axes of a model.
+
+    Args:
+        kinematics: Of it.
+    """
+    return {"3D": "xyz", "axisymmetric": "rz"}.get(kinematics, "xy")
 
 
 def far_supports(scene: Scene | None) -> tuple[str, ...]:

@@ -139,7 +139,7 @@ def _draw_maps(runs: Sequence[DrawnRun], name: str, path: Path) -> Picture:
         {shown.name: shown for shown in map_values(surface, surface.rows, contact)}
         for surface, (_, contact) in zip(surfaces, contacts, strict=True)
     ]
-    kinds = list(dict.fromkeys(name for found in every for name in found))
+    kinds = list(dict.fromkeys(name for values in every for name in values))
     across, up = surfaces[0].size
     width = DOUBLE / len(runs)
     height = float(np.clip((width - 0.4) * up / across + 0.5, 1.4, 4.0))
@@ -153,11 +153,11 @@ def _draw_maps(runs: Sequence[DrawnRun], name: str, path: Path) -> Picture:
     panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.12), ncols=3, handletextpad=0.1)
     for row, kind in enumerate(kinds, start=1):
         own = panels[row * len(runs) : (row + 1) * len(runs)]
-        there = [found[kind] for found in every if kind in found]
+        there = [values[kind] for values in every if kind in values]
         low, high = min(one.limits[0] for one in there), max(one.limits[1] for one in there)
-        for surface, found, panel in zip(surfaces, every, own, strict=True):
-            if kind in found:
-                colours = draw_values(panel, surface, found[kind].values, low, high)
+        for surface, values, panel in zip(surfaces, every, own, strict=True):
+            if kind in values:
+                colours = draw_values(panel, surface, values[kind].values, low, high)
             surface.label(panel, panel is own[0])
         figure.colorbar(colours, ax=own, label=there[0].label, aspect=25)
     figure.suptitle(plain(f"Contact zone '{name}'"), x=0.01, ha="left", fontsize=8.5)

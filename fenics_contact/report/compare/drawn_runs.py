@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from fenics_contact.report.drawing.field_files import whole_body
 from fenics_contact.report.drawing.figures import plain
 from fenics_contact.report.drawing.style import LINES
-from fenics_contact.report.gallery import far_supports, points_of, scene_of
+from fenics_contact.report.gallery import axes_of, far_supports, points_of, scene_of
 from fenics_contact.results.comparison.runs import ComparedRun
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.load_history import Drive, History
@@ -59,8 +59,7 @@ class DrawnRun:
     @property
     def axes(self) -> str:
         """Letters of the model's axes."""
-        kinematics = self.result.model.kinematics
-        return {"3D": "xyz", "axisymmetric": "rz"}.get(kinematics, "xy")
+        return axes_of(self.result.model.kinematics)
 
     def contact(self, name: str) -> tuple[ContactTable, ContactRecord] | None:
         """Points and entry of a contact; None where it has none of this name.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,6 +35,7 @@ from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from pyvista import UnstructuredGrid
 
 _MARGIN, _STRIP = 0.45, 0.16
@@ -64,31 +66,54 @@ def draw_curves(
     line = SurfaceLine.of(body, rows, contact)
     every = line_values(line, contact)
     names = [found.name for found in every]
-    heights = [*(_HEIGHTS.get(name, _OWN_HEIGHT) for name in names), _STRIP]
     title = title_of(names, contact)
-    figure, panels = new_figure(
+    figure, panels = curve_figure(names, contact)
+    shown = np.linspace(*line.view, _POINTS)
+    for found, panel in zip(every, panels, strict=False):
+        _draw_values(panel, line, found)
+        if analytic is not None and line.circle is None:
+            _formula(panel, found.name, line, analytic, shown)
+    draw_strip(panels[-1], line, contact)
+    finish_curves(figure, panels, line, axes)
+    save(figure, path)
+    against = axes[line.axis] if line.circle is None else "the angle around its axis"
+    return Picture(path, title, _caption(names, contact, against, analytic))
+
+
+def curve_figure(names: Sequence[str], contact: ContactRecord) -> tuple[Figure, list[Axes]]:
+    """A panel for each of some values, and the strip of the status.
+
+    Args:
+        names: Of the values.
+        contact: The contact's entry in ``result.json``.
+    """
+    heights = [*(_HEIGHTS.get(name, _OWN_HEIGHT) for name in names), _STRIP]
+    return new_figure(
         f"Along {surface_of(contact)}",
         (WIDE, sum(heights) + _MARGIN),
         nrows=len(heights),
         sharex=True,
         height_ratios=heights,
     )
-    low, high = line.view
-    shown = np.linspace(low, high, _POINTS)
-    for found, panel in zip(every, panels, strict=False):
-        _draw_values(panel, line, found)
-        if analytic is not None and line.circle is None:
-            _formula(panel, found.name, line, analytic, shown)
+
+
+def finish_curves(figure: Figure, panels: Sequence[Axes], line: SurfaceLine, axes: str) -> None:
+    """Legends, the axis along the surface, and how far one sees.
+
+    Args:
+        figure: Matplotlib's.
+        panels: All of them; the last one is the strip.
+        line: The contact line.
+        axes: Letters of the model's axes.
+    """
+    for panel in panels[:-1]:
         panel.axhline(0, color="black", linewidth=0.5, zorder=0)
     _legends(panels[:-1])
-    draw_strip(panels[-1], line, contact)
+    low, high = line.view
     margin = 0.03 * (high - low)
     panels[-1].set_xlim(low - margin, high + margin)
     line.label(panels[-1], axes)
     figure.align_ylabels(panels[:-1])
-    save(figure, path)
-    against = axes[line.axis] if line.circle is None else "the angle around its axis"
-    return Picture(path, title, _caption(names, contact, against, analytic))
 
 
 def _caption(
@@ -120,11 +145,16 @@ def draw_strip(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
     colours = {status: mark.colour for mark in line.marks for status in mark.status}
     for start, end, status in line.runs():
         panel.axvspan(start, end, color=colours[status], linewidth=0)
+    bare_strip(panel)
+
+
+def bare_strip(panel: Axes) -> None:
+    """A strip without numbers and a line beside it."""
     panel.set_yticks([])
     panel.spines["left"].set_visible(False)
 
 
-def _legends(panels: list[Axes]) -> None:
+def _legends(panels: Sequence[Axes]) -> None:
     """Each label once, in the first panel that has it."""
     said: set[str] = set()
     for panel in panels:

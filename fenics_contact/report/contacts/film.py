@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -81,8 +81,7 @@ class Film:
         for time, body in series:
             frames.append(frame_rows(rows, body, contact))
             times.append(time)
-        ever = np.any([frame.closed for frame in frames], axis=0)
-        zone = replace(frames[-1], status=np.where(ever, "STICK", "OPEN"))
+        zone = zone_of(frames)
         drive = _drive(result, contact, times, far)
         return cls(contact, np.array(times), frames, zone, drive, body)
 
@@ -90,6 +89,16 @@ class Film:
     def touches(self) -> bool:
         """Whether any of its points ever does."""
         return bool((self.zone.status != "OPEN").any())
+
+
+def zone_of(frames: Sequence[ContactTable]) -> ContactTable:
+    """The points of a contact, STICK where they ever touch.
+
+    Args:
+        frames: As they are in load steps.
+    """
+    ever = np.any([frame.closed for frame in frames], axis=0)
+    return replace(frames[-1], status=np.where(ever, "STICK", "OPEN"))
 
 
 def frame_rows(rows: ContactTable, body: UnstructuredGrid, contact: ContactRecord) -> ContactTable:

@@ -19,7 +19,7 @@ from fenics_contact.report.contacts.map_values import (
 )
 from fenics_contact.report.drawing.figures import in_words, new_figure, plain, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
-from fenics_contact.report.drawing.style import COLOUR_MAP, DOUBLE, EDGE, marks
+from fenics_contact.report.drawing.style import COLOUR_MAP, DOUBLE, EDGE, Mark, marks
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
@@ -126,18 +126,26 @@ def draw_status(panel: Axes, surface: Surface, status: Words, contact: ContactRe
     panel.add_collection(
         PolyCollection(surface.corners, facecolors="0.95", edgecolors="0.8", linewidths=0.3)
     )
-    size = float(np.clip(70 / np.sqrt(len(status)), 1.2, 6))
     for mark in marks(contact):
         mine = np.isin(status, mark.status)
         if mine.any():
-            is_open = mark.status == ("OPEN",)
-            look = mark.look | {
-                "markersize": size * (0.7 if is_open else 1.0),
-                "markerfacecolor": mark.colour,
-                "markeredgecolor": EDGE if is_open else mark.colour,
-                "markeredgewidth": 0.3,
-            }
-            panel.plot(*surface.points[mine].T, **look)
+            panel.plot(*surface.points[mine].T, **status_look(mark, len(status)))
+
+
+def status_look(mark: Mark, points: int) -> dict[str, Any]:
+    """How points of a kind look on a map, for matplotlib's ``plot``.
+
+    Args:
+        mark: The kind.
+        points: How many there are of all kinds.
+    """
+    is_open = mark.status == ("OPEN",)
+    return mark.look | {
+        "markersize": float(np.clip(70 / np.sqrt(points), 1.2, 6)) * (0.7 if is_open else 1.0),
+        "markerfacecolor": mark.colour,
+        "markeredgecolor": EDGE if is_open else mark.colour,
+        "markeredgewidth": 0.3,
+    }
 
 
 def draw_map(

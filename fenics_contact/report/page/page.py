@@ -6,7 +6,7 @@ A section is a template of its name and a line in ``SECTIONS``.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import resources
 
 from markupsafe import Markup
@@ -32,6 +32,7 @@ class Content:
         pictures: What was drawn of the fields.
         convergence: What was drawn of the iterations.
         view: The interactive view, empty where there are no fields.
+        slider: Through the load steps, empty where there is one.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Content:
     pictures: list[Picture]
     convergence: list[Picture]
     view: Markup
+    slider: Markup = field(default_factory=Markup)
 
 
 @dataclass(frozen=True)

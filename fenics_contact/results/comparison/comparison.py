@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -160,7 +161,7 @@ class Comparison:
         ]
         if beyond:
             most, name = max(beyond)
-            farthest = "with no bars" if most == float("inf") else f"by {most:.2g} error bars"
+            farthest = f"by {most:.2g} error bars" if most < math.inf else "which has no error"
             names = len({name for _, name in beyond})
             return (
                 f"{_counted(names)} by more than the sum of both error bars; most of all "
