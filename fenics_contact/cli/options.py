@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, NoReturn
 
+from fenics_contact.cli.compare import options as compare
 from fenics_contact.cli.look import options as look
 from fenics_contact.common.plain_text import printable
 from fenics_contact.common.wording.suggestions import did_you_mean
@@ -258,6 +259,7 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
         ("check", "say what would be modelled, without solving", "SCENE.toml [options]", _CHECK),
         ("run", "solve a scene", "SCENE.toml [options] [-- PETSc options]", ""),
         ("report", "pictures and a page from the files of a run", "DIR [options]", _REPORT),
+        ("compare", "two runs or more side by side", "DIR DIR ... [options]", compare.DESCRIPTION),
         ("verify", "run analytic and published benchmarks", "[NAME ...] [options]", _VERIFY),
         ("schema", "print the JSON schema of a scene, for editors", "", _SCHEMA),
         ("completion", "print a completion script, for shells", "bash|zsh|fish", _COMPLETION),
@@ -274,6 +276,7 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
     _describe_new(made["new"])
     look.describe(made["look"])
     made["report"].add_argument("folder", metavar="DIR", type=Path, help="results of a run")
+    compare.describe(made["compare"])
     _describe_verify(made["verify"])
     made["completion"].add_argument("shell", choices=SHELLS, help="for which it is")
     for name, command in made.items():

@@ -63,9 +63,7 @@ class _Run:
     @property
     def axes(self) -> str:
         """Letters of the axes."""
-        if not self.flat:
-            return "xyz"
-        return "rz" if self.result.model.kinematics == "axisymmetric" else "xy"
+        return axes_of(self.result.model.kinematics)
 
     @property
     def contacts(self) -> list[tuple[ContactTable, ContactRecord]]:
@@ -74,11 +72,29 @@ class _Run:
 
     @property
     def far(self) -> tuple[str, ...]:
-        """The outer boundary of a half-space, as supports are called."""
-        if self.scene is None or self.scene.half_space is None:
-            return ()
-        on = self.scene.half_space.on
-        return (*on, ", ".join(on))
+        """Names of supports that are no drives."""
+        return far_supports(self.scene)
+
+
+def axes_of(kinematics: str) -> str:
+    """Letters of the axes of a model.
+
+    Args:
+        kinematics: Of it.
+    """
+    return {"3D": "xyz", "axisymmetric": "rz"}.get(kinematics, "xy")
+
+
+def far_supports(scene: Scene | None) -> tuple[str, ...]:
+    """The outer boundary of a half-space, as supports are called: it moves, but is no drive.
+
+    Args:
+        scene: What was solved, if it is known.
+    """
+    if scene is None or scene.half_space is None:
+        return ()
+    on = scene.half_space.on
+    return (*on, ", ".join(on))
 
 
 def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
@@ -99,7 +115,7 @@ def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
     """
     require("matplotlib", "pyvista")
     table, body = ContactTable.read(folder / "contact.csv"), read_body(folder)
-    scene = _scene(folder, result)
+    scene = scene_of(folder, result)
     run = _Run(folder, result, table, body, scene, recognise(scene, result, table, body))
     with style(), in_units(result.units):
         return [
@@ -127,12 +143,35 @@ def require(*libraries: str) -> None:
             ) from None
 
 
-def _scene(folder: Path, result: RunRecord) -> Scene | None:
-    """The scene that was solved, None where it cannot be run again."""
+def scene_of(folder: Path, result: RunRecord) -> Scene | None:
+    """The scene that was solved, None where it cannot be run again.
+
+    Args:
+        folder: Of the run.
+        result: The content of its ``result.json``.
+    """
     try:
         return scene_of_text(result.scene, folder / "result.json")
     except InputError:  # made in Python, of what a file cannot hold
         return None
+
+
+def points_of(folder: Path, result: RunRecord) -> ContactTable:
+    """The contact points of a run.
+
+    Args:
+        folder: Of the run.
+        result: The content of its ``result.json``.
+
+    Raises:
+        InputError: Some are missing, or the file cannot be read.
+    """
+    path, number = folder / "contact.csv", result.model.contact_points
+    table = ContactTable.read(path)
+    if len(table.status) != number:
+        there = f"it has {len(table.status)} points, but the run had {number}"
+        raise InputError(f"{path}: damaged: {there}; make the run again")
+    return table
 
 
 def _of_contacts(run: _Run) -> Iterator[Picture]:

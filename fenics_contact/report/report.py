@@ -8,18 +8,19 @@ from pathlib import Path
 from markupsafe import Markup
 
 from fenics_contact.common.atomic_files import replace_file
-from fenics_contact.common.errors import InputError
+from fenics_contact.report.contacts.moving import MovingContact
 from fenics_contact.report.drawing.field_files import whole_body
 from fenics_contact.report.drawing.fields import read_series, times_of_fields
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.units import in_units
-from fenics_contact.report.gallery import draw_pictures, require
+from fenics_contact.report.gallery import axes_of, draw_pictures, points_of, require
 from fenics_contact.report.histories.convergence import draw_convergence
 from fenics_contact.report.page.page import Content, page
+from fenics_contact.report.view.slider import ContactSteps, followers, slider_html
 from fenics_contact.report.view.view_3d import make_view, steps_shown
 from fenics_contact.report.view.view_page import view_html
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.records.run import RunRecord
 from fenics_contact.results.result_file import read_result
 from fenics_contact.scene.writing import SCENE_FILE
 
@@ -42,35 +43,33 @@ def write_report(folder: Path) -> list[Picture]:
     """
     result = read_result(folder)
     require("matplotlib", "pyvista", "plotly")
-    view, pictures = Markup(), []
+    view, slider, pictures = Markup(), Markup(), []
     with in_units(result.units):
         if (folder / "fields.pvd").exists() and result.quantities:
             # what was done, without a load step that was not
             done = replace(result, steps=[step for step in result.steps if step.quantities])
-            body, table = whole_body(folder), _points(folder, result.model.contact_points)
-            numbers = steps_shown(len(times_of_fields(folder)), body, done.model.kinematics)
-            view = view_html(make_view(body, done, table, read_series(folder, numbers)))
-            pictures = draw_pictures(folder, done)
+            body, table = whole_body(folder), points_of(folder, result)
+            numbers = steps_shown(len(times_of_fields(folder)), body, done.model)
+            steps = ContactSteps(done, table)
+            shown = make_view(body, done, table, steps.watched(read_series(folder, numbers)))
+            view, pictures = view_html(shown), draw_pictures(folder, done)
+            slider = _slider(shown.times, steps.contacts(body), pictures, done)
         with style():
             convergence = draw_convergence(folder, result)
     kept = _is_in(folder, result.scene)
-    content = Content(folder.resolve().name, result, kept, pictures, convergence, view)
+    content = Content(folder.resolve().name, result, kept, pictures, convergence, view, slider)
     replace_file(folder / PAGE, page(content).encode())
     return [*pictures, *convergence]
 
 
-def _points(folder: Path, number: int) -> ContactTable:
-    """The contact points, of which the run had so many.
-
-    Raises:
-        InputError: Some are missing, or the file cannot be read.
-    """
-    path = folder / "contact.csv"
-    table = ContactTable.read(path)
-    if len(table.status) != number:
-        there = f"it has {len(table.status)} points, but the run had {number}"
-        raise InputError(f"{path}: damaged: {there}; make the run again")
-    return table
+def _slider(
+    times: list[float], contacts: list[MovingContact], pictures: list[Picture], done: RunRecord
+) -> Markup:
+    """The slider with all that follows it."""
+    if len(times) < 2:
+        return Markup()
+    axes = axes_of(done.model.kinematics)
+    return slider_html(times, followers(contacts, axes, pictures, times, done))
 
 
 def _is_in(folder: Path, scene: str) -> bool:

@@ -19,7 +19,9 @@ ORDER = (
 # A package that holds others: from the ground up.
 INSIDE = {
     "contact": ("surface", "mortar", "kinematics", "laws"),
-    "report": (*("drawing", "formulas", "page", "histories", "contacts", "bodies", "view"),),
+    "report": (
+        *("drawing", "formulas", "page", "histories", "contacts", "bodies", "view", "compare"),
+    ),
     "solve": ("systems", "condensed", "iterative", "newton", "coulomb", "load_steps"),
     "simulation": ("restart", "studies", "adaptive", "output"),
 }

@@ -23,13 +23,15 @@ TREES = {
 EXPLAINED = ("NoEquilibriumError", "NotConvergedError", "MachineError", "_StalledError")
 NOT_OF_SCENES = {
     "cli/commands.py",
+    "cli/compare/command.py",
     "cli/look/command.py",
     "cli/new_scene.py",
     "common/petsc_options.py",
     "report/drawing/display.py",
     "report/drawing/field_files.py",
     "report/gallery.py",
-    "report/report.py",
+    "results/comparison/runs.py",
+    "results/comparison/scenes.py",
     "results/contact_table.py",
     "results/result_file.py",
     "simulation/adaptive/targets.py",

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.contacts.line import SurfaceLine
-from fenics_contact.report.contacts.own_arrays import label, shown_arrays, sizes
+from fenics_contact.report.contacts.line_values import (
+    BOUND,
+    FRICTION,
+    GAP,
+    PRESSURE,
+    LineValues,
+    line_values,
+)
 from fenics_contact.report.drawing.figures import (
     in_words,
     legend_beside,
@@ -22,23 +28,21 @@ from fenics_contact.report.drawing.figures import (
 )
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import FORMULA, WIDE
-from fenics_contact.report.drawing.units import labelled, with_unit
+from fenics_contact.report.drawing.units import with_unit
 from fenics_contact.report.formulas.recognition import AnalyticContact
 from fenics_contact.results.contact_table import ContactTable
-from fenics_contact.results.point_arrays import PointArray
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from pyvista import UnstructuredGrid
 
 _MARGIN, _STRIP = 0.45, 0.16
-_HEIGHTS = {"contact pressure": 1.9, "friction traction": 1.9, "gap": 1.05}
+_HEIGHTS = {PRESSURE: 1.9, FRICTION: 1.9, GAP: 1.05}
 _OWN_HEIGHT = 1.05  # of what a law keeps of its own
-_SYMBOLS = {"contact pressure": " p", "friction traction": " σ_T"}
+_SYMBOLS = {PRESSURE: " p", FRICTION: " σ_T"}
 _POINTS = 400  # of a formula's curve
-
-_Draw: TypeAlias = "Callable[[Axes, SurfaceLine, ContactRecord], None]"
 
 
 def draw_curves(
@@ -60,37 +64,56 @@ def draw_curves(
         analytic: What formulas give, where there are some.
     """
     line = SurfaceLine.of(body, rows, contact)
-    own = shown_arrays(rows, contact)
-    names = [*_panels(line, contact), *own]
-    heights = [*(_HEIGHTS.get(name, _OWN_HEIGHT) for name in names), _STRIP]
+    every = line_values(line, contact)
+    names = [found.name for found in every]
     title = title_of(names, contact)
-    figure, panels = new_figure(
+    figure, panels = curve_figure(names, contact)
+    shown = np.linspace(*line.view, _POINTS)
+    for found, panel in zip(every, panels, strict=False):
+        _draw_values(panel, line, found)
+        if analytic is not None and line.circle is None:
+            _formula(panel, found.name, line, analytic, shown)
+    draw_strip(panels[-1], line, contact)
+    finish_curves(figure, panels, line, axes)
+    save(figure, path)
+    against = axes[line.axis] if line.circle is None else "the angle around its axis"
+    return Picture(path, title, _caption(names, contact, against, analytic))
+
+
+def curve_figure(names: Sequence[str], contact: ContactRecord) -> tuple[Figure, list[Axes]]:
+    """A panel for each of some values, and the strip of the status.
+
+    Args:
+        names: Of the values.
+        contact: The contact's entry in ``result.json``.
+    """
+    heights = [*(_HEIGHTS.get(name, _OWN_HEIGHT) for name in names), _STRIP]
+    return new_figure(
         f"Along {surface_of(contact)}",
         (WIDE, sum(heights) + _MARGIN),
         nrows=len(heights),
         sharex=True,
         height_ratios=heights,
     )
-    low, high = line.view
-    shown = np.linspace(low, high, _POINTS)
-    draw: dict[str, _Draw] = {
-        **{"contact pressure": _pressure, "friction traction": _friction, "gap": _gap},
-        **{name: partial(_own, array=array) for name, array in own.items()},
-    }
-    for name, panel in zip(names, panels, strict=False):
-        draw[name](panel, line, contact)
-        if analytic is not None and line.circle is None:
-            _formula(panel, name, line, analytic, shown)
+
+
+def finish_curves(figure: Figure, panels: Sequence[Axes], line: SurfaceLine, axes: str) -> None:
+    """Legends, the axis along the surface, and how far one sees.
+
+    Args:
+        figure: Matplotlib's.
+        panels: All of them; the last one is the strip.
+        line: The contact line.
+        axes: Letters of the model's axes.
+    """
+    for panel in panels[:-1]:
         panel.axhline(0, color="black", linewidth=0.5, zorder=0)
     _legends(panels[:-1])
-    draw_strip(panels[-1], line, contact)
+    low, high = line.view
     margin = 0.03 * (high - low)
     panels[-1].set_xlim(low - margin, high + margin)
     line.label(panels[-1], axes)
     figure.align_ylabels(panels[:-1])
-    save(figure, path)
-    against = axes[line.axis] if line.circle is None else "the angle around its axis"
-    return Picture(path, title, _caption(names, contact, against, analytic))
 
 
 def _caption(
@@ -122,11 +145,16 @@ def draw_strip(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
     colours = {status: mark.colour for mark in line.marks for status in mark.status}
     for start, end, status in line.runs():
         panel.axvspan(start, end, color=colours[status], linewidth=0)
+    bare_strip(panel)
+
+
+def bare_strip(panel: Axes) -> None:
+    """A strip without numbers and a line beside it."""
     panel.set_yticks([])
     panel.spines["left"].set_visible(False)
 
 
-def _legends(panels: list[Axes]) -> None:
+def _legends(panels: Sequence[Axes]) -> None:
     """Each label once, in the first panel that has it."""
     said: set[str] = set()
     for panel in panels:
@@ -137,49 +165,15 @@ def _legends(panels: list[Axes]) -> None:
         said |= set(new)
 
 
-def _panels(line: SurfaceLine, contact: ContactRecord) -> list[str]:
-    """The curves worth drawing: what is found, and what is not zero all along."""
-    found, frictional = not contact.pressure_is_given, contact.carries_shear
-    apart = np.isfinite(line.rows.numbers["gap"]) & ~line.rows.closed
-    return [
-        *(["contact pressure"] if found or not frictional else []),
-        *(["friction traction"] if frictional else []),
-        *(["gap"] if found and apart.any() else []),
-    ]
-
-
-def _pressure(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
-    _plot(panel, line, line.rows.numbers["contact_pressure"])
-    cut_peaks(panel, line.rows.numbers["contact_pressure"][line.rows.closed])
-    panel.set_ylabel(labelled("contact pressure, $p$", "stress"))
-
-
-def _friction(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
-    """With the friction bound ±g, on the side (or sides) where the traction lies."""
-    traction = line.traction
-    _plot(panel, line, traction)
-    cut_peaks(panel, traction[line.rows.closed])
-    panel.set_ylabel(labelled(r"friction traction, $\sigma_T$", "stress"))
-    coefficient = contact.parameters["friction_coefficient"]
-    if not isinstance(coefficient, float | int) or coefficient == 0:
-        return
-    bound = coefficient * line.rows.numbers["contact_pressure"]
-    label: str | None = r"friction bound, $\pm\mu p$"
-    for side in (1, -1):
-        if (side * traction > 0.02 * bound.max()).any():
-            panel.plot(*line.curve(side * bound), ":", color="0.3", label=label, zorder=1)
-            label = None
-
-
-def _gap(panel: Axes, line: SurfaceLine, contact: ContactRecord) -> None:
-    gap = line.rows.numbers["gap"]
-    _plot(panel, line, np.where(np.isfinite(gap), gap, np.nan))
-    panel.set_ylabel(labelled("gap", "length"))
-
-
-def _own(panel: Axes, line: SurfaceLine, contact: ContactRecord, array: PointArray) -> None:
-    _plot(panel, line, sizes(line.rows, array))
-    panel.set_ylabel(label(array))
+def _draw_values(panel: Axes, line: SurfaceLine, found: LineValues) -> None:
+    """A panel's curves, with their axis named."""
+    _plot(panel, line, found.values)
+    if found.is_peaked:
+        cut_peaks(panel, found.values[line.rows.closed])
+    panel.set_ylabel(found.label)
+    for number, bound in enumerate(found.bounds):
+        words = BOUND if number == 0 else None
+        panel.plot(*line.curve(bound), ":", color="0.3", label=words, zorder=1)
 
 
 def _formula(
@@ -188,9 +182,9 @@ def _formula(
     """The formula's curve; it leaves the panel's limits as they are where it is infinite."""
     distance = np.abs(shown - analytic.centre[line.axis])
     limits = panel.get_ylim() if analytic.punch else None
-    if name == "contact pressure":
+    if name == PRESSURE:
         panel.plot(shown, analytic.pressure(distance), label=analytic.label, **FORMULA)
-    elif name == "friction traction" and analytic.direction == line.axis:
+    elif name == FRICTION and analytic.direction == line.axis:
         friction = analytic.friction(distance)
         panel.plot(shown, friction, "--", label="Cattaneo, Mindlin", **FORMULA)
     if limits:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from fenics_contact.common.arrays import Array, Integers, Words
 from fenics_contact.common.atomic_files import replaced_file
 from fenics_contact.report.contacts.line import SurfaceLine
-from fenics_contact.report.contacts.maps import Surface, draw_arrows, draw_status, draw_values
+from fenics_contact.report.contacts.map_values import Surface
+from fenics_contact.report.contacts.maps import draw_arrows, draw_status, draw_values
 from fenics_contact.report.drawing.facets import nodes_at
 from fenics_contact.report.drawing.figures import new_figure, set_title, style, surface_of
 from fenics_contact.report.drawing.palette import palette_of
@@ -22,6 +23,7 @@ from fenics_contact.report.drawing.style import COLOURS, marks
 from fenics_contact.report.drawing.units import labelled
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.load_history import Drive, History
+from fenics_contact.results.point_arrays import WRITTEN
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
 
@@ -79,8 +81,7 @@ class Film:
         for time, body in series:
             frames.append(frame_rows(rows, body, contact))
             times.append(time)
-        ever = np.any([frame.closed for frame in frames], axis=0)
-        zone = replace(frames[-1], status=np.where(ever, "STICK", "OPEN"))
+        zone = zone_of(frames)
         drive = _drive(result, contact, times, far)
         return cls(contact, np.array(times), frames, zone, drive, body)
 
@@ -88,6 +89,16 @@ class Film:
     def touches(self) -> bool:
         """Whether any of its points ever does."""
         return bool((self.zone.status != "OPEN").any())
+
+
+def zone_of(frames: Sequence[ContactTable]) -> ContactTable:
+    """The points of a contact, STICK where they ever touch.
+
+    Args:
+        frames: As they are in load steps.
+    """
+    ever = np.any([frame.closed for frame in frames], axis=0)
+    return replace(frames[-1], status=np.where(ever, "STICK", "OPEN"))
 
 
 def frame_rows(rows: ContactTable, body: UnstructuredGrid, contact: ContactRecord) -> ContactTable:
@@ -99,10 +110,10 @@ def frame_rows(rows: ContactTable, body: UnstructuredGrid, contact: ContactRecor
         contact: Its entry in ``result.json``.
     """
     rows, nodes = nodes_at(body, rows, contact)
-    traction = np.asarray(body["friction_traction"])[nodes]
-    fields = {f"traction_{axis}": traction[:, i] for i, axis in enumerate("xyz")}
-    fields["contact_pressure"] = np.asarray(body["contact_pressure"])[nodes]
-    for array in contact.own_arrays:
+    fields: dict[str, Array] = {}
+    # files of earlier versions have neither gaps nor slips
+    known = [array for array in WRITTEN if array.name in body.point_data]
+    for array in (*known, *contact.own_arrays):
         values = np.asarray(body[array.name]).reshape(-1, len(array.columns))[nodes]
         fields |= dict(zip(array.columns, values.T, strict=True))
     status = _STATUS[np.asarray(body["status"])[nodes].round().astype(int)]
@@ -254,8 +265,9 @@ class _Line:
 
     def __init__(self, film: Film, axes: str) -> None:
         self._film, self._axes = film, axes
-        self._lines = [SurfaceLine.of(film.body, frame, film.contact) for frame in film.frames]
-        self._view = SurfaceLine.of(film.body, film.zone, film.contact).view
+        whole = SurfaceLine.of(film.body, film.zone, film.contact)
+        self._lines = [whole.then(frame) for frame in film.frames]
+        self._view = whole.view
         given = film.contact.parameters["friction_coefficient"]
         rough = film.contact.carries_shear
         self._coefficient = float(given) if isinstance(given, float | int) and rough else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,6 +36,7 @@ class SurfaceLine:
         circle: Of a line that turns back, as around a pin: its circle, unrolled; else None.
         position: Coordinate on that axis, or arc length R θ (length).
         pieces: Number of the connected part of the line that each point is of, (points,).
+        order: Numbers of its points among the rows that it was made of, (points,).
         view: What of it is shown: the lowest and the highest position.
         marks: How its points look.
     """
@@ -45,6 +46,7 @@ class SurfaceLine:
     circle: Cylinder | None
     position: Array
     pieces: Integers
+    order: Integers
     view: tuple[float, float]
     marks: tuple[Mark, ...]
 
@@ -70,7 +72,15 @@ class SurfaceLine:
         if not contact.pressure_is_given:
             around = neighbourhood(position[:, None], rows.closed)
             low, high = max(low, float(around[0][0])), min(high, float(around[1][0]))
-        return cls(rows, axis, circle, position, pieces, (low, high), marks(contact))
+        return cls(rows, axis, circle, position, pieces, order, (low, high), marks(contact))
+
+    def then(self, rows: ContactTable) -> SurfaceLine:
+        """The same line in another load step.
+
+        Args:
+            rows: Its points then, as those that it was made of.
+        """
+        return replace(self, rows=rows.rows(self.order))
 
     def label(self, panel: Axes, axes: str) -> None:
         """Name the axis of a panel.
@@ -100,10 +110,16 @@ class SurfaceLine:
     @property
     def traction(self) -> Array:
         """Friction traction along the tangents."""
-        traction: Array = np.sum(
-            self.rows.vectors("traction_x", "traction_y") * self.tangents, axis=1
-        )
-        return traction
+        return self._along("traction_x", "traction_y")
+
+    @property
+    def slip(self) -> Array:
+        """Slip since the start along the tangents (length)."""
+        return self._along("slip_x", "slip_y")
+
+    def _along(self, *names: str) -> Array:
+        found: Array = np.sum(self.rows.vectors(*names) * self.tangents, axis=1)
+        return found
 
     def curve(self, values: Array, shown: Flags | None = None) -> tuple[Array, Array]:
         """Positions and values for a curve that is interrupted where the surface is.

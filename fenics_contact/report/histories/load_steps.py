@@ -17,7 +17,8 @@ from fenics_contact.report.drawing.figures import (
     save,
     set_title,
 )
-from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.drawing.frames import frame_of
+from fenics_contact.report.drawing.picture import Followed, Picture
 from fenics_contact.report.drawing.style import COLOURS, COLUMN, DOUBLE, LINES, WIDE
 from fenics_contact.report.drawing.units import labelled, with_unit
 from fenics_contact.report.histories.hysteresis import Loop, last_loop
@@ -120,7 +121,7 @@ def draw_forces(history: History, contacts: list[ContactRecord], path: Path) -> 
     said = f"{said} on the body over the pseudo-time t."
     if wraps:
         said += " Where a surface wraps around, ∫ p dA stands for the normal force."
-    return Picture(path, "Forces on the body", said)
+    return Picture(path, "Forces on the body", said, _followed(figure, panels, history))
 
 
 def _friction_curves(
@@ -162,7 +163,7 @@ def _areas(history: History, contacts: list[ContactRecord], path: Path) -> Pictu
     said = "Area in contact over the pseudo-time t"
     if any(contact.carries_shear for contact in contacts):
         said += ", and the parts of it that stick and slip"
-    return Picture(path, "Areas in contact", said + ".")
+    return Picture(path, "Areas in contact", said + ".", _followed(figure, panels, history))
 
 
 def _energies(history: History, path: Path) -> Picture:
@@ -191,7 +192,12 @@ def _energies(history: History, path: Path) -> Picture:
     save(figure, path)
     said = "Work W of loads and obstacles, strain energy E and what friction has dissipated, D"
     said += "; below, what does not balance, which load steps leave." if balances else "."
-    return Picture(path, "Work and energies", said)
+    return Picture(path, "Work and energies", said, _followed(figure, panels, history))
+
+
+def _followed(figure: Figure, panels: list[Axes], history: History) -> Followed:
+    """Each step is at its pseudo-time."""
+    return Followed(frame_of(figure, panels), [(history.time, None) for _ in panels])
 
 
 def _loops(history: History, drives: list[Drive], path: Path) -> Picture:
@@ -206,8 +212,10 @@ def _loops(history: History, drives: list[Drive], path: Path) -> Picture:
     rows = -(-len(shown) // columns)
     size = (DOUBLE if columns > 1 else COLUMN + 0.4, 2.7 * rows + 0.2)
     figure, panels = new_figure("", size, nrows=rows, ncols=columns)
-    for (drive, loop, is_sheared), panel in zip(shown, panels, strict=False):
+    paths = [
         _loop(panel, drive, loop, is_sheared)
+        for (drive, loop, is_sheared), panel in zip(shown, panels, strict=False)
+    ]
     for panel in panels[len(shown) :]:
         panel.set_axis_off()
     save(figure, path)
@@ -217,7 +225,8 @@ def _loops(history: History, drives: list[Drive], path: Path) -> Picture:
         said += f" Shaded: the last closed loop; ΔW is the work of this drive over it, {work}."
     if any(is_sheared for *_, is_sheared in shown):
         said += " Beside it the same less the straight line C F between its turning points."
-    return Picture(path, "Force against displacement", said)
+    followed = Followed(frame_of(figure, panels[: len(paths)]), [(p.x, p.y) for p in paths])
+    return Picture(path, "Force against displacement", said, followed)
 
 
 def _dissipates(history: History, loops: list[Loop | None]) -> bool:
@@ -229,8 +238,8 @@ def _dissipates(history: History, loops: list[Loop | None]) -> bool:
     return bool(abs(done[loop.last] - done[loop.first] - loop.work) < _SHOWN * abs(loop.work))
 
 
-def _loop(panel: Axes, drive: Drive, loop: Loop | None, is_sheared: bool) -> None:
-    """A path with its last closed loop; sheared so that a thin one opens."""
+def _loop(panel: Axes, drive: Drive, loop: Loop | None, is_sheared: bool) -> Drive:
+    """Draw a path with its last closed loop; sheared so that a thin one opens."""
     moved = drive.x - (loop.compliance * drive.y if loop and is_sheared else 0.0)
     path = Drive(drive.title, drive.moved, drive.force, moved, drive.y)
     if loop is not None:
@@ -253,6 +262,7 @@ def _loop(panel: Axes, drive: Drive, loop: Loop | None, is_sheared: bool) -> Non
     set_title(panel, drive.title[0].upper() + drive.title[1:])
     if loop is not None and not is_sheared:
         legend_in_headroom(panel)
+    return path
 
 
 def _number(value: float) -> str:

@@ -6,7 +6,7 @@ A section is a template of its name and a line in ``SECTIONS``.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import resources
 
 from markupsafe import Markup
@@ -32,6 +32,7 @@ class Content:
         pictures: What was drawn of the fields.
         convergence: What was drawn of the iterations.
         view: The interactive view, empty where there are no fields.
+        slider: Through the load steps, empty where there is one.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Content:
     pictures: list[Picture]
     convergence: list[Picture]
     view: Markup
+    slider: Markup = field(default_factory=Markup)
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,6 @@ def page(content: Content) -> str:
     result = content.result
     last = result.steps[-1] if result.steps else None
     imbalances = [f"{x:.3e}" for x in last.imbalances] if last else []
-    style = resources.files(__package__).joinpath("report.css").read_text(encoding="utf-8")
     return render(
         "page.html",
         content=content,
@@ -96,7 +97,7 @@ def page(content: Content) -> str:
         tables=tables,
         program=program,
         title=result.title or content.name,
-        style=Markup(style),
+        style=style_sheet(),
         outcome=_outcome(result),
         headlines=headlines(result),
         failures=tables.failures(result),
@@ -107,6 +108,11 @@ def page(content: Content) -> str:
         ranks=result.model.ranks,
         is_of_script=result.scene.startswith("# This file cannot be run"),
     )
+
+
+def style_sheet() -> Markup:
+    """How pages look."""
+    return Markup(resources.files(__package__).joinpath("report.css").read_text(encoding="utf-8"))
 
 
 def _outcome(result: RunRecord) -> str:

@@ -21,6 +21,7 @@ from fenics_contact.report.view.revolved import revolved
 from fenics_contact.report.view.surface import Surface, surface_of
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.point_arrays import BODY_OF_CELLS, PointArray, of_several_contacts
+from fenics_contact.results.records.model import Model
 from fenics_contact.results.records.run import Outcome
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ _NEAR = 0.4  # share of the body, below which the contact zone can be looked at 
 # Of the fields of load steps: what may be packed into a page, what a point has at the most, and
 # about how many points there are at the most.
 _MOST_BYTES, _BYTES_OF_A_POINT, _MOST_POINTS = 5e6, 32, 20_000
+_BYTES_OF_A_CONTACT_POINT = 32  # beside these, of its curves or maps
 
 
 @dataclass(frozen=True)
@@ -223,15 +225,17 @@ def _zone(surface: Surface) -> Array | None:
     return np.array([low, high])
 
 
-def steps_shown(steps: int, body: UnstructuredGrid, kinematics: str) -> list[int]:
+def steps_shown(steps: int, body: UnstructuredGrid, model: Model) -> list[int]:
     """Numbers of the load steps before the last one that a page has room for, evenly spread.
 
     Args:
         steps: Of which there are fields.
         body: The grid.
-        kinematics: Of the model.
+        model: Of the run.
     """
+    kinematics = model.kinematics
     points = _MOST_POINTS if kinematics == "axisymmetric" else min(body.n_points, _MOST_POINTS)
-    most = max(int(_MOST_BYTES // (_BYTES_OF_A_POINT * points)), 2)
+    of_step = _BYTES_OF_A_POINT * points + _BYTES_OF_A_CONTACT_POINT * model.contact_points
+    most = max(int(_MOST_BYTES // of_step), 2)
     found: list[int] = frame_numbers(steps, most).tolist()
     return found[:-1]

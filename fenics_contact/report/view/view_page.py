@@ -34,7 +34,6 @@ def view_html(view: View) -> Markup:
         render(
             "view.html",
             buttons=_buttons(view),
-            last_step=len(view.times) - 1,
             label=f"Interactive view of the body, coloured by {', '.join(view.shown)} or contact "
             "status.",
             help=_help(view),

@@ -22,15 +22,16 @@ from fenics_contact.solve.newton.solution import Solution
 # Values of the field `status`.
 NO_CONTACT, FIELD_OPEN, FIELD_STICK, FIELD_SLIP = -1.0, 0.0, 1.0, 2.0
 
-# Of a time series. A node has 19 to 20 numbers, each 8 bytes in 4/3 characters, and its cells.
-_MOST_STEPS, _MOST_BYTES, _BYTES_OF_A_NODE = 200, 2e9, 300
+# Of a time series. A node has 23 to 24 numbers, each 8 bytes in 4/3 characters, and its cells.
+_MOST_STEPS, _MOST_BYTES, _BYTES_OF_A_NODE = 200, 2e9, 350
 
 
 class FieldSeries:
     """``fields.pvd``, a time series of fields.
 
     Point data: displacement, stress (3 × 3), contact_pressure, friction_traction, status
-    (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP), what laws keep of their own (0 off the contacts)
+    (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP), slip and gap (not a number where nothing stands
+    opposite), what laws keep of their own (these, as pressure and traction, 0 off the contacts)
     and, where a contact is not prescribed, reaction_pressure, which knows nothing of the penalty.
     Cell data: body, the number of the connected part, in the order of `model.bodies`; and of each
     contact the facets that carry it, see ``facet_flags``.
@@ -108,13 +109,13 @@ class NodalStress:
 
 
 def _contact_fields(problem: Problem, solution: Solution) -> dict[str, Array]:
-    """Contact pressure, friction traction, status and what laws keep of their own at the nodes.
+    """What happens at the contacts' nodes, and what laws keep of their own there.
 
     At a node of two contacts the later one's values stand.
     """
     count = len(problem.spaces.coordinates)
     pressure, status = np.zeros(count), np.full(count, NO_CONTACT)
-    traction = np.zeros((count, 3))
+    traction, slip, gap = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
     own = {
         array.name: np.zeros((count, 3) if array.is_vector else count)
         for array in problem.own_arrays
@@ -127,10 +128,13 @@ def _contact_fields(problem: Problem, solution: Solution) -> dict[str, Array]:
             [found == OPEN, found == STICK], [FIELD_OPEN, FIELD_STICK], FIELD_SLIP
         )
         traction[nodes] = _three(at_points.friction_traction[at_nodes])
+        slip[nodes] = _three(at_points.slip[at_nodes])
+        apart = at_points.gap[at_nodes]
+        gap[nodes] = np.where(np.isfinite(apart), apart, np.nan)
         for name, values in at_points.own.items():
             own[name][nodes] = (_three(values) if values.ndim == 2 else values)[at_nodes]
     fields = {"contact_pressure": pressure, "friction_traction": traction, "status": status}
-    return fields | own
+    return fields | {"slip": slip, "gap": gap} | own
 
 
 def _cell_fields(problem: Problem) -> dict[str, NDArray[Any]]:

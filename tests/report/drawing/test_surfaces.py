@@ -9,7 +9,7 @@ from mpi4py import MPI
 from fenics_contact import Discretisation, Run
 from fenics_contact.report.contacts.curves import draw_curves
 from fenics_contact.report.contacts.line import SurfaceLine
-from fenics_contact.report.contacts.maps import Surface
+from fenics_contact.report.contacts.map_values import Surface
 from fenics_contact.report.contacts.section_stress import section_at
 from fenics_contact.report.drawing.charts import Cylinder, Plane, chart_of
 from fenics_contact.report.drawing.facets import contact_pieces

@@ -1,0 +1,147 @@
+"""Load steps of several runs on each other: forces and areas, energies, hysteresis."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.report.compare.drawn_runs import DrawnRun, contact_names
+from fenics_contact.report.drawing.figures import (
+    legend_beside,
+    new_figure,
+    plain,
+    save_png,
+    set_title,
+)
+from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.drawing.style import COLUMN, DOUBLE, WIDE
+from fenics_contact.report.drawing.units import labelled
+from fenics_contact.results.load_history import Drive
+
+_HEIGHT, _MARGIN, _MANY = 1.5, 0.45, 60
+_MOST_DRIVES = 6
+# Axis label → curve of each run that has one: places and values.
+_Panels: TypeAlias = dict[str, list[tuple[DrawnRun, Array, Array]]]
+_ENERGIES = {
+    "external_work": "work done, $W$",
+    "strain_energy": "strain energy, $E$",
+    "friction_work": "dissipated, $D$",
+}
+
+
+def draw_histories(runs: Sequence[DrawnRun], folder: Path) -> Iterator[Picture]:
+    """Pictures over the load steps, if any run has several.
+
+    Args:
+        runs: That are drawn.
+        folder: Where to.
+    """
+    if len(runs) < 2 or all(len(run.history.steps) < 2 for run in runs):
+        return
+    for number, name in enumerate(contact_names(runs)):
+        title = f"Contact '{name}' over the load steps"
+        yield _over_time(_of_contact(runs, name), title, folder / f"history_{number}.png")
+    title = "Work and energies over the load steps"
+    yield _over_time(_energies(runs), title, folder / "history_energy.png")
+    loops = _drives(runs)
+    if loops:
+        yield _draw_loops(loops, folder / "history_loops.png")
+
+
+def _of_contact(runs: Sequence[DrawnRun], name: str) -> _Panels:
+    """Forces and areas of a contact."""
+    panels: _Panels = {}
+    for run in runs:
+        number = next((n for n, c in enumerate(run.result.contacts) if c.name == name), None)
+        if number is None:
+            continue
+        history = run.history
+        labels = {
+            "normal_force": labelled("normal force, $P$", "force"),
+            "contact_area": labelled("contact area, $A$", "area"),
+        }
+        if history.of_contact(number, "normal_force") is None:
+            labels = {"pressure_integral": labelled(r"$\int p\,dA$", "force"), **labels}
+        if run.result.contacts[number].carries_shear:
+            labels["stick_area"] = labelled("stick area", "area")
+        for key, label in labels.items():
+            values = history.of_contact(number, key)
+            if values is not None:
+                panels.setdefault(label, []).append((run, history.time, values))
+        friction = history.of_contact(number, "friction_force")
+        if friction is not None and np.abs(friction).any():
+            axis = int(np.abs(friction).max(axis=0).argmax())
+            label = labelled(f"friction force, $Q_{run.axes[axis]}$", "force")
+            panels.setdefault(label, []).append((run, history.time, friction[:, axis]))
+    return panels
+
+
+def _energies(runs: Sequence[DrawnRun]) -> _Panels:
+    panels: _Panels = {}
+    for run in runs:
+        for key, label in _ENERGIES.items():
+            values = run.history.quantity(key)
+            panels.setdefault(labelled(label, "energy"), []).append((run, run.history.time, values))
+    return {
+        label: curves
+        for label, curves in panels.items()
+        if any(np.abs(values).any() for *_, values in curves)
+    }
+
+
+def _over_time(panels: _Panels, title: str, path: Path) -> Picture:
+    figure, axes = new_figure(
+        title, (WIDE, _HEIGHT * len(panels) + _MARGIN), nrows=len(panels), sharex=True
+    )
+    for panel, (label, curves) in zip(axes, panels.items(), strict=True):
+        for run, time, values in curves:
+            mark = "." if len(time) <= _MANY else ""
+            panel.plot(time, values, marker=mark, **run.look)
+        panel.set_ylabel(label)
+        panel.axhline(0, color="black", linewidth=0.5, zorder=0)
+    legend_beside(axes[0])
+    axes[-1].set_xlabel("pseudo-time, $t$")
+    figure.align_ylabels(axes)
+    save_png(figure, path)
+    return Picture(path, title, "All runs over the pseudo-time t.")
+
+
+def _drives(runs: Sequence[DrawnRun]) -> dict[tuple[str, str, str], list[tuple[DrawnRun, Drive]]]:
+    """What two runs or more move: title, words of displacement and force → the path of each."""
+    found: dict[tuple[str, str, str], list[tuple[DrawnRun, Drive]]] = {}
+    for run in runs:
+        for drive in run.drives if len(run.history.steps) > 1 else []:
+            key = (drive.title, drive.moved, drive.force)
+            found.setdefault(key, []).append((run, drive))
+    several = {key: paths for key, paths in found.items() if len(paths) > 1}
+    return dict(list(several.items())[:_MOST_DRIVES])
+
+
+def _draw_loops(
+    drives: dict[tuple[str, str, str], list[tuple[DrawnRun, Drive]]], path: Path
+) -> Picture:
+    """Force against displacement, a panel for each thing that is moved."""
+    columns = min(len(drives), 2)
+    rows = -(-len(drives) // columns)
+    size = (DOUBLE if columns > 1 else COLUMN + 1.4, 2.7 * rows + 0.2)
+    figure, panels = new_figure("", size, nrows=rows, ncols=columns)
+    for panel, ((title, moved, force), paths) in zip(panels, drives.items(), strict=False):
+        for run, drive in paths:
+            panel.plot(drive.x, drive.y, **run.look)
+            end = {"color": run.look["color"], "markersize": 5, "zorder": 4}
+            panel.plot(drive.x[-1:], drive.y[-1:], "o", **end)
+        panel.axhline(0, color="black", linewidth=0.5, zorder=0)
+        panel.locator_params(axis="x", nbins=5)
+        panel.set_xlabel(labelled(moved, "length"))
+        panel.set_ylabel(labelled(force, "force"))
+        set_title(panel, title[0].upper() + title[1:])
+    for panel in panels[len(drives) :]:
+        panel.set_axis_off()
+    legend_beside(panels[columns - 1])
+    save_png(figure, path)
+    said = "Force against displacement of all runs; dots are the ends of the paths."
+    return Picture(path, plain("Force against displacement"), said)
