@@ -48,6 +48,7 @@ def execute(options: argparse.Namespace) -> int:
         "new": lambda: on_root(MPI.COMM_WORLD, lambda: _new(options)),
         "report": lambda: on_root(MPI.COMM_WORLD, lambda: _report(options.folder, options.quiet)),
         "run": lambda: _run(options),
+        "sweep": lambda: _sweep(options),
         "verify": lambda: _verify(options),
     }[options.command]
     return guarded(action)
@@ -182,6 +183,12 @@ def _report(folder: Path, quiet: bool) -> int:
     for path in [] if quiet else written:
         print(f"  {one_line(str(path))}")
     return 0
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from fenics_contact.cli.sweep.command import sweep
+
+    return sweep(options)
 
 
 def _look(options: argparse.Namespace) -> int:
