@@ -50,11 +50,10 @@ class Answers:
         with _warnings() as heard:
             try:
                 result = self._solve(scene)
-            except Exception as error:  # of whatever kind: the other points are not to end with it
-                done = self._failed(digest, error, heard)
-            else:
                 done = _done(digest, result)
                 states = states_of(result.points) if done.row else {}
+            except Exception as error:  # of whatever kind: the other points are not to end with it
+                done = self._failed(digest, error, heard)
         made = self._factorisations - before
         done = dataclasses.replace(done, factorisations=made, warnings=tuple(heard))
         return done, done.packed(states)

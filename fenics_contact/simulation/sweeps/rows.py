@@ -85,11 +85,11 @@ def columns_of(rows: Iterable[Row]) -> list[str]:
     for names in patterns:
         place = 0
         for name in names:
-            if name in found:
-                place = found.index(name) + 1
-            else:
-                found.insert(place, name)
-                place += 1
+            if name not in found:
+                is_before_bar = any(one.endswith(BAR) for one in found[place : place + 1])
+                # a bar stays behind its quantity
+                found.insert(place + (is_before_bar and not name.endswith(BAR)), name)
+            place = found.index(name) + 1
     return found
 
 

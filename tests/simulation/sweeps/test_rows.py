@@ -3,7 +3,7 @@
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Study, load_scene, run
+from fenics_contact import Study, run
 from fenics_contact.simulation.sweeps import answers
 from fenics_contact.simulation.sweeps.answers import Answers
 from fenics_contact.simulation.sweeps.rows import columns_of, row_of
@@ -117,4 +117,3 @@ def test_of_a_bolted_joint_there_are_names_of_all_its_parts():
     owners = {name.rpartition(".")[0] for name in done.row}
     assert {"bolt.force", "bolt.elongation"} <= set(done.row)
     assert len(owners) > 3
-    assert load_scene is not None
