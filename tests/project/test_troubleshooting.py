@@ -25,6 +25,7 @@ NOT_OF_SCENES = {
     "cli/commands.py",
     "cli/look/command.py",
     "cli/new_scene.py",
+    "cli/sweep/command.py",
     "common/petsc_options.py",
     "report/drawing/display.py",
     "report/drawing/field_files.py",
@@ -35,6 +36,8 @@ NOT_OF_SCENES = {
     "simulation/adaptive/targets.py",
     "simulation/output/run_folder.py",
     "simulation/restart/state_file.py",
+    "simulation/sweeps/grid.py",
+    "simulation/sweeps/journal.py",
     "verification/command.py",
 }
 HOLE = "…"
