@@ -13,11 +13,12 @@ from mpi4py import MPI
 from fenics_contact.cli.progress import counting
 from fenics_contact.common.errors import InputError, StoppedError
 from fenics_contact.common.interrupts import Interrupts
+from fenics_contact.common.memory import cores
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.scene.reading import SceneFile
 from fenics_contact.simulation.output.run_folder import require_writable
 from fenics_contact.simulation.sweeps.journal import NAME, Done
-from fenics_contact.simulation.sweeps.sweep import Sweep, cores
+from fenics_contact.simulation.sweeps.sweep import Sweep
 from fenics_contact.simulation.sweeps.tables import STATES_FILE, SUMMARY, TABLE
 
 logger = logging.getLogger(__name__)
@@ -55,18 +56,18 @@ def sweep(options: argparse.Namespace) -> int:
     require_writable(folder, MPI.COMM_SELF)
     file = SceneFile(options.scene)
     made = Sweep(file, options.overrides, options.vary, folder, options.resume)
-    _solve(made, options.jobs or cores(), options.quiet)
+    _solve(made, options.jobs, options.quiet)
     code = made.exit_code
     if not options.quiet or code:
         print("\n".join(_said(made, folder)))
     return code
 
 
-def _solve(made: Sweep, jobs: int, quiet: bool) -> None:
+def _solve(made: Sweep, jobs: int | None, quiet: bool) -> None:
     """Solve it, or what there is time for until the user asks to stop."""
     total, bodies = len(made.points), len(made.groups)
     before = total - made.left
-    logger.info("%s", _plan(total, made.left, bodies, jobs))
+    logger.info("%s", _plan(total, made.left, bodies, jobs or cores()))
     heard: set[str] = set()
     failed = sum(done.exit_code != 0 for done in made.done.values())
     with Interrupts("point") as interrupts, counting(total, quiet) as count:

@@ -46,7 +46,7 @@ def describe(command: argparse.ArgumentParser) -> None:
         "--jobs",
         metavar="N",
         type=_number,
-        help="processes side by side, each with a body of its own (one a core)",
+        help="processes side by side, each with a body of its own (one a core, if memory has room)",
     )
     command.add_argument(
         "--resume", action="store_true", help="go on with the sweep that is in the folder"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import logging
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -22,16 +22,19 @@ from fenics_contact.simulation.sweeps.rows import row_of, states_of
 from fenics_contact.simulation.sweeps.shared_meshes import SharedMeshes
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 
+_GROWTH = 8  # of memory, from the first mesh on the way to an accuracy to the last, roughly
+
 
 class Answers:
     """Solves points one after the other, on one rank.
 
     Args:
         folder: For meshes, which all processes of the sweep have together.
+        needs: Called with the memory that a point is expected to take, before it is solved (bytes).
     """
 
-    def __init__(self, folder: Path) -> None:
-        self._meshes = SharedMeshes(folder)
+    def __init__(self, folder: Path, needs: Callable[[float], None]) -> None:
+        self._meshes, self._needs = SharedMeshes(folder), needs
         self._study: Study | None = None
         self._mesh = ""
         self._other_factorisations = 0  # of studies that are gone, and without one
@@ -73,7 +76,9 @@ class Answers:
             self.close()
             self._study = Study(scene, MPI.COMM_SELF, self._meshes.body(scene, mesh))
             self._mesh = mesh
-        result = self._study.solve(scene)
+        run = self._study.prepare(scene)
+        self._needs(run.choice.memory)
+        result = run.solve()
         if result.model.solver != "condensed":  # what the study has not made
             self._other_factorisations += result.model.bulk_factorisations or 0
         return result
@@ -86,7 +91,9 @@ class Answers:
             self._other_factorisations += result.model.bulk_factorisations or 0
             return result
 
-        return AdaptiveRun(Run(scene, MPI.COMM_SELF)).solve(solve_level)
+        first = Run(scene, MPI.COMM_SELF)
+        self._needs(_GROWTH * first.choice.memory)
+        return AdaptiveRun(first).solve(solve_level)
 
     def _failed(self, digest: str, error: Exception, heard: list[str]) -> Done:
         code, said = explain(error)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import pickle
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -16,8 +17,10 @@ from pathlib import Path
 import fenics_contact
 from fenics_contact.common.parallel import environment_alone
 from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.sweeps import worker
+from fenics_contact.simulation.sweeps.worker import FOUND
 
-_WORKER = "fenics_contact.simulation.sweeps.worker"
+_WORKER = worker.__name__
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _LAST_WORDS = 2000  # bytes of what a process said last
 _PATIENCE = 5.0  # seconds that a process may take to end
@@ -80,16 +83,17 @@ class WorkerProcess:
         except OSError:
             raise DiedError(self._death()) from None
 
-    def answer(self) -> bytes:
-        """What it has found, packed for the journal.
+    def hear(self) -> bytes | float:
+        """What it has found, packed for the journal; or before, the memory that it needs (bytes).
 
         Raises:
             DiedError: It has ended.
         """
         try:
-            return self.connection.recv_bytes()
+            said = self.connection.recv_bytes()
         except (EOFError, OSError):
             raise DiedError(self._death()) from None
+        return said[1:] if said[:1] == FOUND else float(struct.unpack("d", said[1:])[0])
 
     def close(self) -> None:
         """End it, and all that it has started."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -69,11 +68,11 @@ class Sweep:
         """How many points are to be solved."""
         return len(self.points) - len(self.done)
 
-    def solve(self, jobs: int, announce: Announce, stopped: Callable[[], bool]) -> None:
+    def solve(self, jobs: int | None, announce: Announce, stopped: Callable[[], bool]) -> None:
         """Solve the points that are left, and write the files; of those that are done if stopped.
 
         Args:
-            jobs: The most processes.
+            jobs: The most processes; None: one a core, if memory has room for them.
             announce: Called with number and outcome of every point that is done.
             stopped: Whether the user asked to stop.
 
@@ -151,10 +150,3 @@ def _united(units: Sequence[Any]) -> dict[str, Any] | None:
         return None
     quantities = {name: unit for one in units for name, unit in one["quantities"].items()}
     return dict(units[0]) | {"quantities": quantities}
-
-
-def cores() -> int:
-    """How many there are for this process."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

@@ -6,6 +6,7 @@ process that started it, and ends when the socket is closed, be it that the othe
 
 import os
 import pickle
+import struct
 import sys
 import threading
 from multiprocessing.connection import Connection
@@ -13,6 +14,8 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 
+#: What messages of this process begin with: of memory, and of a point that is done.
+NEEDS, FOUND = b"n", b"f"
 _GONE = 130
 
 
@@ -24,11 +27,14 @@ def main() -> None:
 
     from fenics_contact.simulation.sweeps.answers import Answers
 
-    answers = Answers(Path(sys.argv[2]))
+    def need(memory: float) -> None:
+        connection.send_bytes(NEEDS + struct.pack("d", memory))
+
+    answers = Answers(Path(sys.argv[2]), need)
     while True:
         scene, digest = pickle.loads(given.get())
         _, packed = answers.answer(scene, digest)
-        connection.send_bytes(packed)
+        connection.send_bytes(FOUND + packed)
 
 
 def _listen(connection: Connection, given: "SimpleQueue[Any]") -> None:

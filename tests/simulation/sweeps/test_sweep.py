@@ -222,7 +222,7 @@ def test_a_longer_range_goes_on_from_a_shorter_one(scene, tmp_path):
 
 
 def test_what_the_machine_failed_is_tried_again(scene, tmp_path, monkeypatch):
-    out, answer = tmp_path / "out", InlineProcess.answer
+    out, answer = tmp_path / "out", InlineProcess.hear
     with monkeypatch.context() as patch:
         calls = []
 
@@ -232,7 +232,7 @@ def test_what_the_machine_failed_is_tried_again(scene, tmp_path, monkeypatch):
                 raise DiedError("it was killed")
             return answer(process)
 
-        patch.setattr(InlineProcess, "answer", dying)
+        patch.setattr(InlineProcess, "hear", dying)
         sweep, solved = swept(scene, [f"{MU}=0.1,0.2,0.3"], out)
     assert solved == [0, 1, 2]
     assert [row["exit_code"] for row in rows_of(out)] == ["0", "5", "0"]
@@ -246,11 +246,33 @@ def test_processes_that_die_one_after_the_other_end_it(scene, tmp_path, monkeypa
     def dying(process):
         raise DiedError("it was killed")
 
-    monkeypatch.setattr(InlineProcess, "answer", dying)
+    monkeypatch.setattr(InlineProcess, "hear", dying)
     with pytest.raises(MachineError, match="3 processes of the sweep have died one after the"):
         swept(scene, [f"{MU}=0.1:0.5:5"], tmp_path / "out")
     codes = [row["exit_code"] for row in rows_of(tmp_path / "out")]
     assert codes == ["5", "5", "5", "130", "130"]
+
+
+@pytest.mark.parametrize(("free", "started"), [(1e9, 1), (10e9, 3), (1e12, 4)])
+def test_memory_has_room_for_so_many_processes(free, started, scene, tmp_path, monkeypatch):
+    """Each says what it needs, 3 GB beside the program itself, before it solves."""
+    processes = []
+
+    class Telling(InlineProcess):
+        def __init__(self, folder):
+            super().__init__(folder)
+            processes.append(self)
+            self._needs = [2.9e9]
+
+        def hear(self):
+            return self._needs.pop() if self._needs else super().hear()
+
+    monkeypatch.setattr(leader, "WorkerProcess", Telling)
+    monkeypatch.setattr(leader, "free_memory", lambda: free)
+    monkeypatch.setattr(leader, "cores", lambda: 4)
+    swept(scene, [f"{MU}=0.1:0.6:6"], tmp_path / "out", jobs=None)
+    assert len(processes) == started
+    assert [row["exit_code"] for row in rows_of(tmp_path / "out")] == ["0"] * 6
 
 
 def test_where_no_process_starts_it_is_said(scene, tmp_path, monkeypatch):
