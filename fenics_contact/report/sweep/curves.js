@@ -1,0 +1,368 @@
+// Curves of the chosen quantity over one key, with error bands, and its map over two keys.
+function makeCurves(sweep) {
+  const { data } = sweep;
+  const byId = (id) => document.getElementById(id);
+  const place = byId("curves");
+  const map = byId("map");
+  const select = { quantity: byId("quantity"), owner: byId("owner") };
+  const dashes = ["solid", "dash", "dashdot", "dot", "longdash", "longdashdot"];
+  const shades = ["#440154", "#414487", "#2a788e", "#22a884", "#7ad151"]; // Viridis without its yellow
+  const each = "each";
+  // What is across, and of which key each value has a curve; -1: none.
+  const keys = { across: data.keys.length - 1, family: data.keys.length > 1 ? data.keys.length - 2 : -1 };
+  const options = choices();
+  let slice = "";
+
+  // Quantities and components by name, with those that have them.
+  function choices() {
+    const found = new Map();
+    data.quantities.forEach((quantity) => quantity.parts.forEach((part, component) => {
+      const made = found.get(part.label) || { label: part.label, of: [] };
+      made.of.push({ owner: quantity.owner, quantity, component, values: part.values });
+      found.set(part.label, made);
+    }));
+    return Array.from(found.values());
+  }
+  function varies(option) {
+    return option.of.some(({ values }) => {
+      const known = values.filter((value) => value !== null);
+      const low = Math.min(...known), high = Math.max(...known);
+      return high - low > 1e-9 * Math.max(Math.abs(low), Math.abs(high));
+    });
+  }
+  function option() { return options[Number(select.quantity.value)]; }
+  // Those whose curves are drawn.
+  function shown() {
+    if (!options.length) return [];
+    const { of } = option();
+    return select.owner.value === each ? of : [of[Number(select.owner.value)]];
+  }
+  function nameOf({ owner }) { return owner || "whole model"; }
+  function saidOf({ quantity, component }, row) {
+    const [values, bar] = quantity.said[row].split(" ± ");
+    const value = quantity.parts.length > 1 ? values.split(", ")[component] : values;
+    return [value, bar];
+  }
+  function line(of, row) {
+    const [value, bar] = saidOf(of, row);
+    const owner = option().of.length > 1 ? `${nameOf(of)}: ` : "";
+    return `${owner}${option().label} = ${value || "none"}${bar ? ` ± ${bar}` : ""}`;
+  }
+  function words(row) { return shown().map((of) => line(of, row)).join(" · "); }
+  function textAt(of, row) {
+    return sweep.hover([...sweep.pointWords(row), line(of, row), sweep.outcomeWords(row)]);
+  }
+
+  function rowsAlong(key, numbers) {
+    return data.keys[key].said.map((_, n) => {
+      const at = numbers.slice();
+      at[key] = n;
+      return sweep.rowAt(at);
+    });
+  }
+  function curves() {
+    if (keys.family < 0) {
+      return shown().map((of, n) => ({
+        of, rows: rowsAlong(keys.across, sweep.numbers), name: nameOf(of),
+        line: { color: data.colours[n % data.colours.length], dash: dashes[n % dashes.length] },
+      }));
+    }
+    const key = data.keys[keys.family];
+    return key.said.map((said, n) => {
+      const numbers = sweep.numbers.slice();
+      numbers[keys.family] = n;
+      return { of: shown()[0], rows: rowsAlong(keys.across, numbers), name: said, line: styleOf(n) };
+    });
+  }
+  // Numbers have shades in their order, words colours that differ.
+  function styleOf(n) {
+    const { values, said } = data.keys[keys.family];
+    if (!values) return { color: data.colours[n % data.colours.length], dash: dashes[n % dashes.length] };
+    const rank = values.filter((value) => value < values[n]).length / Math.max(1, said.length - 1);
+    const at = rank * (shades.length - 1), low = Math.min(Math.floor(at), shades.length - 2);
+    const parts = [1, 3, 5].map((from) => {
+      const [a, b] = [low, low + 1].map((m) => parseInt(shades[m].slice(from, from + 2), 16));
+      return Math.round(a + (at - low) * (b - a));
+    });
+    return { color: `rgb(${parts.join()})`, dash: "solid" };
+  }
+
+  // Values that are spread as a power are so on their axis.
+  function isLog(values) {
+    if (!values || values.length < 3) return false;
+    const sorted = values.slice().sort((a, b) => a - b);
+    if (!(sorted[0] > 0) || sorted[sorted.length - 1] < 20 * sorted[0]) return false;
+    const spread = (of) => {
+      const steps = sorted.slice(1).map((value, n) => of(value) - of(sorted[n]));
+      return Math.max(...steps) / Math.min(...steps);
+    };
+    return spread(Math.log) < spread((value) => value);
+  }
+  function axisOf(key, asCells) {
+    const { label, values, said } = data.keys[key];
+    const axis = { title: { text: sweep.plain(label) }, automargin: true, zeroline: false };
+    if (values && !asCells) return Object.assign(axis, { type: isLog(values) ? "log" : "linear" });
+    const step = Math.ceil(said.length / 25);
+    const kept = said.map((_, n) => n).filter((n) => n % step === 0);
+    return Object.assign(axis, {
+      type: "linear", tickvals: kept, ticktext: kept.map((n) => sweep.plain(short(said[n]))),
+      range: [-0.5, said.length - 0.5], showgrid: false,
+    });
+  }
+  function short(text) { return text.length > 24 ? `${text.slice(0, 22)}…` : text; }
+  function xOf(row) {
+    const n = sweep.numbersAt(row)[keys.across];
+    const { values } = data.keys[keys.across];
+    return values ? values[n] : n;
+  }
+
+  // Runs of points that follow each other and have answers.
+  function runs({ of, rows }) {
+    const found = [[]];
+    rows.forEach((row) => {
+      if (sweep.isOk(row) && of.values[row] !== null) found[found.length - 1].push(row);
+      else found.push([]);
+    });
+    return found.filter((run) => run.length);
+  }
+  function hasBar({ quantity }, row) { return quantity.bars !== null && quantity.bars[row] !== null; }
+  function band(curve, number, isFirst) {
+    const { of } = curve;
+    const ends = (row, side) => of.values[row] + side * of.quantity.bars[row];
+    const x = [], y = [];
+    runs(curve).forEach((run) => {
+      const parted = [[]];
+      run.forEach((row) => {
+        if (hasBar(of, row)) parted[parted.length - 1].push(row);
+        else parted.push([]);
+      });
+      parted.filter((part) => part.length > 1).forEach((part) => {
+        const back = part.slice().reverse();
+        x.push(...part.map(xOf), ...back.map(xOf), null);
+        y.push(...part.map((row) => ends(row, 1)), ...back.map((row) => ends(row, -1)), null);
+      });
+    });
+    return {
+      type: "scatter", mode: "lines", x, y, fill: "toself", line: { width: 0, color: curve.line.color },
+      fillcolor: curve.line.color, opacity: 0.22, hoverinfo: "skip", name: "estimated error",
+      legendgroup: `curve ${number}`, showlegend: isFirst,
+    };
+  }
+  function lineOf(curve, number, count) {
+    const { of, rows } = curve;
+    const known = rows.map((row) => sweep.isOk(row) && of.values[row] !== null);
+    const alone = new Set(runs(curve).filter((run) => run.length === 1).map(([row]) => row));
+    const isWord = !data.keys[keys.across].values;
+    const bars = rows.map((row, n) =>
+      (known[n] && hasBar(of, row) && (isWord || alone.has(row)) ? of.quantity.bars[row] : 0));
+    return {
+      type: "scatter", mode: isWord ? "markers" : "lines+markers", connectgaps: false,
+      x: rows.map(xOf), y: rows.map((row, n) => (known[n] ? of.values[row] : null)), customdata: rows,
+      error_y: { array: bars, visible: bars.some((bar) => bar > 0), thickness: 1.5 },
+      line: Object.assign({ width: 2 }, curve.line), marker: { size: isWord ? 9 : rows.length > 60 ? 4 : 6 },
+      hovertext: rows.map((row) => textAt(of, row)), hoverinfo: "text", name: sweep.plain(curve.name),
+      legendgroup: `curve ${number}`, showlegend: count > 1,
+    };
+  }
+  // Points without an answer stand at the foot; numbers of answers that failed a check where they are.
+  function failed(all, isFoot) {
+    const marks = { x: [], y: [], customdata: [], hovertext: [] };
+    all.forEach(({ of, rows }) => rows.forEach((row) => {
+      if (sweep.isOk(row) || (of.values[row] === null) !== isFoot) return;
+      marks.x.push(xOf(row));
+      marks.y.push(isFoot ? 0.025 : of.values[row]);
+      marks.customdata.push(row);
+      marks.hovertext.push(textAt(of, row));
+    }));
+    return Object.assign(marks, {
+      type: "scatter", mode: "markers", yaxis: isFoot ? "y2" : "y", hoverinfo: "text", cliponaxis: false,
+      name: isFoot ? "failed, no answer" : "not to be trusted", showlegend: marks.x.length > 0,
+      marker: { symbol: isFoot ? "x" : "x-open", size: 11, color: sweep.failed },
+    });
+  }
+  function chosenMarks(all) {
+    const row = sweep.row();
+    const of = all.filter(({ rows }) => rows.includes(row)).map((curve) => curve.of);
+    const known = of.filter(({ values }) => values[row] !== null);
+    return { x: known.map(() => xOf(row)), y: known.map(({ values }) => values[row]) };
+  }
+  function sorted(curve) {
+    return Object.assign(curve, { rows: curve.rows.slice().sort((a, b) => xOf(a) - xOf(b)) });
+  }
+
+  function draw() {
+    if (!options.length) return undefined;
+    const all = curves().map(sorted);
+    slice = sliceOf();
+    const barred = all.filter(({ of, rows }) => rows.some((row) => hasBar(of, row)));
+    const traces = [
+      ...barred.map((curve, n) => band(curve, all.indexOf(curve), n === 0)),
+      ...all.map((curve, n) => lineOf(curve, n, all.length)),
+      failed(all, true), failed(all, false),
+      Object.assign(chosenMarks(all), {
+        type: "scatter", mode: "markers", hoverinfo: "skip", name: "chosen point",
+        marker: { symbol: "circle-open", size: 15, color: sweep.chosen, line: { width: 2.5 } },
+      }),
+    ];
+    const key = keys.family < 0 ? "" : sweep.plain(data.keys[keys.family].label);
+    byId("about").textContent = about(all, barred);
+    const narrow = place.clientWidth < 600;
+    drawMap();
+    return Plotly.react(place, traces, sweep.layout({
+      xaxis: axisOf(keys.across, false), shapes: lines(all),
+      yaxis: { title: { text: sweep.plain(option().label) }, automargin: true, exponentformat: "power" },
+      yaxis2: { overlaying: "y", range: [0, 1], visible: false, fixedrange: true },
+      legend: Object.assign({ title: { text: key } }, narrow ? { orientation: "h", y: -0.25 } : {}),
+      uirevision: [select.quantity.value, select.owner.value, keys.across, keys.family].join(),
+    }), sweep.config);
+  }
+  function lines(all) {
+    if (keys.family >= 0) return [];
+    const rows = all[0].rows.filter((row) => !sweep.isOk(row));
+    return rows.map((row) => ({
+      type: "line", x0: xOf(row), x1: xOf(row), y0: 0, y1: 1, yref: "paper",
+      line: { color: sweep.failed, width: 1, dash: "dot" },
+    }));
+  }
+  function about(all, barred) {
+    const rows = all.flatMap((curve) => curve.rows);
+    const fails = new Set(rows.filter((row) => !sweep.isOk(row)));
+    const said = [];
+    const fixed = data.keys.map((_, key) => key).filter((key) => key !== keys.across && key !== keys.family);
+    if (fixed.length) {
+      said.push(`At ${fixed.map((key) => sweep.pointWords(sweep.row())[key]).join(", ")}.`);
+    }
+    if (barred.length) said.push("Bands are estimated errors; where a point has no band, its error is not known.");
+    else said.push("No errors were estimated.");
+    if (fails.size) said.push("Curves are interrupted at crosses: these points failed.");
+    return said.join(" ");
+  }
+
+  function drawMap() {
+    if (!map) return;
+    map.hidden = keys.family < 0;
+    if (map.hidden) return;
+    const of = shown()[0];
+    const at = (x, y) => {
+      const numbers = sweep.numbers.slice();
+      numbers[keys.across] = x;
+      numbers[keys.family] = y;
+      return sweep.rowAt(numbers);
+    };
+    const xs = data.keys[keys.across].said.map((_, n) => n);
+    const ys = data.keys[keys.family].said.map((_, n) => n);
+    const rows = ys.map((y) => xs.map((x) => at(x, y)));
+    const per = (value) => rows.map((line) => line.map(value));
+    const fits = xs.length * 62 < map.clientWidth - 160 && ys.length * 18 < 380;
+    const cells = {
+      type: "heatmap", x: xs, y: ys, xgap: 1, ygap: 1, colorscale: "Viridis", customdata: rows,
+      z: per((row) => (sweep.isOk(row) ? of.values[row] : null)),
+      hovertext: per((row) => textAt(of, row)), hoverinfo: "text",
+      colorbar: { title: { text: sweep.plain(option().label), side: "right" }, exponentformat: "power" },
+    };
+    if (fits) {
+      cells.text = per((row) => (sweep.isOk(row) ? saidOf(of, row)[0] : ""));
+      cells.texttemplate = "%{text}";
+    }
+    const crosses = { x: [], y: [], customdata: [], hovertext: [] };
+    rows.forEach((line, y) => line.forEach((row, x) => {
+      if (sweep.isOk(row)) return;
+      crosses.x.push(x);
+      crosses.y.push(y);
+      crosses.customdata.push(row);
+      crosses.hovertext.push(textAt(of, row));
+    }));
+    Plotly.react(map, [cells, Object.assign(crosses, {
+      type: "scatter", mode: "markers", hoverinfo: "text", name: "failed",
+      marker: { symbol: "x", size: 11, color: sweep.failed },
+    })], sweep.layout({
+      xaxis: axisOf(keys.across, true), yaxis: axisOf(keys.family, true), shapes: [frame()],
+      plot_bgcolor: "#eceff1",
+    }), sweep.config);
+  }
+  function frame() {
+    const x = sweep.numbers[keys.across], y = sweep.numbers[keys.family];
+    return {
+      type: "rect", x0: x - 0.5, x1: x + 0.5, y0: y - 0.5, y1: y + 0.5,
+      line: { color: sweep.chosen, width: 3 },
+    };
+  }
+
+  // What all that is drawn depends on, but for the mark of the chosen point.
+  function sliceOf() {
+    return sweep.numbers.map((n, key) => (key === keys.across || key === keys.family ? "" : n)).join();
+  }
+  function follow() {
+    if (!options.length) return;
+    if (sliceOf() !== slice) {
+      draw();
+      return;
+    }
+    const marks = chosenMarks(curves());
+    Plotly.restyle(place, { x: [marks.x], y: [marks.y] }, [place.data.length - 1]);
+    if (map && !map.hidden) Plotly.relayout(map, { shapes: [frame()] });
+  }
+
+  function fillOwners() {
+    const before = select.owner.selectedOptions.length ? select.owner.selectedOptions[0].textContent : "";
+    select.owner.replaceChildren();
+    const { of } = option();
+    if (of.length > 1 && keys.family < 0) sweep.option(select.owner, each, "each");
+    of.forEach((one, n) => sweep.option(select.owner, n, nameOf(one)));
+    const same = Array.from(select.owner.options).find((one) => one.textContent === before);
+    if (same) select.owner.value = same.value;
+    select.owner.parentElement.hidden = of.length < 2;
+  }
+  function fillKeys() {
+    const [across, family] = [byId("across"), byId("family")];
+    data.keys.forEach((key, n) => {
+      sweep.option(across, n, key.name);
+      sweep.option(family, n, key.name);
+    });
+    sweep.option(family, -1, "none: one curve");
+    const show = () => {
+      across.value = keys.across;
+      family.value = keys.family;
+      fillOwners();
+      draw();
+    };
+    across.addEventListener("change", () => {
+      if (Number(across.value) === keys.family) keys.family = keys.across;
+      keys.across = Number(across.value);
+      show();
+    });
+    family.addEventListener("change", () => {
+      if (Number(family.value) === keys.across) keys.across = keys.family < 0 ? other() : keys.family;
+      keys.family = Number(family.value);
+      show();
+    });
+    across.value = keys.across;
+    family.value = keys.family;
+  }
+  function other() { return data.keys.findIndex((_, key) => key !== keys.across); }
+  function clicked(event) {
+    const { customdata } = event.points[0];
+    // Not from within the event: all is drawn again.
+    if (Number.isInteger(customdata)) setTimeout(() => sweep.choose(customdata), 0);
+  }
+
+  async function start() {
+    if (!options.length) {
+      byId("quantities").hidden = true;
+      return;
+    }
+    options.forEach((one, n) => sweep.option(select.quantity, n, one.label));
+    select.quantity.value = Math.max(0, options.findIndex(varies));
+    fillOwners();
+    if (map) fillKeys();
+    select.quantity.addEventListener("change", () => {
+      fillOwners();
+      draw();
+    });
+    select.owner.addEventListener("change", draw);
+    await draw();
+    place.on("plotly_click", clicked);
+    if (map) map.on("plotly_click", clicked);
+  }
+  return { start, follow, words };
+}
