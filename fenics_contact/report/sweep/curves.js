@@ -8,6 +8,7 @@ function makeCurves(sweep) {
   const dashes = ["solid", "dash", "dashdot", "dot", "longdash", "longdashdot"];
   const shades = ["#440154", "#414487", "#2a788e", "#22a884", "#7ad151"]; // Viridis without its yellow
   const each = "each";
+  const mostNames = 12; // in the legend
   // What is across, and of which key each value has a curve; -1: none.
   const keys = { across: data.keys.length - 1, family: data.keys.length > 1 ? data.keys.length - 2 : -1 };
   const options = choices();
@@ -102,7 +103,9 @@ function makeCurves(sweep) {
     const { label, values, said } = data.keys[key];
     const axis = { title: { text: sweep.plain(label) }, automargin: true, zeroline: false };
     if (values && !asCells) return Object.assign(axis, { type: isLog(values) ? "log" : "linear" });
-    const step = Math.ceil(said.length / 25);
+    const widest = Math.max(...said.map((text) => short(text).length));
+    const room = key === keys.across ? Math.max(3, place.clientWidth / (8 * widest + 20)) : 20;
+    const step = Math.ceil(said.length / room);
     const kept = said.map((_, n) => n).filter((n) => n % step === 0);
     return Object.assign(axis, {
       type: "linear", tickvals: kept, ticktext: kept.map((n) => sweep.plain(short(said[n]))),
@@ -110,6 +113,7 @@ function makeCurves(sweep) {
     });
   }
   function short(text) { return text.length > 24 ? `${text.slice(0, 22)}…` : text; }
+  function isWord() { return !data.keys[keys.across].values; }
   function xOf(row) {
     const n = sweep.numbersAt(row)[keys.across];
     const { values } = data.keys[keys.across];
@@ -152,16 +156,16 @@ function makeCurves(sweep) {
     const { of, rows } = curve;
     const known = rows.map((row) => sweep.isOk(row) && of.values[row] !== null);
     const alone = new Set(runs(curve).filter((run) => run.length === 1).map(([row]) => row));
-    const isWord = !data.keys[keys.across].values;
     const bars = rows.map((row, n) =>
-      (known[n] && hasBar(of, row) && (isWord || alone.has(row)) ? of.quantity.bars[row] : 0));
+      (known[n] && hasBar(of, row) && (isWord() || alone.has(row)) ? of.quantity.bars[row] : 0));
+    const every = Math.ceil(count / mostNames);
     return {
-      type: "scatter", mode: isWord ? "markers" : "lines+markers", connectgaps: false,
+      type: "scatter", mode: isWord() ? "markers" : "lines+markers", connectgaps: false,
       x: rows.map(xOf), y: rows.map((row, n) => (known[n] ? of.values[row] : null)), customdata: rows,
       error_y: { array: bars, visible: bars.some((bar) => bar > 0), thickness: 1.5 },
-      line: Object.assign({ width: 2 }, curve.line), marker: { size: isWord ? 9 : rows.length > 60 ? 4 : 6 },
+      line: Object.assign({ width: 2 }, curve.line), marker: { size: isWord() ? 9 : rows.length > 60 ? 4 : 6 },
       hovertext: rows.map((row) => textAt(of, row)), hoverinfo: "text", name: sweep.plain(curve.name),
-      legendgroup: `curve ${number}`, showlegend: count > 1,
+      legendgroup: `curve ${number}`, showlegend: count > 1 && number % every === 0,
     };
   }
   // Points without an answer stand at the foot; numbers of answers that failed a check where they are.
@@ -180,11 +184,21 @@ function makeCurves(sweep) {
       marker: { symbol: isFoot ? "x" : "x-open", size: 11, color: sweep.failed },
     });
   }
-  function chosenMarks(all) {
+  // A ring around the chosen point, and lines at points that failed where there is one curve.
+  function shapes(all) {
     const row = sweep.row();
     const of = all.filter(({ rows }) => rows.includes(row)).map((curve) => curve.of);
-    const known = of.filter(({ values }) => values[row] !== null);
-    return { x: known.map(() => xOf(row)), y: known.map(({ values }) => values[row]) };
+    const rings = of.filter(({ values }) => values[row] !== null).map(({ values }) => ({
+      type: "circle", xsizemode: "pixel", ysizemode: "pixel", xanchor: xOf(row), yanchor: values[row],
+      x0: -8, x1: 8, y0: -8, y1: 8, line: { color: sweep.chosen, width: 2.5 },
+    }));
+    return [...(keys.family < 0 ? failedLines(all[0].rows) : []), ...rings];
+  }
+  function failedLines(rows) {
+    return rows.filter((row) => !sweep.isOk(row)).map((row) => ({
+      type: "line", x0: xOf(row), x1: xOf(row), y0: 0, y1: 1, yref: "paper",
+      line: { color: sweep.failed, width: 1, dash: "dot" },
+    }));
   }
   function sorted(curve) {
     return Object.assign(curve, { rows: curve.rows.slice().sort((a, b) => xOf(a) - xOf(b)) });
@@ -195,34 +209,23 @@ function makeCurves(sweep) {
     const all = curves().map(sorted);
     slice = sliceOf();
     const barred = all.filter(({ of, rows }) => rows.some((row) => hasBar(of, row)));
+    const bands = isWord() ? [] : barred; // between words there is nothing
     const traces = [
-      ...barred.map((curve, n) => band(curve, all.indexOf(curve), n === 0)),
+      ...bands.map((curve, n) => band(curve, all.indexOf(curve), n === 0)),
       ...all.map((curve, n) => lineOf(curve, n, all.length)),
       failed(all, true), failed(all, false),
-      Object.assign(chosenMarks(all), {
-        type: "scatter", mode: "markers", hoverinfo: "skip", name: "chosen point",
-        marker: { symbol: "circle-open", size: 15, color: sweep.chosen, line: { width: 2.5 } },
-      }),
     ];
     const key = keys.family < 0 ? "" : sweep.plain(data.keys[keys.family].label);
     byId("about").textContent = about(all, barred);
     const narrow = place.clientWidth < 600;
     drawMap();
     return Plotly.react(place, traces, sweep.layout({
-      xaxis: axisOf(keys.across, false), shapes: lines(all),
-      yaxis: { title: { text: sweep.plain(option().label) }, automargin: true, exponentformat: "power" },
+      xaxis: axisOf(keys.across, false), shapes: shapes(all),
+      yaxis: { title: { text: sweep.plain(option().label) }, automargin: true, ...sweep.plainNumbers },
       yaxis2: { overlaying: "y", range: [0, 1], visible: false, fixedrange: true },
       legend: Object.assign({ title: { text: key } }, narrow ? { orientation: "h", y: -0.25 } : {}),
       uirevision: [select.quantity.value, select.owner.value, keys.across, keys.family].join(),
     }), sweep.config);
-  }
-  function lines(all) {
-    if (keys.family >= 0) return [];
-    const rows = all[0].rows.filter((row) => !sweep.isOk(row));
-    return rows.map((row) => ({
-      type: "line", x0: xOf(row), x1: xOf(row), y0: 0, y1: 1, yref: "paper",
-      line: { color: sweep.failed, width: 1, dash: "dot" },
-    }));
   }
   function about(all, barred) {
     const rows = all.flatMap((curve) => curve.rows);
@@ -232,8 +235,10 @@ function makeCurves(sweep) {
     if (fixed.length) {
       said.push(`At ${fixed.map((key) => sweep.pointWords(sweep.row())[key]).join(", ")}.`);
     }
-    if (barred.length) said.push("Bands are estimated errors; where a point has no band, its error is not known.");
-    else said.push("No errors were estimated.");
+    const bars = isWord() ? "bar" : "band";
+    if (barred.length) {
+      said.push(`The ${bars}s are estimated errors; where a point has no ${bars}, its error is not known.`);
+    } else said.push("No errors of this quantity were estimated.");
     if (fails.size) said.push("Curves are interrupted at crosses: these points failed.");
     return said.join(" ");
   }
@@ -253,12 +258,12 @@ function makeCurves(sweep) {
     const ys = data.keys[keys.family].said.map((_, n) => n);
     const rows = ys.map((y) => xs.map((x) => at(x, y)));
     const per = (value) => rows.map((line) => line.map(value));
-    const fits = xs.length * 62 < map.clientWidth - 160 && ys.length * 18 < 380;
+    const fits = xs.length * 62 < map.clientWidth - 200 && ys.length * 18 < 380;
     const cells = {
       type: "heatmap", x: xs, y: ys, xgap: 1, ygap: 1, colorscale: "Viridis", customdata: rows,
       z: per((row) => (sweep.isOk(row) ? of.values[row] : null)),
       hovertext: per((row) => textAt(of, row)), hoverinfo: "text",
-      colorbar: { title: { text: sweep.plain(option().label), side: "right" }, exponentformat: "power" },
+      colorbar: { title: { text: sweep.plain(option().label), side: "right" }, ...sweep.plainNumbers },
     };
     if (fits) {
       cells.text = per((row) => (sweep.isOk(row) ? saidOf(of, row)[0] : ""));
@@ -298,8 +303,7 @@ function makeCurves(sweep) {
       draw();
       return;
     }
-    const marks = chosenMarks(curves());
-    Plotly.restyle(place, { x: [marks.x], y: [marks.y] }, [place.data.length - 1]);
+    Plotly.relayout(place, { shapes: shapes(curves()) });
     if (map && !map.hidden) Plotly.relayout(map, { shapes: [frame()] });
   }
 

@@ -93,8 +93,8 @@ function makeStates(sweep) {
     const whole = limits(false), inner = limits(true);
     const reach = 0.35 * Math.max(...inner.map(([low, high]) => high - low));
     zones[contact()] = whole.map(([low, high], axis) => (Number.isFinite(reach) && reach > 0
-      ? wider([Math.max(low, inner[axis][0] - reach), Math.min(high, inner[axis][1] + reach)], 0.03)
-      : wider([low, high], 0.03)));
+      ? wider([Math.max(low, inner[axis][0] - reach), Math.min(high, inner[axis][1] + reach)], 0.06)
+      : wider([low, high], 0.06)));
     return zones[contact()];
   }
 
@@ -152,7 +152,7 @@ function makeStates(sweep) {
       const height = 1 / panels.length, gap = 0.16 * height;
       layout[n ? `yaxis${n + 1}` : "yaxis"] = {
         title: { text: `${sweep.plain(data.labels[name]).replace(/ \(/, "<br>(")}` }, range: wider(ends(state, name, within), 0.06),
-        domain: [1 - (n + 1) * height + gap / 2, 1 - n * height - gap / 2], exponentformat: "power",
+        domain: [1 - (n + 1) * height + gap / 2, 1 - n * height - gap / 2], ...sweep.plainNumbers,
         zerolinecolor: "#5d6b78",
       };
     });
@@ -183,7 +183,9 @@ function makeStates(sweep) {
       marker: {
         size, color: values, colorscale: "Viridis", cmin: low, cmax: high > low ? high : low + 1,
         showscale: true, line: { width: 0 },
-        colorbar: { title: { text: sweep.plain(data.labels[name]), side: "right" }, exponentformat: "power" },
+        colorbar: {
+          orientation: "h", y: -0.24, yanchor: "top", thickness: 12, len: 1, ...sweep.plainNumbers,
+        },
       },
     });
     const now = Array.from(statusOf(state));
@@ -196,10 +198,10 @@ function makeStates(sweep) {
     const layout = isPlane ? planeLayout(shape, limits) : spaceLayout(shape, limits);
     react(place, [coloured], Object.assign({ title: titled(data.labels[name]) }, layout));
     react(second, parts, Object.assign({ title: titled("status") }, layout, {
-      legend: { orientation: "h", y: -0.18 },
+      legend: { orientation: "h", y: -0.26, yanchor: "top" },
     }));
   }
-  function titled(text) { return { text: sweep.plain(text), font: { size: 14 }, x: 0.5 }; }
+  function titled(text) { return { text: sweep.plain(text), font: { size: 14 }, x: 0.02, xanchor: "left", y: 0.98, yanchor: "top" }; }
   // As large as points have room for.
   function markerSize(shape, limits, isPlane) {
     const [width, height] = limits.map(([low, high]) => high - low);
@@ -211,12 +213,12 @@ function makeStates(sweep) {
     });
     const scale = Math.min(360 / width, 300 / height);
     const side = scale * Math.sqrt((width * height) / Math.max(1, inside));
-    return Math.max(3, Math.min(isPlane ? 16 : 9, 1.1 * side));
+    return Math.max(3, Math.min(isPlane ? 16 : 9, 1.2 * side));
   }
   function withUnit(label) { return sweep.plain(label + (data.length && ` (${data.length})`)); }
   function planeLayout(shape, limits) {
     return {
-      height: null, margin: { l: 70, r: 15, t: 40, b: 60 },
+      height: null, margin: { l: 70, r: 15, t: 60, b: 110 },
       xaxis: { title: { text: withUnit(shape.labels[0]) }, range: limits[0], zeroline: false },
       yaxis: {
         title: { text: withUnit(shape.labels[1]) }, range: limits[1], scaleanchor: "x", zeroline: false,
@@ -232,7 +234,7 @@ function makeStates(sweep) {
     const side = (c || b || a) < 0 ? -1 : 1;
     const eye = { x: 1.6 * side * a + 0.5, y: 1.6 * side * b - 0.7, z: 1.6 * side * c + 0.4 };
     return {
-      height: null, margin: { l: 0, r: 0, t: 40, b: 10 },
+      height: null, margin: { l: 0, r: 0, t: 60, b: 90 },
       scene: Object.assign(axes, {
         aspectmode: "data", camera: { eye, projection: { type: "orthographic" } },
       }),

@@ -21,6 +21,8 @@
   const data = JSON.parse(await unpacked("sweep-data"));
   const counts = data.keys.map((key) => key.said.length);
 
+  let waiting = false;
+
   const sweep = {
     data,
     bytesOf,
@@ -69,11 +71,19 @@
         hoverlabel: { align: "left" },
       }, more);
     },
+    // Of axes: powers of ten only where numbers would be long.
+    plainNumbers: { exponentformat: "power", minexponent: 5 },
     config: { responsive: true, displaylogo: false },
     choose(row) {
       sweep.numbers = sweep.numbersAt(row);
       showPoint();
-      parts.forEach((part) => part.follow());
+      // Once before the next picture, however often a slider is moved until then.
+      if (waiting) return;
+      waiting = true;
+      requestAnimationFrame(() => {
+        waiting = false;
+        parts.forEach((part) => part.follow());
+      });
     },
   };
   const parts = [makeCurves(sweep), makeStates(sweep), makeTable(sweep)];
@@ -103,5 +113,5 @@
   // First the last point that has an answer: mostly that of the largest values.
   const last = data.codes.lastIndexOf(0);
   sweep.choose(last < 0 ? 0 : last);
-  byId("curves").dataset.ready = "true";
+  requestAnimationFrame(() => { byId("curves").dataset.ready = "true"; });
 })();

@@ -56,7 +56,15 @@ function makeTable(sweep) {
     const chosen = String(sweep.row());
     Array.from(place.tBodies[0].rows).forEach((row) => {
       row.classList.toggle("chosen", row.dataset.row === chosen);
+      if (row.dataset.row === chosen) bring(row);
     });
+  }
+  // Into the part of the list that is seen; the page stays where it is.
+  function bring(row) {
+    const list = place.parentElement;
+    const top = row.offsetTop - place.tHead.offsetHeight;
+    const bottom = row.offsetTop + row.offsetHeight - list.clientHeight;
+    list.scrollTop = Math.min(Math.max(list.scrollTop, bottom), top);
   }
   function follow() {
     const from = Math.floor(sweep.row() / most) * most;

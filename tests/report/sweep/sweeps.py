@@ -70,7 +70,7 @@ def hertz(depth: float, coefficient: float = 0.5, at: np.ndarray | None = None) 
         "max_contact_pressure": peak, "max_contact_pressure_error": None,
         "stick_area": math.pi * stick**2, "stick_area_error": 0.0321,
         "slip_area": math.pi * (radius**2 - stick**2), "slip_area_error": 0.05,
-        "undecided_points": 3,
+        "contact_radius": radius, "undecided_points": 3, "indentation": depth,
     }  # fmt: skip
     return Answered(columns, arrays)
 

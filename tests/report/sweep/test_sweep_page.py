@@ -104,7 +104,7 @@ def test_quantities_that_matter_come_first_and_zeros_last(tmp_path):
     names = [one["name"] for one in data_of(write_sweep_page(tmp_path))["quantities"]]
     assert names == [
         *("normal force", "friction force", "max contact pressure", "stick area", "slip area"),
-        *("penalty energy", "undecided points", "contact area"),
+        *("contact radius", "penalty energy", "undecided points", "indentation", "contact area"),
     ]
 
 
