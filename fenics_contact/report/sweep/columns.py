@@ -65,6 +65,14 @@ class Quantity:
             return len(_FIRST) + 1
         return _FIRST.index(self.name) if self.name in _FIRST else len(_FIRST)
 
+    def repeats(self, whole: Quantity | None) -> bool:
+        """Whether this is of an owner, and the same as that of the whole model.
+
+        Args:
+            whole: The quantity of the same name of the whole model, if there is one.
+        """
+        return bool(self.owner) and whole is not None and self.parts == whole.parts
+
     def said(self, row: int, size: float, has_bars: bool) -> str:
         """Its value at a row in words, with its error bar or a ``?`` where there is none.
 
@@ -86,7 +94,11 @@ class Quantity:
 
 
 def quantities_of(table: SweepTable) -> list[Quantity]:
-    """The quantities of a table that have a value anywhere, what matters most first."""
+    """The quantities of a table that have a value anywhere, what matters most first.
+
+    Those of the only contact, and of the only support, are those of the whole model, and are left
+    out.
+    """
     columns = table.columns
     parts: dict[tuple[str, str], dict[str, Cells]] = {}
     for column, cells in columns.items():
@@ -98,7 +110,9 @@ def quantities_of(table: SweepTable) -> list[Quantity]:
         for (owner, name), axes in parts.items()
         if any(cell is not None for cells in axes.values() for cell in cells)
     ]
-    return sorted(found, key=lambda quantity: quantity.rank)
+    whole = {quantity.name: quantity for quantity in found if not quantity.owner}
+    own = [quantity for quantity in found if not quantity.repeats(whole.get(quantity.name))]
+    return sorted(own, key=lambda quantity: quantity.rank)
 
 
 def _is_bar(column: str, columns: Mapping[str, object]) -> bool:

@@ -223,7 +223,7 @@ function makeCurves(sweep) {
       xaxis: axisOf(keys.across, false), shapes: shapes(all),
       yaxis: { title: { text: sweep.plain(option().label) }, automargin: true, ...sweep.plainNumbers },
       yaxis2: { overlaying: "y", range: [0, 1], visible: false, fixedrange: true },
-      legend: Object.assign({ title: { text: key } }, narrow ? { orientation: "h", y: -0.25 } : {}),
+      legend: Object.assign({ title: { text: key } }, narrow ? { orientation: "h", y: -0.3 } : {}),
       uirevision: [select.quantity.value, select.owner.value, keys.across, keys.family].join(),
     }), sweep.config);
   }

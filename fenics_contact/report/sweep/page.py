@@ -41,11 +41,12 @@ PAGE = "sweep.html"
 _SCRIPTS = ("curves.js", "states.js", "table.js", "sweep.js")
 _OUTCOMES = {
     0: "ok",
+    1: "a fault of the program",
     2: "refused",
     3: "not converged",
     4: "a check failed",
     5: "the machine failed",
-    130: "interrupted",
+    130: "not done",
 }
 
 

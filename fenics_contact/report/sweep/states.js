@@ -144,8 +144,8 @@ function makeStates(sweep) {
           x: own.map((m) => x[m]), y: own.map((m) => values[m]), hovertext: own.map((m) => texts[m]),
           hoverinfo: "text", showlegend: n === 0,
           marker: {
-            size: 6, symbol: marker[kind.of[0]], color: kind.of[0] === 0 ? "#8f9ba3" : kind.colour,
-            line: { width: 1.5 },
+            size: x.length > 120 ? 4 : 6, symbol: marker[kind.of[0]], color: kind.of[0] === 0 ? "#8f9ba3" : kind.colour,
+            line: { width: x.length > 120 ? 1 : 1.5 },
           },
         });
       });
@@ -184,7 +184,7 @@ function makeStates(sweep) {
         size, color: values, colorscale: "Viridis", cmin: low, cmax: high > low ? high : low + 1,
         showscale: true, line: { width: 0 },
         colorbar: {
-          orientation: "h", y: -0.24, yanchor: "top", thickness: 12, len: 1, ...sweep.plainNumbers,
+          orientation: "h", y: isPlane ? -0.24 : 0.16, yanchor: "top", thickness: 12, len: 1, ...sweep.plainNumbers,
         },
       },
     });
@@ -198,7 +198,7 @@ function makeStates(sweep) {
     const layout = isPlane ? planeLayout(shape, limits) : spaceLayout(shape, limits);
     react(place, [coloured], Object.assign({ title: titled(data.labels[name]) }, layout));
     react(second, parts, Object.assign({ title: titled("status") }, layout, {
-      legend: { orientation: "h", y: -0.26, yanchor: "top" },
+      legend: { orientation: "h", y: isPlane ? -0.26 : 0.14, yanchor: "top" },
     }));
   }
   function titled(text) { return { text: sweep.plain(text), font: { size: 14 }, x: 0.02, xanchor: "left", y: 0.98, yanchor: "top" }; }
@@ -232,11 +232,11 @@ function makeStates(sweep) {
     });
     const [a, b, c] = shape.normal;
     const side = (c || b || a) < 0 ? -1 : 1;
-    const eye = { x: 1.6 * side * a + 0.5, y: 1.6 * side * b - 0.7, z: 1.6 * side * c + 0.4 };
+    const eye = { x: 1.5 * side * a + 0.4, y: 1.5 * side * b - 0.6, z: 1.5 * side * c + 0.4 };
     return {
-      height: null, margin: { l: 0, r: 0, t: 60, b: 90 },
+      height: null, margin: { l: 0, r: 0, t: 30, b: 10 },
       scene: Object.assign(axes, {
-        aspectmode: "data", camera: { eye, projection: { type: "orthographic" } },
+        domain: { y: [0.2, 1] }, aspectmode: "data", camera: { eye, projection: { type: "orthographic" } },
       }),
     };
   }

@@ -73,7 +73,7 @@
     },
     // Of axes: powers of ten only where numbers would be long.
     plainNumbers: { exponentformat: "power", minexponent: 5 },
-    config: { responsive: true, displaylogo: false },
+    config: { responsive: true, displaylogo: false, displayModeBar: window.innerWidth >= 600 },
     choose(row) {
       sweep.numbers = sweep.numbersAt(row);
       showPoint();

@@ -257,6 +257,20 @@ def test_quantities_of_contacts_supports_and_preloads_by_name(tmp_path):
     assert f"Varied: {INDENTATION} = 0.25, 0.5, 1, 2 mm." in Texts(page).text
 
 
+def test_what_is_the_whole_models_is_said_once(tmp_path):
+    def answer(depth):
+        found = hertz(depth)
+        own = {f"top.{name}": value for name, value in found.columns.items()}
+        other = {"left.reaction_x": depth, "right.reaction_x": 1.0, "reaction_x": depth + 1}
+        found.columns |= own | other
+        return found
+
+    write_sweep(tmp_path, {INDENTATION: DEPTHS}, answer)
+    names = [(q["owner"], q["name"]) for q in data_of(write_sweep_page(tmp_path))["quantities"]]
+    assert {owner for owner, _ in names} == {"", "left", "right"}
+    assert [owner for owner, name in names if name == "reaction"] == ["left", "right", ""]
+
+
 def test_labels_are_text_and_never_html(tmp_path):
     def answer(law):
         if law != "a":
