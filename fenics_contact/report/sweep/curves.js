@@ -1,9 +1,8 @@
-// Curves of the chosen quantity over one key, with error bands, and its map over two keys.
+// Curves of the chosen quantity over one key, with error bands, one for each value of another key.
 function makeCurves(sweep) {
   const { data } = sweep;
   const byId = (id) => document.getElementById(id);
   const place = byId("curves");
-  const map = byId("map");
   const select = { quantity: byId("quantity"), owner: byId("owner") };
   const dashes = ["solid", "dash", "dashdot", "dot", "longdash", "longdashdot"];
   const shades = ["#440154", "#414487", "#2a788e", "#22a884", "#7ad151"]; // Viridis without its yellow
@@ -12,6 +11,9 @@ function makeCurves(sweep) {
   // What is across, and of which key each value has a curve; -1: none.
   const keys = { across: data.keys.length - 1, family: data.keys.length > 1 ? data.keys.length - 2 : -1 };
   const options = choices();
+  const map = byId("map")
+    ? makeMap(sweep, { place: byId("map"), keys, shown, option, saidOf, textAt, axisOf, clicked })
+    : null;
   let slice = "";
 
   // Quantities and components by name, with those that have them.
@@ -163,7 +165,8 @@ function makeCurves(sweep) {
       type: "scatter", mode: isWord() ? "markers" : "lines+markers", connectgaps: false,
       x: rows.map(xOf), y: rows.map((row, n) => (known[n] ? of.values[row] : null)), customdata: rows,
       error_y: { array: bars, visible: bars.some((bar) => bar > 0), thickness: 1.5 },
-      line: Object.assign({ width: 2 }, curve.line), marker: { size: isWord() ? 9 : rows.length > 60 ? 4 : 6 },
+      line: Object.assign({ width: 2 }, curve.line),
+      marker: { size: isWord() ? 9 : rows.length > 60 ? 4 : 6 },
       hovertext: rows.map((row) => textAt(of, row)), hoverinfo: "text", name: sweep.plain(curve.name),
       legendgroup: `curve ${number}`, showlegend: count > 1 && number % every === 0,
     };
@@ -218,12 +221,14 @@ function makeCurves(sweep) {
     const key = keys.family < 0 ? "" : sweep.plain(data.keys[keys.family].label);
     byId("about").textContent = about(all, barred);
     const narrow = place.clientWidth < 600;
-    drawMap();
+    if (map) map.draw();
     return Plotly.react(place, traces, sweep.layout({
       xaxis: axisOf(keys.across, false), shapes: shapes(all),
       yaxis: { title: { text: sweep.plain(option().label) }, automargin: true, ...sweep.plainNumbers },
       yaxis2: { overlaying: "y", range: [0, 1], visible: false, fixedrange: true },
-      legend: Object.assign({ title: { text: key } }, narrow ? { orientation: "h", y: -0.3 } : {}),
+      legend: Object.assign(
+        { title: { text: key, side: "top" } }, narrow ? { orientation: "h", y: -0.3 } : {},
+      ),
       uirevision: [select.quantity.value, select.owner.value, keys.across, keys.family].join(),
     }), sweep.config);
   }
@@ -243,56 +248,6 @@ function makeCurves(sweep) {
     return said.join(" ");
   }
 
-  function drawMap() {
-    if (!map) return;
-    map.hidden = keys.family < 0;
-    if (map.hidden) return;
-    const of = shown()[0];
-    const at = (x, y) => {
-      const numbers = sweep.numbers.slice();
-      numbers[keys.across] = x;
-      numbers[keys.family] = y;
-      return sweep.rowAt(numbers);
-    };
-    const xs = data.keys[keys.across].said.map((_, n) => n);
-    const ys = data.keys[keys.family].said.map((_, n) => n);
-    const rows = ys.map((y) => xs.map((x) => at(x, y)));
-    const per = (value) => rows.map((line) => line.map(value));
-    const fits = xs.length * 62 < map.clientWidth - 200 && ys.length * 18 < 380;
-    const cells = {
-      type: "heatmap", x: xs, y: ys, xgap: 1, ygap: 1, colorscale: "Viridis", customdata: rows,
-      z: per((row) => (sweep.isOk(row) ? of.values[row] : null)),
-      hovertext: per((row) => textAt(of, row)), hoverinfo: "text",
-      colorbar: { title: { text: sweep.plain(option().label), side: "right" }, ...sweep.plainNumbers },
-    };
-    if (fits) {
-      cells.text = per((row) => (sweep.isOk(row) ? saidOf(of, row)[0] : ""));
-      cells.texttemplate = "%{text}";
-    }
-    const crosses = { x: [], y: [], customdata: [], hovertext: [] };
-    rows.forEach((line, y) => line.forEach((row, x) => {
-      if (sweep.isOk(row)) return;
-      crosses.x.push(x);
-      crosses.y.push(y);
-      crosses.customdata.push(row);
-      crosses.hovertext.push(textAt(of, row));
-    }));
-    Plotly.react(map, [cells, Object.assign(crosses, {
-      type: "scatter", mode: "markers", hoverinfo: "text", name: "failed",
-      marker: { symbol: "x", size: 11, color: sweep.failed },
-    })], sweep.layout({
-      xaxis: axisOf(keys.across, true), yaxis: axisOf(keys.family, true), shapes: [frame()],
-      plot_bgcolor: "#eceff1",
-    }), sweep.config);
-  }
-  function frame() {
-    const x = sweep.numbers[keys.across], y = sweep.numbers[keys.family];
-    return {
-      type: "rect", x0: x - 0.5, x1: x + 0.5, y0: y - 0.5, y1: y + 0.5,
-      line: { color: sweep.chosen, width: 3 },
-    };
-  }
-
   // What all that is drawn depends on, but for the mark of the chosen point.
   function sliceOf() {
     return sweep.numbers.map((n, key) => (key === keys.across || key === keys.family ? "" : n)).join();
@@ -304,7 +259,7 @@ function makeCurves(sweep) {
       return;
     }
     Plotly.relayout(place, { shapes: shapes(curves()) });
-    if (map && !map.hidden) Plotly.relayout(map, { shapes: [frame()] });
+    if (map) map.follow();
   }
 
   function fillOwners() {
@@ -366,7 +321,7 @@ function makeCurves(sweep) {
     select.owner.addEventListener("change", draw);
     await draw();
     place.on("plotly_click", clicked);
-    if (map) map.on("plotly_click", clicked);
+    if (map) map.start();
   }
   return { start, follow, words };
 }

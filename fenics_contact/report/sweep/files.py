@@ -6,7 +6,9 @@ import csv
 import json
 import math
 import zipfile
-from collections.abc import Mapping
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -26,6 +28,11 @@ _NUMBERS = (
 )
 _WHOLE = ("point", "contact", "status")
 _STATUSES = 3  # open, stick, slip
+# What reading a file that was cut off or changed raises, besides what is not a value of its kind.
+_DAMAGED = (
+    *(ValueError, RecursionError, EOFError, KeyError, TypeError),
+    *(csv.Error, zipfile.BadZipFile, zlib.error),
+)
 
 
 @dataclass(frozen=True)
@@ -106,22 +113,37 @@ def read_record(folder: Path) -> SweepRecord:
         InputError: There is none, or it is damaged; says how.
     """
     path = folder / RECORD
-    try:
+    with _reading(path):
         content = json.loads(path.read_text(encoding="utf-8"))
         record = TypeAdapter(SweepRecord).validate_python(content)
+        number = math.prod(len(values) for values in record.vary.values())
+        if not record.vary or number != record.rows:
+            said = f"the values of `vary` make {number} points, but `rows` is {record.rows}"
+            raise ValueError(said)
+    return record
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[None]:
+    """Say of which file it is that it cannot be read, or is damaged.
+
+    Raises:
+        InputError: In place of what reading raises.
+    """
+    try:
+        yield
     except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         place = ".".join(map(str, first["loc"])) or "the whole"
-        raise InputError(f"{path}: damaged: {place}: {first['msg']}; sweep again") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: damaged: {error}; sweep again") from None
-    number = math.prod(len(values) for values in record.vary.values())
-    if not record.vary or number != record.rows:
-        what = f"the values of `vary` make {number} points, but `rows` is {record.rows}"
-        raise InputError(f"{path}: damaged: {what}; sweep again")
-    return record
+        raise _damaged(path, f"{place}: {first['msg']}") from None
+    except _DAMAGED as error:
+        raise _damaged(path, str(error) or "it ends too early") from None
+
+
+def _damaged(path: Path, said: str) -> InputError:
+    return InputError(f"{path}: damaged: {said}; sweep again")
 
 
 def read_table(folder: Path, record: SweepRecord) -> SweepTable:
@@ -135,14 +157,9 @@ def read_table(folder: Path, record: SweepRecord) -> SweepTable:
         InputError: There is none, it is damaged, or it is of another sweep; says where.
     """
     path = folder / TABLE
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            head, *rows = list(csv.reader(file)) or [[]]
+    with _reading(path), path.open(newline="", encoding="utf-8") as file:
+        head, *rows = list(csv.reader(file)) or [[]]
         return _table(head, rows, record)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except (ValueError, csv.Error) as error:
-        raise InputError(f"{path}: damaged: {error}; sweep again") from None
 
 
 def _table(head: list[str], rows: list[list[str]], record: SweepRecord) -> SweepTable:
@@ -216,17 +233,11 @@ def read_states(folder: Path, record: SweepRecord) -> ContactStates | None:
     path = folder / STATES
     if record.answered == 0 and not path.exists():
         return None
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            missing = [name for name in (*_WHOLE, *_NUMBERS) if name not in file]
-            if missing:
-                raise ValueError(f"it lacks '{missing[0]}'")
-            found = {name: file[name] for name in (*_WHOLE, *_NUMBERS)}
-        return _states(found, record)
-    except (ValueError, EOFError, KeyError, TypeError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: damaged: {error}; sweep again") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
+    with _reading(path), np.load(path, allow_pickle=False) as file:
+        missing = [name for name in (*_WHOLE, *_NUMBERS) if name not in file]
+        if missing:
+            raise ValueError(f"it lacks '{missing[0]}'")
+        return _states({name: file[name] for name in (*_WHOLE, *_NUMBERS)}, record)
 
 
 def _states(found: Mapping[str, Any], record: SweepRecord) -> ContactStates | None:

@@ -38,7 +38,7 @@ from fenics_contact.results.records.units import NO_UNITS
 from fenics_contact.results.words.tables import headed
 
 PAGE = "sweep.html"
-_SCRIPTS = ("curves.js", "states.js", "table.js", "sweep.js")
+_SCRIPTS = ("curves.js", "map.js", "states.js", "table.js", "sweep.js")
 _OUTCOMES = {
     0: "ok",
     1: "a fault of the program",

@@ -4,6 +4,7 @@ function makeStates(sweep) {
   const byId = (id) => document.getElementById(id);
   const place = byId("state"), second = byId("status"), same = byId("same");
   const select = byId("contact");
+  const edge = "#8f9ba3";
   const nothing = -32768; // not a number, of 16 bits
   const names = Object.keys(data.fields);
   const marker = ["circle-open", "circle", "square-open"]; // open, stick, slip
@@ -125,8 +126,8 @@ function makeStates(sweep) {
       height: 90 + 165 * panels.length, legend: { orientation: "h", y: 1.02, yanchor: "bottom" },
       margin: { l: 80, r: 15, t: 40, b: 55 },
       xaxis: {
-        title: { text: sweep.plain(title + unit) }, range: limits, anchor: `y${panels.length > 1 ? panels.length : ""}`,
-        zeroline: false,
+        title: { text: sweep.plain(title + unit) }, range: limits, zeroline: false,
+        anchor: `y${panels.length > 1 ? panels.length : ""}`,
       },
     };
     const traces = [];
@@ -144,14 +145,16 @@ function makeStates(sweep) {
           x: own.map((m) => x[m]), y: own.map((m) => values[m]), hovertext: own.map((m) => texts[m]),
           hoverinfo: "text", showlegend: n === 0,
           marker: {
-            size: x.length > 120 ? 4 : 6, symbol: marker[kind.of[0]], color: kind.of[0] === 0 ? "#8f9ba3" : kind.colour,
+            size: x.length > 120 ? 4 : 6, symbol: marker[kind.of[0]],
+            color: kind.of[0] === 0 ? edge : kind.colour, // an open ring would fade on white
             line: { width: x.length > 120 ? 1 : 1.5 },
           },
         });
       });
       const height = 1 / panels.length, gap = 0.16 * height;
       layout[n ? `yaxis${n + 1}` : "yaxis"] = {
-        title: { text: `${sweep.plain(data.labels[name]).replace(/ \(/, "<br>(")}` }, range: wider(ends(state, name, within), 0.06),
+        title: { text: sweep.plain(data.labels[name]).replace(" (", "<br>("), standoff: 8 },
+        range: wider(ends(state, name, within), 0.06), automargin: true,
         domain: [1 - (n + 1) * height + gap / 2, 1 - n * height - gap / 2], ...sweep.plainNumbers,
         zerolinecolor: "#5d6b78",
       };
@@ -184,7 +187,8 @@ function makeStates(sweep) {
         size, color: values, colorscale: "Viridis", cmin: low, cmax: high > low ? high : low + 1,
         showscale: true, line: { width: 0 },
         colorbar: {
-          orientation: "h", y: isPlane ? -0.24 : 0.16, yanchor: "top", thickness: 12, len: 1, ...sweep.plainNumbers,
+          orientation: "h", y: isPlane ? -0.24 : 0.16, yanchor: "top", thickness: 12, len: 1,
+          ...sweep.plainNumbers,
         },
       },
     });
@@ -201,7 +205,10 @@ function makeStates(sweep) {
       legend: { orientation: "h", y: isPlane ? -0.26 : 0.14, yanchor: "top" },
     }));
   }
-  function titled(text) { return { text: sweep.plain(text), font: { size: 14 }, x: 0.02, xanchor: "left", y: 0.98, yanchor: "top" }; }
+  function titled(text) {
+    const place = { x: 0.02, xanchor: "left", y: 0.98, yanchor: "top" };
+    return Object.assign({ text: sweep.plain(text), font: { size: 14 } }, place);
+  }
   // As large as points have room for.
   function markerSize(shape, limits, isPlane) {
     const [width, height] = limits.map(([low, high]) => high - low);

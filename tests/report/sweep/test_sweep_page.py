@@ -355,6 +355,16 @@ def arrays(**values):
     return change
 
 
+def overwritten(path):
+    content = bytearray(path.read_bytes())
+    content[60:160] = bytes(100)
+    path.write_bytes(content)
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:-200])
+
+
 DAMAGES = [
     (lambda f: (f / "sweep.json").unlink(), "sweep.json: cannot be read: No such file"),
     (lambda f: (f / "sweep.csv").unlink(), "sweep.csv: cannot be read: No such file"),
@@ -376,6 +386,8 @@ DAMAGES = [
     (replaced("sweep.csv", "\n2.0,0,", "\n2.0,good,"), "invalid literal"),
     (lambda f: (f / "states.npz").write_bytes(b""), "states.npz: damaged"),
     (lambda f: (f / "states.npz").write_bytes(b"PK\x03\x04" + bytes(50)), "states.npz: damaged"),
+    (lambda f: overwritten(f / "states.npz"), "states.npz: damaged"),
+    (lambda f: cut(f / "states.npz"), "states.npz: damaged"),
     (arrays(gap=lambda a: None), "states.npz: damaged: it lacks 'gap'"),
     (arrays(gap=lambda a: a[:-1]), "its arrays are not of one length"),
     (arrays(gap=lambda a: a.astype(object)), "states.npz: damaged"),
