@@ -228,7 +228,10 @@ def test_sliders_fix_the_keys_that_are_not_drawn(pages, browser):
     about = browser.driver.find_element("id", "about").text
     assert "At contact.0.law = <a href='https://example.invalid'>x</a>." in about
     choose(browser, "across", "contact.0.law")
-    assert browser.driver.find_elements("css selector", "a[href*='invalid']") == []
+    ticks = browser.driver.execute_script(
+        "return [...document.querySelectorAll('#curves .xtick text')].map((t) => t.textContent)"
+    )
+    assert ticks == ["static", "<a href='https://examp…"]
     assert curve(browser)["x"] == [0, 1]
 
 

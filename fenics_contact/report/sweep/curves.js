@@ -9,7 +9,7 @@ function makeCurves(sweep) {
   const each = "each";
   const mostNames = 12; // in the legend
   // What is across, and of which key each value has a curve; -1: none.
-  const keys = { across: data.keys.length - 1, family: data.keys.length > 1 ? data.keys.length - 2 : -1 };
+  const keys = { across: data.keys.length - 1, family: data.keys.length - 2 };
   const options = choices();
   const map = byId("map")
     ? makeMap(sweep, { place: byId("map"), keys, shown, option, saidOf, textAt, axisOf, clicked })
@@ -29,8 +29,8 @@ function makeCurves(sweep) {
   function varies(option) {
     return option.of.some(({ values }) => {
       const known = values.filter((value) => value !== null);
-      const low = Math.min(...known), high = Math.max(...known);
-      return high - low > 1e-9 * Math.max(Math.abs(low), Math.abs(high));
+      const size = known.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
+      return known.some((value) => Math.abs(value - known[0]) > 1e-9 * size);
     });
   }
   function option() { return options[Number(select.quantity.value)]; }
@@ -67,7 +67,7 @@ function makeCurves(sweep) {
     if (keys.family < 0) {
       return shown().map((of, n) => ({
         of, rows: rowsAlong(keys.across, sweep.numbers), name: nameOf(of),
-        line: { color: data.colours[n % data.colours.length], dash: dashes[n % dashes.length] },
+        line: different(n),
       }));
     }
     const key = data.keys[keys.family];
@@ -77,10 +77,13 @@ function makeCurves(sweep) {
       return { of: shown()[0], rows: rowsAlong(keys.across, numbers), name: said, line: styleOf(n) };
     });
   }
+  function different(n) {
+    return { color: data.colours[n % data.colours.length], dash: dashes[n % dashes.length] };
+  }
   // Numbers have shades in their order, words colours that differ.
   function styleOf(n) {
     const { values, said } = data.keys[keys.family];
-    if (!values) return { color: data.colours[n % data.colours.length], dash: dashes[n % dashes.length] };
+    if (!values) return different(n);
     const rank = values.filter((value) => value < values[n]).length / Math.max(1, said.length - 1);
     const at = rank * (shades.length - 1), low = Math.min(Math.floor(at), shades.length - 2);
     const parts = [1, 3, 5].map((from) => {
@@ -236,10 +239,9 @@ function makeCurves(sweep) {
     const rows = all.flatMap((curve) => curve.rows);
     const fails = new Set(rows.filter((row) => !sweep.isOk(row)));
     const said = [];
-    const fixed = data.keys.map((_, key) => key).filter((key) => key !== keys.across && key !== keys.family);
-    if (fixed.length) {
-      said.push(`At ${fixed.map((key) => sweep.pointWords(sweep.row())[key]).join(", ")}.`);
-    }
+    const isFixed = (_, key) => key !== keys.across && key !== keys.family;
+    const fixed = sweep.pointWords(sweep.row()).filter(isFixed);
+    if (fixed.length) said.push(`At ${fixed.join(", ")}.`);
     const bars = isWord() ? "bar" : "band";
     if (barred.length) {
       said.push(`The ${bars}s are estimated errors; where a point has no ${bars}, its error is not known.`);
@@ -263,7 +265,8 @@ function makeCurves(sweep) {
   }
 
   function fillOwners() {
-    const before = select.owner.selectedOptions.length ? select.owner.selectedOptions[0].textContent : "";
+    const [chosen] = select.owner.selectedOptions;
+    const before = chosen && chosen.textContent;
     select.owner.replaceChildren();
     const { of } = option();
     if (of.length > 1 && keys.family < 0) sweep.option(select.owner, each, "each");

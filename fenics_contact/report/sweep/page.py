@@ -39,6 +39,8 @@ from fenics_contact.results.words.tables import headed
 
 PAGE = "sweep.html"
 _SCRIPTS = ("curves.js", "map.js", "states.js", "table.js", "sweep.js")
+# Values of quantities that a page holds in 3 MB, and points that failed that it lists.
+_MOST_CELLS, _MOST_FAILURES = 300_000, 500
 _OUTCOMES = {
     0: "ok",
     1: "a fault of the program",
@@ -79,6 +81,8 @@ def write_sweep_page(folder: Path) -> Path:
         outcome=_outcome(table),
         facts=_facts(record),
         failures=_failures(record, table),
+        failed=sum(code != 0 for code in table.exit_codes),
+        left_out=data["left_out"],
         keys=data["keys"],
         has_bars=any(quantity["bars"] is not None for quantity in data["quantities"]),
         table=TABLE,
@@ -101,16 +105,18 @@ def _plotly() -> str:
 
 def _data(record: SweepRecord, table: SweepTable) -> dict[str, Any]:
     """All that the page draws but the contact states."""
-    quantities, units = quantities_of(table), record.units or NO_UNITS
+    every, units = quantities_of(table), record.units or NO_UNITS
+    quantities = every[: max(1, _MOST_CELLS // record.rows)]
     cells = said_in_table(quantities, table)
     return {
         "keys": [_key(key, values, record) for key, values in record.vary.items()],
         "codes": table.exit_codes,
-        "outcomes": [_OUTCOMES.get(code, f"exit code {code}") for code in table.exit_codes],
+        "outcomes": [_outcome_of(code) for code in table.exit_codes],
         "failures": {row: one_line(said) for row, said in record.failures.items()},
         "quantities": [
             _drawn(quantity, said, record) for quantity, said in zip(quantities, cells, strict=True)
         ],
+        "left_out": len(every) - len(quantities),
         "contacts": [one_line(name) for name in record.contacts],
         "labels": {name: headed(name, MEASURED[name], record.units) for name in FIELDS},
         "length": units.of("length"),
@@ -186,14 +192,15 @@ def _varied(key: str, values: list[Any], record: SweepRecord) -> str:
 
 
 def _failures(record: SweepRecord, table: SweepTable) -> list[tuple[int, str, str]]:
-    """Of every point that failed: its row, the values of its keys, and why."""
+    """Of the first points that failed: the row, the values of the keys, and why."""
     keys = [_key(key, values, record) for key, values in record.vary.items()]
-    found = []
-    for row, code in enumerate(table.exit_codes):
-        if code:
-            why = record.failures.get(row) or _OUTCOMES.get(code, f"exit code {code}")
-            found.append((row, _point(keys, row), one_line(why)))
-    return found
+    rows = [row for row, code in enumerate(table.exit_codes) if code][:_MOST_FAILURES]
+    whys = [record.failures.get(row) or _outcome_of(table.exit_codes[row]) for row in rows]
+    return [(row, _point(keys, row), one_line(why)) for row, why in zip(rows, whys, strict=True)]
+
+
+def _outcome_of(code: int) -> str:
+    return _OUTCOMES.get(code, f"exit code {code}")
 
 
 def _point(keys: list[dict[str, Any]], row: int) -> str:

@@ -330,6 +330,19 @@ def test_what_is_larger_is_thinned_out_and_says_so(tmp_path, monkeypatch):
     assert numbers_of(data, 0, "contact pressure") == pytest.approx(exact, abs=1e-4 * exact.max())
 
 
+def test_quantities_and_failures_of_very_many_points_are_left_out(tmp_path, monkeypatch):
+    monkeypatch.setattr("fenics_contact.report.sweep.page._MOST_CELLS", 8)
+    monkeypatch.setattr("fenics_contact.report.sweep.page._MOST_FAILURES", 1)
+    write_sweep(tmp_path, {INDENTATION: DEPTHS}, lambda d: "No." if d > 0.5 else hertz(d))
+    page = write_sweep_page(tmp_path)
+    text = Texts(page).text
+    names = [one["name"] for one in data_of(page)["quantities"]]
+    assert names == ["normal force", "friction force"]
+    assert "this page leaves out 6 quantities; sweep.csv has all." in text
+    assert "2 of 4 points have no answer" in text
+    assert text.count("No.") == 1 and "And 1 more; sweep.json has all." in text
+
+
 def changed(folder, **values):
     path = folder / "sweep.json"
     path.write_text(json.dumps(json.loads(path.read_text()) | values))
