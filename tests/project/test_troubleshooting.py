@@ -31,6 +31,7 @@ NOT_OF_SCENES = {
     "report/drawing/field_files.py",
     "report/gallery.py",
     "report/report.py",
+    "report/sweep/files.py",
     "results/contact_table.py",
     "results/result_file.py",
     "simulation/adaptive/targets.py",
