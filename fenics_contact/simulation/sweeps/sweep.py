@@ -130,6 +130,7 @@ class Sweep:
         units = _united([done.units for done in every if done.units is not None])
         return {
             "title": first.title,
+            "kinematics": first.kinematics,
             "scene": str(self._file.path),
             "vary": {axis.key: list(axis.values) for axis in self.grid.axes},
             "contacts": [contact.label for contact in first.contact],

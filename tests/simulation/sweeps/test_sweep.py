@@ -71,6 +71,7 @@ def test_the_table_has_a_row_for_each_point_as_run_gives_it(scene, tmp_path):
     assert summary.pop("seconds") > 0
     assert summary == {
         "title": "Slab",
+        "kinematics": "plane stress",
         "scene": str(scene),
         "vary": {MU: [0.2, 0.3], LOAD: [-300, -200, -100]},
         "contacts": ["top"],
