@@ -49,6 +49,7 @@ def execute(options: argparse.Namespace) -> int:
         "new": lambda: on_root(MPI.COMM_WORLD, lambda: _new(options)),
         "report": lambda: on_root(MPI.COMM_WORLD, lambda: _report(options.folder, options.quiet)),
         "run": lambda: _run(options),
+        "sweep": lambda: _sweep(options),
         "verify": lambda: _verify(options),
     }[options.command]
     return guarded(action)
@@ -189,6 +190,12 @@ def _compare(options: argparse.Namespace) -> int:
     from fenics_contact.cli.compare.command import compare
 
     return compare(options)
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from fenics_contact.cli.sweep.command import sweep
+
+    return sweep(options)
 
 
 def _look(options: argparse.Namespace) -> int:

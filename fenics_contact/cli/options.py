@@ -12,6 +12,7 @@ from typing import IO, NoReturn
 
 from fenics_contact.cli.compare import options as compare
 from fenics_contact.cli.look import options as look
+from fenics_contact.cli.sweep import options as sweep
 from fenics_contact.common.plain_text import printable
 from fenics_contact.common.wording.suggestions import did_you_mean
 
@@ -37,6 +38,7 @@ Examples:
   fenics-contact look joint.step        # a CAD file as a page, and a scene to complete
   fenics-contact check hertz.toml       # what would be modelled
   fenics-contact run hertz.toml         # solves it
+  fenics-contact sweep hertz.toml --vary contact.0.friction_coefficient=0:0.5:6
   fenics-contact report results/hertz   # pictures and a page
   mpirun -n 4 fenics-contact run hertz.toml
 
@@ -112,6 +114,7 @@ Examples:
 SHELLS = ("bash", "zsh", "fish")
 
 _EXIT_BRIEFLY = "Exit codes: see fenics-contact --help."
+_EPILOGS = {"run": f"{_RUN}\n\n{_EXIT_CODES}", "sweep": sweep.EPILOG}
 
 
 class _Formatter(argparse.HelpFormatter):
@@ -258,6 +261,12 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
         ),
         ("check", "say what would be modelled, without solving", "SCENE.toml [options]", _CHECK),
         ("run", "solve a scene", "SCENE.toml [options] [-- PETSc options]", ""),
+        (
+            "sweep",
+            "solve a scene for all combinations of values of its keys",
+            "SCENE.toml --vary KEY=VALUES [options]",
+            sweep.DESCRIPTION,
+        ),
         ("report", "pictures and a page from the files of a run", "DIR [options]", _REPORT),
         ("compare", "two runs or more side by side", "DIR DIR ... [options]", compare.DESCRIPTION),
         ("verify", "run analytic and published benchmarks", "[NAME ...] [options]", _VERIFY),
@@ -269,12 +278,14 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
             help=words,
             usage=f"{PROGRAM} {name} {usage}",
             description=description or "Solves a scene, checks the answer and writes it to files.",
-            epilog=f"{_RUN}\n\n{_EXIT_CODES}" if name == "run" else _EXIT_BRIEFLY,
+            epilog=_EPILOGS.get(name, _EXIT_BRIEFLY),
         )
     _describe_run(made["run"])
     _describe_check(made["check"])
     _describe_new(made["new"])
     look.describe(made["look"])
+    _add_scene(made["sweep"])
+    sweep.describe(made["sweep"])
     made["report"].add_argument("folder", metavar="DIR", type=Path, help="results of a run")
     compare.describe(made["compare"])
     _describe_verify(made["verify"])

@@ -53,8 +53,7 @@ def activity(
         What to call with number and record of every load step, or None where they are logged.
     """
     console = Terminal(stderr=True)
-    shows = console.is_terminal and not console.is_dumb_terminal and not quiet
-    if not from_root(comm, shows):
+    if not from_root(comm, _can_move(console) and not quiet):
         with nullcontext() if quiet or comm.rank > 0 else _lines_now_and_then():
             yield None
         return
@@ -63,7 +62,7 @@ def activity(
         return
     from rich.progress import Progress
 
-    with Progress(*_columns(steps), console=console, transient=True) as progress:
+    with Progress(*_columns(steps.several), console=console, transient=True) as progress:
         task = progress.add_task("", total=steps.last)
         where = ""
 
@@ -85,11 +84,42 @@ def activity(
             yield announce
 
 
-def _columns(steps: Steps) -> tuple[ProgressColumn, ...]:
-    """A bar where there are several load steps; the time; and words."""
+@contextmanager
+def counting(total: int, quiet: bool) -> Iterator[Callable[[int, str], None]]:
+    """How many of many things are done, on the terminal, as ``activity``; on one rank.
+
+    Args:
+        total: How many there are.
+        quiet: Whether to show nothing.
+
+    Yields:
+        What to call with how many are done, and with words of it.
+    """
+    console = Terminal(stderr=True)
+    if quiet:
+        yield lambda done, words: None
+    elif not _can_move(console):
+        with _NowAndThen() as watch:
+            yield lambda done, words: watch.tell(words)
+    else:
+        from rich.progress import Progress
+
+        with Progress(*_columns(True), console=console, transient=True) as progress:
+            task = progress.add_task("", total=total)
+            with _logging_above():
+                yield lambda done, words: progress.update(task, completed=done, description=words)
+
+
+def _can_move(console: Terminal) -> bool:
+    """Whether it is a terminal that can move its cursor."""
+    return console.is_terminal and not console.is_dumb_terminal
+
+
+def _columns(several: bool) -> tuple[ProgressColumn, ...]:
+    """A bar where there are several things to do; the time; and words."""
     from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    bar = BarColumn(_BAR) if steps.several else SpinnerColumn()
+    bar = BarColumn(_BAR) if several else SpinnerColumn()
     return bar, TimeElapsedColumn(), TextColumn("{task.description}", markup=False)
 
 

@@ -8,15 +8,20 @@ from types import FrameType, TracebackType
 from typing import Any, ClassVar
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
-_MESSAGE = b"\nfenics-contact: stopping at the last load step that is done; again to kill\n"
+_MESSAGE = "\nfenics-contact: stopping at the last {} that is done; again to kill\n"
 
 
 class Interrupts:
-    """While entered, signals only set a mark on this rank; handlers of before come back."""
+    """While entered, signals only set a mark on this rank; handlers of before come back.
+
+    Args:
+        what: Of what the last that is done is kept.
+    """
 
     entered: ClassVar[list[Interrupts]] = []
 
-    def __init__(self) -> None:
+    def __init__(self, what: str = "load step") -> None:
+        self._message = _MESSAGE.format(what).encode()
         self._requested = False
         self._before: dict[signal.Signals, Any] = {}
 
@@ -45,7 +50,7 @@ class Interrupts:
             signal.signal(number, signal.SIG_DFL)
             os.kill(os.getpid(), number)
         self._requested = True
-        os.write(2, _MESSAGE)
+        os.write(2, self._message)
 
 
 def requested() -> bool:

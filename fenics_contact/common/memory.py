@@ -136,3 +136,10 @@ def _within(folder: Path, limit: str, used: str, reclaimable: str) -> float:
         return free
     statistics = dict(line.split() for line in lines)
     return free + float(statistics.get(reclaimable, 0))
+
+
+def cores() -> int:
+    """How many there are for this process, which need not be all of the machine."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -10,6 +10,7 @@ boundary, never of whole bodies.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
@@ -21,6 +22,8 @@ from fenics_contact.common.arrays import Array, Kind
 from fenics_contact.common.errors import FenicsContactError
 
 T = TypeVar("T")
+# Variables by which MPI tells a process that it is one of several.
+_OF_LAUNCHERS = ("PMI_", "PMIX_", "HYDI_", "HYDRA_", "MPI_", "MPIR_", "OMPI_")
 
 
 def lasting(comm: MPI.Comm) -> MPI.Comm:
@@ -33,6 +36,11 @@ def lasting(comm: MPI.Comm) -> MPI.Comm:
         if MPI.Comm.Compare(comm, one) in (MPI.IDENT, MPI.CONGRUENT):
             return one
     return comm
+
+
+def environment_alone() -> dict[str, str]:
+    """Variables for a new process that is none of the ranks here."""
+    return {n: value for n, value in os.environ.items() if not n.startswith(_OF_LAUNCHERS)}
 
 
 def on_root(comm: MPI.Comm, action: Callable[[], T]) -> T:

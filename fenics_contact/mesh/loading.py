@@ -51,6 +51,7 @@ def load_body(
     sizes: Sequence[SizeField] | None = None,
     curved: bool = False,
     preloads: Sequence[Preload] = (),
+    arrays: MeshArrays | None = None,
 ) -> Body:
     """Mesh geometries, or read meshes, put them together and distribute the whole.
 
@@ -62,6 +63,7 @@ def load_body(
             geometries then, and by default meshed as they say.
         curved: Whether cells of geometries that are not straight get a geometry of order 2.
         preloads: Of the scene; bodies are cut for those that say where.
+        arrays: As ``load_arrays`` gives them, if they are made already; used on rank 0 only.
 
     Raises:
         InputError: A file is missing, Gmsh refuses it, or its mesh is unsound; or the meshes
@@ -69,17 +71,18 @@ def load_body(
     """
     if isinstance(sources, MeshSource):
         sources = [sources]
-    arrays: list[MeshArrays] = []  # stays on rank 0
+    found: list[MeshArrays] = []  # stays on rank 0
 
     def prepare() -> tuple[Any, ...]:
-        made = _load_all(sources, dimension, sizes, curved, bolts_of(sources, preloads))
-        arrays.append(made)
+        cuts = bolts_of(sources, preloads)
+        made = arrays or _load_all(sources, dimension, sizes, curved, cuts)
+        found.append(made)
         named = made.groups, made.numbers, made.relations
         return made.cell, made.order, made.facets.shape[1], named
 
     cell, order, facet_nodes, (groups, numbers, relations) = on_root(comm, prepare)
-    if arrays:
-        made = arrays.pop()
+    if found:
+        made = found.pop()
         points, cells, cell_tags = made.points, made.cells, made.cell_tags
         facets, facet_tags = made.facets, made.facet_tags
     else:
@@ -97,6 +100,22 @@ def load_body(
         numbers,
         relations,
     )
+
+
+def load_arrays(
+    sources: Sequence[MeshSource], dimension: int, preloads: Sequence[Preload] = ()
+) -> MeshArrays:
+    """The meshes of all files as one, not distributed yet; on one rank.
+
+    Args:
+        sources: As of ``load_body``.
+        dimension: Likewise.
+        preloads: Likewise.
+
+    Raises:
+        InputError: As of ``load_body``.
+    """
+    return _load_all(sources, dimension, None, False, bolts_of(sources, preloads))
 
 
 def _load_all(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import re
 import tomllib
@@ -44,21 +45,65 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     Traceback (most recent call last):
     fenics_contact.common.errors.InputError: nowhere.toml: cannot be read: No such file or directory
     """
-    path = Path(path)
-    text = _read(path)
-    data = _parsed(text, path)
-    for setting in overrides:
-        _override(data, setting)
-    try:
-        scene = _scene(data, path)
-    except InputError as error:
-        if not overrides:
-            raise
-        _scene(_parsed(text, path), path)  # what is wrong with the file itself comes first
-        settings = " ".join(f"--set {setting}" for setting in overrides)
-        said = str(error).removeprefix(f"{path}: ")
-        raise InputError(f"{path} with {settings}: {said}") from None
-    return _beside(scene, path.parent)
+    return SceneFile(Path(path)).scene(overrides)
+
+
+class SceneFile:
+    """The text of a scene file, read once, of which scenes with other values are made.
+
+    Attributes:
+        path: Of the file.
+
+    Args:
+        path: TOML file.
+
+    Raises:
+        InputError: It cannot be read, or is no TOML.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._data = _parsed(_read(path), path)
+
+    def data(self, overrides: Sequence[str], varied: Sequence[str] = ()) -> dict[str, Any]:
+        """What it says, with other values.
+
+        Args:
+            overrides: As of ``load_scene``.
+            varied: Likewise, of ``--vary``; they come last.
+
+        Raises:
+            InputError: A setting names no table or entry of it.
+        """
+        data = copy.deepcopy(self._data)
+        for setting in overrides:
+            _override(data, setting, "--set")
+        for setting in varied:
+            _override(data, setting, "--vary")
+        return data
+
+    def scene(self, overrides: Sequence[str], varied: Sequence[str] = ()) -> Scene:
+        """The scene with other values, with paths of meshes that begin at the file's folder.
+
+        Args:
+            overrides: As of ``load_scene``.
+            varied: As of ``data``.
+
+        Raises:
+            InputError: As ``load_scene``.
+        """
+        path = self.path
+        data = self.data(overrides, varied)
+        try:
+            scene = _scene(data, path)
+        except InputError as error:
+            if not overrides and not varied:
+                raise
+            _scene(self._data, path)  # what is wrong with the file itself comes first
+            settings = [*(f"--set {one}" for one in overrides), *(f"--vary {v}" for v in varied)]
+            said = str(error).removeprefix(f"{path}: ")
+            raise InputError(f"{path} with {' '.join(settings)}: {said}") from None
+        return _beside(scene, path.parent)
 
 
 def scene_of_text(text: str, path: Path) -> Scene:
@@ -150,44 +195,64 @@ def _beside(scene: Scene, folder: Path) -> Scene:
     return dataclasses.replace(scene, mesh=tuple(meshes))
 
 
-def _override(data: dict[str, Any], setting: str) -> None:
-    """Replace or add one value, such as ``solver.tolerance=1e-8``."""
+def _override(data: dict[str, Any], setting: str, option: str) -> None:
+    """Replace or add one value, such as ``solver.tolerance=1e-8``, as an option asks for it."""
     path, equals, text = setting.partition("=")
     if not equals or not path.strip():
-        raise InputError(f"--set {setting}: write it as table.key=value")
-    try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except (ValueError, RecursionError):
-        value = text.strip()  # a bare word is a string
+        raise InputError(f"{option} {setting}: write it as table.key=value")
+    value = value_of(text)
     if numbered := re.search(r"\[\d+\]", path):
         dotted = re.sub(r"\[(\d+)\]", r".\1", path.strip())
-        raise InputError(f"--set {setting}: write {numbered[0]} with a dot, as in {dotted}")
-    *tables, key = _keys(path.strip(), setting)
+        raise InputError(f"{option} {setting}: write {numbered[0]} with a dot, as in {dotted}")
+    try:
+        *tables, key = keys_of(path)
+    except ValueError:
+        raise InputError(f"{option} {setting}: write it as table.key=value") from None
     target: Any = data
     for name in tables:
         if isinstance(target, list):
-            target = _entry(target, name, setting)
+            target = _entry(target, name, setting, option)
         elif isinstance(target, dict):
             target = target.setdefault(name, {})
         else:
-            raise InputError(f"--set {setting}: '{name}' is not a table of the scene")
+            raise InputError(f"{option} {setting}: '{name}' is not a table of the scene")
     if isinstance(target, list):
-        _entry(target, key, setting)
+        _entry(target, key, setting, option)
         target[int(key)] = value
     elif isinstance(target, dict):
         target[key] = value
     else:
-        raise InputError(f"--set {setting}: '{path.strip()}' is not a key of the scene")
+        raise InputError(f"{option} {setting}: '{path.strip()}' is not a key of the scene")
 
 
-def _keys(path: str, setting: str) -> list[str]:
-    """Keys between dots; in quotes they may have dots themselves, as in TOML."""
+def value_of(text: str) -> Any:
+    """The value that a setting gives: as in TOML, or a bare word, which is a text.
+
+    >>> value_of("5e-3"), value_of("[1, 0]"), value_of("static")
+    (0.005, [1, 0], 'static')
+    """
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except (ValueError, RecursionError):
+        return text.strip()
+
+
+def keys_of(path: str) -> list[str]:
+    """Keys between dots; in quotes they may have dots themselves, as in TOML.
+
+    Raises:
+        ValueError: They are not written as in TOML.
+
+    >>> keys_of("contact.0.pressure"), keys_of("accuracy.'top.normal_force'")
+    (['contact', '0', 'pressure'], ['accuracy', 'top.normal_force'])
+    """
+    path = path.strip()
     if '"' not in path and "'" not in path:
         return path.split(".")
     try:
         table = tomllib.loads(f"{path} = 0")
-    except (ValueError, RecursionError):
-        raise InputError(f"--set {setting}: write it as table.key=value") from None
+    except RecursionError:
+        raise ValueError(path) from None
     keys = []
     while isinstance(table, dict):
         key, table = next(iter(table.items()))
@@ -195,7 +260,9 @@ def _keys(path: str, setting: str) -> list[str]:
     return keys
 
 
-def _entry(entries: list[Any], name: str, setting: str) -> Any:
+def _entry(entries: list[Any], name: str, setting: str, option: str) -> Any:
     if not (name.isascii() and name.isdigit()) or int(name) >= len(entries):
-        raise InputError(f"--set {setting}: '{name}' must be a number from 0 to {len(entries) - 1}")
+        raise InputError(
+            f"{option} {setting}: '{name}' must be a number from 0 to {len(entries) - 1}"
+        )
     return entries[int(name)]

@@ -29,7 +29,10 @@ pytestmark = pytest.mark.serial
 
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PAGES = [page for page in PAGES if not {"_build", "gallery"} & set(page.parts)]
-COMMANDS = ("run", "look", "check", "report", "compare", "verify", "new", "schema", "completion")
+COMMANDS = (
+    *("run", "sweep", "look", "check", "report", "compare", "verify", "new", "schema"),
+    "completion",
+)
 # Programs of others, whose words are not looked at.
 OTHERS = {
     "alias",

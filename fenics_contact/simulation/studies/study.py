@@ -28,6 +28,9 @@ from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 
 logger = logging.getLogger(__name__)
 
+# Other values of a scene's keys; a whole scene; or nothing.
+Changes = Mapping[str, Any] | Scene | None
+
 
 class Study:
     """A scene whose answers are asked for under many conditions; on any number of ranks.
@@ -72,7 +75,7 @@ class Study:
         self.scene, self._comm = scene, comm
         self.run: Run | None = None
         self._mesh, self._own_mesh = body, body is not None
-        self._mesh_of = _mesh_key(scene)
+        self._mesh_of = mesh_key(scene)
         self._kept: KeptBody | None = None
         self._quick: QuickAnswers | None = None
         self._factors = KnownFactors()
@@ -135,16 +138,17 @@ class Study:
         """How often a body was factorised."""
         return self._before + (0 if self._kept is None else self._kept.factorisations)
 
-    def changed(self, changes: Mapping[str, Any] | None = None) -> Scene:
+    def changed(self, changes: Changes = None) -> Scene:
         """The scene with other values.
 
         Args:
             changes: Key → value; keys as of ``--set``, such as ``contact.0.friction_coefficient``.
+                Or the whole scene.
 
         Raises:
             InputError: A key is none of the scene, or the scene cannot have such a value.
         """
-        found = with_changes(self.scene, changes or {})
+        found = changes if isinstance(changes, Scene) else with_changes(self.scene, changes or {})
         _refuse_accuracy(found)
         return found
 
@@ -156,14 +160,15 @@ class Study:
         """
         scene = self.changed(changes)
         found = list(BodyDescription.of(self.scene).differences(BodyDescription.of(scene)))
-        same_mesh = self._own_mesh or _mesh_key(scene) == _mesh_key(self.scene)
+        same_mesh = self._own_mesh or mesh_key(scene) == mesh_key(self.scene)
         return found if same_mesh else ["mesh", *found]
 
-    def solve(self, changes: Mapping[str, Any] | None = None) -> Result:
+    def solve(self, changes: Changes = None) -> Result:
         """Solve and evaluate the scene with other values; collective.
 
         Args:
             changes: Key → value; keys as of ``--set``, such as ``contact.0.friction_coefficient``.
+                Or the whole scene, as it is to be solved.
 
         Returns:
             What ``fenics_contact.run`` of the changed scene gives.
@@ -203,7 +208,7 @@ class Study:
         """Begin the next quick answer as a separate run does, not at the last one."""
         self._quick = None
 
-    def prepare(self, changes: Mapping[str, Any] | None = None) -> Run:
+    def prepare(self, changes: Changes = None) -> Run:
         """The run of the scene with other values, to be solved before any other; collective.
 
         Args:
@@ -220,7 +225,7 @@ class Study:
     def _body_of(self, scene: Scene, timings: Timings) -> KeptBody:
         """That of a scene, made anew if the last one was another; collective."""
         description, kept = BodyDescription.of(scene), self._kept
-        same_mesh = self._own_mesh or _mesh_key(scene) == self._mesh_of
+        same_mesh = self._own_mesh or mesh_key(scene) == self._mesh_of
         if kept is not None:
             other = list(kept.discrete.description.differences(description))
             other += [] if same_mesh else ["mesh"]
@@ -230,7 +235,7 @@ class Study:
             self._forget_body()
         if self._mesh is None or not same_mesh:
             self._mesh = mesh_of(scene, self._comm, timings)
-            self._mesh_of = _mesh_key(scene)
+            self._mesh_of = mesh_key(scene)
         self._kept = KeptBody(scene, self._mesh, timings, self._factors)
         return self._kept
 
@@ -248,7 +253,7 @@ class Study:
         self._factors.destroy()
 
 
-def _mesh_key(scene: Scene) -> Sequence[object]:
+def mesh_key(scene: Scene) -> Sequence[object]:
     """What the mesh of a scene depends on: its files, and where preloads have bodies cut."""
     return scene.mesh, [(p.on, p.axis, p.between) for p in scene.preload if p.between is not None]
 

@@ -7,7 +7,6 @@ The estimate is that of ``fenics-contact check``.
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -16,15 +15,13 @@ from typing import Any
 from mpi4py import MPI
 
 from fenics_contact.common.errors import FenicsContactError
-from fenics_contact.common.parallel import on_root
+from fenics_contact.common.parallel import environment_alone, on_root
 from fenics_contact.verification.case import Case, Finding
 from fenics_contact.verification.memory.table import ALL, FEW, MemoryRun
 
 LEAST, MOST = 0.7, 1.5  # of the estimate over what was measured
 COUNTS_FROM = 200e6  # bytes
 _WORKER = "fenics_contact.verification.memory.worker"
-# Variables by which MPI tells a process that it is one of several: the new one is none of them.
-_OF_MPI = ("PMI", "PMIX", "HYDI", "HYDRA", "MPI", "MPIR", "OMPI")
 
 
 class UnmeasuredError(FenicsContactError):
@@ -45,13 +42,10 @@ def measured(
     Raises:
         UnmeasuredError: The run failed.
     """
-    environment = {
-        name: value
-        for name, value in os.environ.items()
-        if not name.startswith(tuple(f"{prefix}_" for prefix in _OF_MPI))
-    }
     command = [*start, "-m", _WORKER, case, solver, errors]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, env=environment_alone()
+    )
     if done.returncode:
         raise UnmeasuredError(f"{case} by {solver} failed:\n{done.stderr}")
     row: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])

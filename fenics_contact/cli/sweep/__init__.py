@@ -1,0 +1,1 @@
+"""``fenics-contact sweep``: its options, and what it says."""

@@ -1,0 +1,125 @@
+"""What stands in a row of ``sweep.csv`` of an answer: numbers by the names they are asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.results.contact_points import ContactPoints
+from fenics_contact.results.quantities import MEASURED_BY_PRELOADS, reactions_by_name
+from fenics_contact.results.records.record import Errors
+from fenics_contact.results.result import Result
+from fenics_contact.scene.values import AXES
+
+#: What the name of an error bar ends in.
+BAR = "_error"
+# Numbers of the statuses in ``states.npz``.
+_STATUS = {"OPEN": 0, "STICK": 1, "SLIP": 2}
+_VECTORS = ("", "traction_", "slip_")
+#: Arrays of ``states.npz`` besides the row, and their kinds.
+STATES: dict[str, Any] = {
+    "contact": np.int32,
+    **dict.fromkeys((f"{before}{axis}" for before in _VECTORS for axis in AXES), np.float64),
+    "gap": np.float64,
+    "contact_pressure": np.float64,
+    "status": np.int8,
+}
+Row = dict[str, float | None]
+
+
+def row_of(answer: Result) -> Row:
+    """All numbers of an answer by their names, each followed by its error bar if bars are made.
+
+    Args:
+        answer: That converged.
+    """
+    row: Row = {}
+    for owner, quantities, errors in _parts(answer):
+        for name, value in quantities.items():
+            row |= _numbers(f"{owner}{name}", value, errors.get(name))
+    return row
+
+
+def _parts(answer: Result) -> Iterator[tuple[str, Mapping[str, Any], Errors]]:
+    """What stands before the names of quantities, the quantities and their errors."""
+    yield "", answer.quantities, answer.errors
+    for contact in answer.contacts:
+        yield f"{contact.name}.", contact.quantities, contact.errors
+    for name, reaction in reactions_by_name(answer.supports).items():
+        together = answer.reactions.get(name)
+        errors = {} if together is None else together.errors
+        yield f"{name}.", {"reaction": reaction}, errors
+    for name, preload in answer.preloads.items():
+        yield f"{name}.", {one: preload[one] for one in MEASURED_BY_PRELOADS}, preload.errors
+
+
+def _numbers(name: str, value: Any, error: Mapping[str, float | None] | None) -> Row:
+    """A number, or the components of a vector; and the error bar, once."""
+    if isinstance(value, Sequence):
+        row = {f"{name}_{axis}": _finite(one) for axis, one in zip(AXES, value, strict=False)}
+    else:
+        row = {name: _finite(value)}
+    if error is not None:
+        row[f"{name}{BAR}"] = _finite(error.get("total"))
+    return row
+
+
+def _finite(value: float | None) -> float | None:
+    """As in ``result.json``, where what is not a number is null."""
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
+def columns_of(rows: Iterable[Row]) -> list[str]:
+    """The names of all rows, in the order of each of them.
+
+    A quantity without a value in any row, as of several contacts together, is left out.
+
+    Args:
+        rows: Those of the answers.
+    """
+    patterns = dict.fromkeys(tuple(_named(row)) for row in rows)
+    found: list[str] = []
+    for names in patterns:
+        place = 0
+        for name in names:
+            if name not in found:
+                is_before_bar = any(one.endswith(BAR) for one in found[place : place + 1])
+                # a bar stays behind its quantity
+                found.insert(place + (is_before_bar and not name.endswith(BAR)), name)
+            place = found.index(name) + 1
+    return found
+
+
+def _named(row: Row) -> Iterator[str]:
+    """Names of the quantities that have a value, and of the bars of these."""
+    has_value = False
+    for name, value in row.items():
+        is_bar = name.endswith(BAR)
+        has_value = has_value if is_bar else value is not None
+        if has_value:
+            yield name
+
+
+def states_of(points: ContactPoints | None) -> dict[str, Any]:
+    """What ``states.npz`` holds of the contact points of an answer, all but its row.
+
+    Args:
+        points: Of the answer.
+    """
+    if points is None:
+        return {}
+    vectors = (points.coordinates, points.friction_traction, points.slip)
+    found = {
+        f"{before}{axis}": vector[:, number]
+        for before, vector in zip(_VECTORS, vectors, strict=True)
+        for number, axis in enumerate(AXES)
+    }
+    return found | {
+        "contact": points.contact,
+        "gap": points.gap,
+        "contact_pressure": points.contact_pressure,
+        "status": np.array([_STATUS[status] for status in points.status], dtype=np.int8),
+    }
