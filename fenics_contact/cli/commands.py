@@ -44,6 +44,7 @@ def execute(options: argparse.Namespace) -> int:
     _log_to_terminal(options, logging.WARNING if options.command == "verify" else logging.INFO)
     action = {
         "check": lambda: _check(options),
+        "explore": lambda: _explore(options),
         "look": lambda: on_root(MPI.COMM_WORLD, lambda: _look(options)),
         "new": lambda: on_root(MPI.COMM_WORLD, lambda: _new(options)),
         "report": lambda: on_root(MPI.COMM_WORLD, lambda: _report(options.folder, options.quiet)),
@@ -182,6 +183,12 @@ def _report(folder: Path, quiet: bool) -> int:
     for path in [] if quiet else written:
         print(f"  {one_line(str(path))}")
     return 0
+
+
+def _explore(options: argparse.Namespace) -> int:
+    from fenics_contact.cli.explore.command import explore
+
+    return explore(options)
 
 
 def _look(options: argparse.Namespace) -> int:

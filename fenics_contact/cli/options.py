@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, NoReturn
 
+from fenics_contact.cli.explore import options as explore
 from fenics_contact.cli.look import options as look
 from fenics_contact.common.plain_text import printable
 from fenics_contact.common.wording.suggestions import did_you_mean
@@ -257,6 +258,12 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
         ),
         ("check", "say what would be modelled, without solving", "SCENE.toml [options]", _CHECK),
         ("run", "solve a scene", "SCENE.toml [options] [-- PETSc options]", ""),
+        (
+            "explore",
+            "move numbers of a scene on a page, and see its answer follow",
+            "SCENE.toml [options]",
+            explore.DESCRIPTION,
+        ),
         ("report", "pictures and a page from the files of a run", "DIR [options]", _REPORT),
         ("verify", "run analytic and published benchmarks", "[NAME ...] [options]", _VERIFY),
         ("schema", "print the JSON schema of a scene, for editors", "", _SCHEMA),
@@ -271,6 +278,8 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
         )
     _describe_run(made["run"])
     _describe_check(made["check"])
+    _add_scene(made["explore"])
+    explore.describe(made["explore"])
     _describe_new(made["new"])
     look.describe(made["look"])
     made["report"].add_argument("folder", metavar="DIR", type=Path, help="results of a run")

@@ -11,6 +11,7 @@ from typing import Any
 from mpi4py import MPI
 
 from fenics_contact.body.description import BodyDescription
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import failing_together
 from fenics_contact.common.timings import Timings
@@ -39,6 +40,7 @@ class Study:
 
     Attributes:
         scene: As it is without changes.
+        comm: The ranks that it is on.
         run: The last answer's run, with its fields; None before there is one.
         factorisations: How often a body was factorised.
 
@@ -68,7 +70,7 @@ class Study:
         self, scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None
     ) -> None:
         _refuse_accuracy(scene)
-        self.scene, self._comm = scene, comm
+        self.scene, self.comm = scene, comm
         self.run: Run | None = None
         self._mesh, self._own_mesh = body, body is not None
         self._mesh_of = _mesh_key(scene)
@@ -125,7 +127,7 @@ class Study:
         path = Path(file)
         if self._kept is None or self._kept.condensed is None:
             raise InputError(f"{path}: solve before saving: no body is condensed yet")
-        with failing_together(self._comm):
+        with failing_together(self.comm):
             save_body(path, self._kept.condensed, _text_of(self.scene))
 
     @property
@@ -191,11 +193,25 @@ class Study:
             MachineError: Likewise.
         """
         scene, timings = self.changed(changes), Timings()
-        with failing_together(self._comm):
+        with failing_together(self.comm):
             kept = self._body_of(scene, timings)
             if self._quick is None:
                 self._quick = QuickAnswers(kept)
             return self._quick.answer(scene, follow)
+
+    def displacement(self) -> Array:
+        """Displacement in the last quick answer, by one back-substitution; collective.
+
+        Returns:
+            At the nodes of this rank, (nodes, components), in the order of a run's fields (length).
+
+        Raises:
+            InputError: There is no quick answer yet.
+        """
+        find = None if self._quick is None else self._quick.find_body
+        if find is None:
+            raise InputError("displacement: ask for quantities first: there is no quick answer yet")
+        return find().displacement
 
     def forget_answer(self) -> None:
         """Begin the next quick answer as a separate run does, not at the last one."""
@@ -211,9 +227,9 @@ class Study:
             InputError: As of ``solve``.
         """
         scene, timings = self.changed(changes), Timings()
-        with failing_together(self._comm):
+        with failing_together(self.comm):
             kept = self._body_of(scene, timings)
-        return Run(scene, self._comm, kept=kept)
+        return Run(scene, self.comm, kept=kept)
 
     def _body_of(self, scene: Scene, timings: Timings) -> KeptBody:
         """That of a scene, made anew if the last one was another; collective."""
@@ -227,7 +243,7 @@ class Study:
             logger.info("the body is made anew: other %s", ", ".join(other))
             self._forget_body()
         if self._mesh is None or not same_mesh:
-            self._mesh = mesh_of(scene, self._comm, timings)
+            self._mesh = mesh_of(scene, self.comm, timings)
             self._mesh_of = _mesh_key(scene)
         self._kept = KeptBody(scene, self._mesh, timings)
         return self._kept
