@@ -10,11 +10,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from mpi4py import MPI
-
 from fenics_contact.common import timings
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.failures import explain
+from fenics_contact.common.failures import BUG, explain
 from fenics_contact.explore.access import Access, new_token
 from fenics_contact.explore.explorer import Explorer, with_number
 from fenics_contact.explore.keys import moved_keys
@@ -73,8 +71,8 @@ class Exploration:
         self.keys = moved_keys(study, vary)
         self._study, self._beside = study, (beside or Path.cwd()).resolve()
         self._explorer = Explorer(study)
-        self._progress = said("progress", "making ready")
-        self._shape: Message | None = None
+        self._greeting = [said("progress", "making ready")]
+        self._has_begun = False
         self._exchange = Exchange(self._call_soon)
         self._loop = _own_loop()
         token = new_token()
@@ -85,6 +83,8 @@ class Exploration:
         shown = LOOPBACK if host in _EVERYWHERE else f"[{host}]" if ":" in host else host
         self.address = f"http://{shown}:{self._server.port}/{token}/"
         self.is_local = access.is_local
+        if self._loop is not None:
+            self._loop.call_soon(self._begin)
 
     def serve(self) -> None:
         """Answer the page until Ctrl-C; by one thread only.
@@ -93,6 +93,7 @@ class Exploration:
             KeyboardInterrupt: Ctrl-C was pressed.
             MachineError: The machine failed.
         """
+        self._begin()
         while True:
             found = self._exchange.take(_WAIT)
             if found is not None:
@@ -114,9 +115,22 @@ class Exploration:
     def __repr__(self) -> str:
         return f"<Exploration at {self.address}>"
 
-    def _greet(self, page: int) -> list[Message]:
-        """To a page that was opened: how far all is."""
-        return [self._progress] if self._shape is None else [self._shape]
+    def _greet(self) -> list[Message]:
+        """To a page that was opened: how far all is, or where it begins."""
+        return self._greeting
+
+    def _begin(self) -> None:
+        """Find where pages begin, whether one is there or not."""
+        if self._has_begun:
+            return
+        self._has_begun = True
+        start = {one.key: one.taken(one.start) for one in self.keys}
+        found = []
+        with self._failing(), self._telling():
+            for message in self._explorer.follow(start):
+                found.append(with_number(message, 0))
+                self._server.send_all(found[-1])
+        self._greeting = found
 
     def _hear(self, page: int, text: str | bytes) -> list[Message]:
         """To a page that asks; by the thread that serves."""
@@ -139,34 +153,32 @@ class Exploration:
 
     def _answer(self, page: int, request: Request) -> None:
         """Solve what a page asks for, and send it what comes out."""
-        try:
+        with self._failing():
             for message in self._answers(page, request):
                 self._server.send(page, with_number(message, request.number))
-        except BaseException as error:
-            code, words = explain(error)
-            self._server.send_all(said("ended", words.splitlines()[0] if code == 1 else words))
-            raise
 
     def _answers(self, page: int, request: Request) -> Iterator[Message]:
-        with self._telling() if self._shape is None else contextlib.nullcontext():
-            if request.kind == "follow":
-                found = self._explorer.follow(request.changes)
-            else:
-                found = self._explorer.solve(
-                    request.changes, lambda: self._exchange.has_newer(page)
-                )
-            for message in found:
-                if message.kind == "shape":
-                    self._shape = message
-                yield message
+        if request.kind == "follow":
+            return self._explorer.follow(request.changes)
+        return self._explorer.solve(request.changes, lambda: self._exchange.has_newer(page))
+
+    @contextlib.contextmanager
+    def _failing(self) -> Iterator[None]:
+        """Have the pages told what ends the program."""
+        try:
+            yield
+        except BaseException as error:
+            code, words = explain(error)
+            self._server.send_all(said("ended", words.splitlines()[0] if code == BUG else words))
+            raise
 
     @contextlib.contextmanager
     def _telling(self) -> Iterator[None]:
         """Have the pages told what is being done, until the first answer."""
 
         def tell(words: str) -> None:
-            self._progress = said("progress", words)
-            self._server.send_all(self._progress)
+            self._greeting = [said("progress", words)]
+            self._server.send_all(self._greeting[0])
 
         listener, level = _Listener(tell), timings.logger.level
         timings.logger.addHandler(listener)

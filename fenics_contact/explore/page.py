@@ -34,6 +34,7 @@ def files_of(scene: Scene, keys: Sequence[MovedKey]) -> dict[str, File]:
     return {
         "": File(_page(scene, keys).encode(), "text/html; charset=utf-8"),
         "plotly.js": File(get_plotlyjs().encode(), _SCRIPT),
+        "drawing.js": File(own.joinpath("drawing.js").read_bytes(), _SCRIPT),
         "explore.js": File(own.joinpath("explore.js").read_bytes(), _SCRIPT),
         "explore.css": File(own.joinpath("explore.css").read_bytes(), _STYLE),
         "report.css": File(report.joinpath("report.css").read_bytes(), _STYLE),

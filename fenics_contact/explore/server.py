@@ -59,7 +59,7 @@ class Site:
 
     access: Access
     files: dict[str, File]
-    greeting: Callable[[int], list[Message]]
+    greeting: Callable[[], list[Message]]
     heard: Callable[[int, str | bytes], list[Message]]
     left: Callable[[int], None]
     in_frames: bool
@@ -232,7 +232,7 @@ class _Page(WebSocketHandler, _Guarded):
         self._number = next(self._numbers)
         self._pages[self._number] = self
         self.set_nodelay(True)
-        for message in self.site.greeting(self._number):
+        for message in self.site.greeting():
             self.deliver(message.packed())
 
     def on_message(self, message: str | bytes) -> None:
