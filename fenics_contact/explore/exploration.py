@@ -26,7 +26,7 @@ from fenics_contact.simulation.studies.study import Study
 
 LOOPBACK = "127.0.0.1"
 _EVERYWHERE = ("0.0.0.0", "::", "")
-_WAIT = 0.5  # seconds between looks whether somebody has pressed Ctrl-C
+_WAIT = 0.2  # seconds between looks whether to end
 _HEIGHT = 900  # pixels in a notebook
 
 
@@ -86,15 +86,18 @@ class Exploration:
         if self._loop is not None:
             self._loop.call_soon(self._begin)
 
-    def serve(self) -> None:
+    def serve(self, until: Callable[[], bool] = lambda: False) -> None:
         """Answer the page until Ctrl-C; by one thread only.
+
+        Args:
+            until: Whether to end, asked now and then.
 
         Raises:
             KeyboardInterrupt: Ctrl-C was pressed.
             MachineError: The machine failed.
         """
         self._begin()
-        while True:
+        while not until():
             found = self._exchange.take(_WAIT)
             if found is not None:
                 self._answer(*found)

@@ -32,6 +32,7 @@
     wants = false;
     number += 1;
     if (kind !== "scene") asked = { kind, number };
+    if (kind === "solve") tell("", "Solving, with checks and error bars", []);
     socket.send(JSON.stringify({ number, kind, values }));
   }
   socket.onclose = () => {

@@ -67,9 +67,7 @@ class Explorer:
         except InputError as error:
             yield _nothing(str(error))
 
-    def solve(
-        self, changes: Mapping[str, Any], stopped: Callable[[], bool]
-    ) -> Iterator[Message]:
+    def solve(self, changes: Mapping[str, Any], stopped: Callable[[], bool]) -> Iterator[Message]:
         """The whole answer, with checks and bars; nothing if it was stopped.
 
         Args:
@@ -80,6 +78,7 @@ class Explorer:
             MachineError: The machine failed.
         """
         start = time.perf_counter()
+        self._seconds.clear()  # another body, or a machine that is less busy, may be faster
         self._run = None  # its body may be another one from here on
         try:
             run = self._run = self._study.prepare(changes)
@@ -138,12 +137,7 @@ class Explorer:
             self._known, self._records = run, run.contacts()
         if self._shape is None or not self._shape.is_of(run.problem, points):
             self._shape = Shape(run.problem, points, self._records)
-            self._seconds.clear()
             yield self._shape.message()
-
-    def shape(self) -> Message | None:
-        """What the page draws, for one that was opened later."""
-        return None if self._shape is None else self._shape.message()
 
     def _answer(
         self,

@@ -50,11 +50,9 @@ class MovedKey:
         Raises:
             ValueError: It is no number in the range; says what is accepted.
         """
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not is_number or not math.isfinite(value):  # type: ignore[arg-type]
-            raise ValueError(f"{self.key}: not a finite number")
-        assert isinstance(value, int | float)
-        if not self.low <= value <= self.high:
+        if not isinstance(value, int | float) or isinstance(value, bool):
+            raise ValueError(f"{self.key}: not a number")
+        if not self.low <= value <= self.high:  # nor is one that is not a number
             raise ValueError(f"{self.key}: must be between {self.low:g} and {self.high:g}")
         if self.number.is_whole:
             if value != int(value):

@@ -93,11 +93,21 @@ def rows_of(
     for contact in numbers.contacts if len(numbers.contacts) > 1 else ():
         found += rows.of(contact.name, contact.quantities, contact.errors)
     for name, reaction in numbers.reactions.items():
-        found.append(rows.row(f"reaction of {one_line(name)}", "force", reaction.reaction, "reaction", reaction.errors))
+        found.append(
+            rows.row(
+                f"reaction of {one_line(name)}",
+                "force",
+                reaction.reaction,
+                "reaction",
+                reaction.errors,
+            )
+        )
     for name, preload in numbers.preloads.items():
         for key in OF_PRELOADS:
             words = f"{key} of {one_line(name)}"
-            found.append(rows.row(words, MEASURED_BY_PRELOADS[key], preload[key], key, preload.errors))
+            found.append(
+                rows.row(words, MEASURED_BY_PRELOADS[key], preload[key], key, preload.errors)
+            )
     return found
 
 

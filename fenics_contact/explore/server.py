@@ -101,8 +101,7 @@ class Server:
 
     def send_all(self, message: Message) -> None:
         """Send a message to all pages."""
-        packed = message.packed()
-        self._call(lambda: [self._deliver(page, packed) for page in list(self._pages)])
+        self._call(self._deliver_to_all, message.packed())
 
     def close(self) -> None:
         """End the thread, and close all pages."""
@@ -126,7 +125,10 @@ class Server:
         logging.getLogger("tornado.general").addHandler(logging.NullHandler())
         values = {"site": self._site, "pages": self._pages, "numbers": itertools.count()}
         application = Application(
-            [(r"/([^/]*)/messages", _Page, values), (r"/([^/]*)/(.*)", _Part, {"site": self._site})],
+            [
+                (r"/([^/]*)/messages", _Page, values),
+                (r"/([^/]*)/(.*)", _Part, {"site": self._site}),
+            ],
             default_handler_class=_Elsewhere,
             default_handler_args={"site": self._site},
             log_function=lambda handler: None,
@@ -145,6 +147,10 @@ class Server:
     def _deliver(self, page: int, packed: bytes) -> None:
         if page in self._pages:
             self._pages[page].deliver(packed)
+
+    def _deliver_to_all(self, packed: bytes) -> None:
+        for page in list(self._pages.values()):
+            page.deliver(packed)
 
 
 def _why(error: OSError, host: str, port: int) -> str:

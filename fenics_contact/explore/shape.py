@@ -185,6 +185,8 @@ class Shape:
         place_of[nodes[nodes >= 0]] = np.flatnonzero(nodes >= 0)
         pieces = place_of[facets]
         pieces = pieces[(pieces >= 0).all(axis=1)]
+        if self.dimension == 3:  # none across the seam of a cylinder
+            pieces = pieces[np.ptp(at[pieces, 0], axis=1) < 0.5 * np.ptp(at[:, 0])]
         is_rigid = record.is_rigid and record.master is None
         return ContactPlaces(record.name, rows, at, along, names, nodes, pieces, is_rigid)
 

@@ -8,7 +8,14 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from fenics_contact.scene.normal_laws import AnyNormalLaw
-from fenics_contact.scene.units.dimensions import COMPLIANCE, FORCE, LENGTH, PLACE, STIFFNESS, STRESS
+from fenics_contact.scene.units.dimensions import (
+    COMPLIANCE,
+    FORCE,
+    LENGTH,
+    PLACE,
+    STIFFNESS,
+    STRESS,
+)
 from fenics_contact.scene.values import (
     CONSTANT,
     PER_AXIS,

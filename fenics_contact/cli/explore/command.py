@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import logging
 import os
+import signal
 import sys
 import webbrowser
 
@@ -37,6 +38,7 @@ def explore(options: argparse.Namespace) -> int:
     study = Study(load_scene(options.scene, options.overrides), MPI.COMM_SELF)
     folder = options.scene.parent
     page = Exploration(study, options.vary, options.host, options.port, folder)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # of `docker stop`, for instance
     try:
         _announce(page, options)
         page.serve()

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 
 DESCRIPTION = """\
-Opens a page of this machine on which numbers of a scene are moved, and its answer follows: pressure,
-friction, stick and slip, gaps and the deformed body. When one lets go, quantities come with error
-bars and checks. The link has a token that is new each time; nothing leaves the machine, and no file
-is written. Ctrl-C ends it.
+Opens a page of this machine on which numbers of a scene are moved, and its answer follows:
+pressure, friction, stick and slip, gaps and the deformed body. When one lets go, quantities come
+with error bars and checks. The link has a token that is new each time; nothing leaves the machine,
+and no file is written. Ctrl-C ends it, with exit code 0.
 
 Examples:
   fenics-contact explore scene.toml

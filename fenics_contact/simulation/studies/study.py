@@ -6,7 +6,7 @@ import dataclasses
 import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
 
@@ -25,6 +25,9 @@ from fenics_contact.simulation.studies.changes import with_changes
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
 from fenics_contact.simulation.studies.saved_body import SavedBody, save_body
+
+if TYPE_CHECKING:
+    from fenics_contact import Exploration
 
 logger = logging.getLogger(__name__)
 
@@ -212,6 +215,30 @@ class Study:
         if find is None:
             raise InputError("displacement: ask for quantities first: there is no quick answer yet")
         return find().displacement
+
+    def explore(
+        self,
+        vary: Sequence[str] | Mapping[str, tuple[float, float]] = (),
+        host: str = "127.0.0.1",
+        port: int = 0,
+    ) -> Exploration:
+        """A page on which numbers of the scene are moved, and its answer follows; on one rank.
+
+        A notebook shows it where it is the last value of a cell. Elsewhere its ``serve`` answers
+        until Ctrl-C.
+
+        Args:
+            vary: What is moved: key → (low, high), or ``KEY=LOW:HIGH`` each; by default numbers of
+                contacts, loads, preloads and supports.
+            host: Address to listen at.
+            port: Port, 0 for a free one.
+
+        Raises:
+            InputError: There are several ranks; a key or a range is none; nothing can listen there.
+        """
+        from fenics_contact import Exploration
+
+        return Exploration(self, vary, host, port, in_frames=True)
 
     def forget_answer(self) -> None:
         """Begin the next quick answer as a separate run does, not at the last one."""
