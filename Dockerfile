@@ -24,7 +24,7 @@ RUN apt-get update \
         python3-dolfinx python3-dolfinx-real python3-gmsh python3-pyvista python3-scipy \
         python3-pydantic python3-tomlkit python3-jinja2 python3-matplotlib python3-plotly \
         python3-rich python3-pytest python3-pytest-xdist python3-hypothesis python3-jsonschema \
-        python3-venv libopenblas0-serial xvfb xauth python3-meshio python3-h5py python3-pint gcc libc6-dev \
+        python3-venv libopenblas0-serial xvfb xauth python3-meshio python3-h5py python3-pint python3-tornado gcc libc6-dev \
         python3-dev openmpi-bin \
     && apt-get clean \
     && rm -rf /var/lib/apt/lists/*

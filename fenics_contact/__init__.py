@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         NoEquilibriumError,
         NotConvergedError,
     )
+    from fenics_contact.explore.exploration import Exploration
     from fenics_contact.mesh.tagged_mesh import Body, Group
     from fenics_contact.results.contact_points import ContactPoints
     from fenics_contact.results.result import Check, Result
@@ -46,6 +47,7 @@ __all__ = [
     "Contact",
     "ContactPoints",
     "Discretisation",
+    "Exploration",
     "FenicsContactError",
     "Group",
     "HalfSpace",
@@ -85,6 +87,7 @@ _MODULES = {
         "NoEquilibriumError",
         "NotConvergedError",
     ),
+    "explore.exploration": ("Exploration",),
     "mesh.tagged_mesh": ("Body", "Group"),
     "results.contact_points": ("ContactPoints",),
     "results.result": ("Check", "Result"),

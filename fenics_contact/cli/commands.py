@@ -45,6 +45,7 @@ def execute(options: argparse.Namespace) -> int:
     action = {
         "check": lambda: _check(options),
         "compare": lambda: on_root(MPI.COMM_WORLD, lambda: _compare(options)),
+        "explore": lambda: _explore(options),
         "look": lambda: on_root(MPI.COMM_WORLD, lambda: _look(options)),
         "new": lambda: on_root(MPI.COMM_WORLD, lambda: _new(options)),
         "report": lambda: on_root(MPI.COMM_WORLD, lambda: _report(options.folder, options.quiet)),
@@ -196,6 +197,12 @@ def _sweep(options: argparse.Namespace) -> int:
     from fenics_contact.cli.sweep.command import sweep
 
     return sweep(options)
+
+
+def _explore(options: argparse.Namespace) -> int:
+    from fenics_contact.cli.explore.command import explore
+
+    return explore(options)
 
 
 def _look(options: argparse.Namespace) -> int:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import IO, NoReturn
 
 from fenics_contact.cli.compare import options as compare
+from fenics_contact.cli.explore import options as explore
 from fenics_contact.cli.look import options as look
 from fenics_contact.cli.sweep import options as sweep
 from fenics_contact.common.plain_text import printable
@@ -267,6 +268,12 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
             "SCENE.toml --vary KEY=VALUES [options]",
             sweep.DESCRIPTION,
         ),
+        (
+            "explore",
+            "move numbers of a scene on a page, and see its answer follow",
+            "SCENE.toml [options]",
+            explore.DESCRIPTION,
+        ),
         ("report", "pictures and a page from the files of a run", "DIR [options]", _REPORT),
         ("compare", "two runs or more side by side", "DIR DIR ... [options]", compare.DESCRIPTION),
         ("verify", "run analytic and published benchmarks", "[NAME ...] [options]", _VERIFY),
@@ -282,6 +289,8 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
         )
     _describe_run(made["run"])
     _describe_check(made["check"])
+    _add_scene(made["explore"])
+    explore.describe(made["explore"])
     _describe_new(made["new"])
     look.describe(made["look"])
     _add_scene(made["sweep"])

@@ -9,7 +9,7 @@ from typing import Annotated
 from pydantic import Field
 
 from fenics_contact.scene.quantity_names import require_name
-from fenics_contact.scene.units.dimensions import BODY_FORCE, FORCE, LENGTH, STRESS
+from fenics_contact.scene.units.dimensions import BODY_FORCE, FORCE, LENGTH, PLACE, STRESS
 from fenics_contact.scene.values import (
     PER_AXIS,
     RAMP,
@@ -133,7 +133,7 @@ class Preload:
         Text | None, Field(description="name in the results, by default that of the group")
     ] = None
     between: Annotated[
-        tuple[Annotated[Number, LENGTH], Annotated[Number, LENGTH]] | None,
+        tuple[Annotated[Number, PLACE], Annotated[Number, PLACE]] | None,
         Field(
             description="positions along the axis, from and to, at which that body is cut before "
             "it is meshed, measured from the origin; what is between is preloaded"
@@ -179,7 +179,7 @@ class Point:
         ),
     ]
     at: Annotated[
-        tuple[Annotated[Number, LENGTH], ...],
+        tuple[Annotated[Number, PLACE], ...],
         Field(
             min_length=2,
             max_length=3,

@@ -8,7 +8,14 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from fenics_contact.scene.normal_laws import AnyNormalLaw
-from fenics_contact.scene.units.dimensions import COMPLIANCE, FORCE, LENGTH, STIFFNESS, STRESS
+from fenics_contact.scene.units.dimensions import (
+    COMPLIANCE,
+    FORCE,
+    LENGTH,
+    PLACE,
+    STIFFNESS,
+    STRESS,
+)
 from fenics_contact.scene.values import (
     CONSTANT,
     PER_AXIS,
@@ -23,7 +30,8 @@ from fenics_contact.scene.values import (
 )
 
 Direction = Annotated[tuple[Number, ...], PER_AXIS]
-Place = Annotated[tuple[Annotated[Number, LENGTH], ...], PER_AXIS]
+Place = Annotated[tuple[Annotated[Number, PLACE], ...], PER_AXIS]
+Motion = Annotated[tuple[Annotated[Number, LENGTH], ...], PER_AXIS]
 Kind = Literal["prescribed", "unilateral", "winkler", "bonded"]
 Shape = Literal[
     "plane", "parabola", "paraboloid", "cylinder", "sphere", "flat punch", "annular punch"
@@ -101,7 +109,7 @@ class Obstacle:
         Field(description="drives it instead; on the part that is modelled"),
     ] = None
     displacement: Annotated[
-        Place | None,
+        Motion | None,
         Field(
             description="how far it moves besides, one entry an axis; along a half-space "
             "in plane strain relative to what lies straight below, at the far end of the mesh"

@@ -16,7 +16,7 @@ from pydantic.dataclasses import dataclass
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import SceneError
 from fenics_contact.scene.messages import sentence
-from fenics_contact.scene.units.dimensions import LENGTH, OF_KEY, description_of, has_unit
+from fenics_contact.scene.units.dimensions import OF_KEY, PLACE, description_of, has_unit
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Positive = Annotated[Number, Field(gt=0)]
@@ -115,7 +115,7 @@ class Profile:
 
     along: Annotated[AxisName, Field(description="axis of the mesh along which it varies")]
     at: Annotated[
-        tuple[Annotated[Number, LENGTH], ...],
+        tuple[Annotated[Number, PLACE], ...],
         Field(min_length=2, description="increasing coordinates"),
     ]
     values: Annotated[

@@ -44,7 +44,7 @@ def write_scene(scene: Scene, folder: Path, own_mesh: bool = False) -> str:
         MachineError: The file could not be written.
     """
     path, here = folder / SCENE_FILE, folder.resolve()
-    text = _text_beside(dataclasses.replace(scene, mesh=() if own_mesh else scene.mesh), here)
+    text = text_beside(dataclasses.replace(scene, mesh=() if own_mesh else scene.mesh), here)
     if not _is_foreign(path):
         replace_file(path, text.encode())
     return text
@@ -55,8 +55,13 @@ def _is_foreign(path: Path) -> bool:
     return path.exists() and _HEAD not in path.read_text(encoding="utf-8", errors="replace")
 
 
-def _text_beside(scene: Scene, folder: Path) -> str:
-    """A scene as TOML, for a file in a folder: the paths of its meshes are from there."""
+def text_beside(scene: Scene, folder: Path) -> str:
+    """A scene as TOML, for a file in a folder: the paths of its meshes are from there.
+
+    Args:
+        scene: The scene; paths of its meshes are from the present folder.
+        folder: Where the file is to be.
+    """
     meshes = tuple(dataclasses.replace(m, file=_path_from(folder, m.file)) for m in scene.mesh)
     return scene_text(dataclasses.replace(scene, mesh=meshes))
 

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of files; one r
 PACKAGE = ROOT / "fenics_contact"
 ORDER = (
     *("common", "analytic", "scene", "results", "mesh", "body", "contact", "problem", "solve"),
-    *("evaluate", "trust", "simulation", "report", "verification", "cli"),
+    *("evaluate", "trust", "simulation", "report", "explore", "verification", "cli"),
 )
 # A package that holds others: from the ground up.
 INSIDE = {

@@ -59,12 +59,7 @@ class SurfaceLine:
             rows: Points of the contact.
             contact: Its entry in ``result.json``.
         """
-        points, chart = rows.vectors("x", "y", "z"), chart_of(rows)
-        axis = int(np.argmax(np.ptp(points[:, :2], axis=0)))
-        across = rows.numbers[("nx", "ny")[1 - axis]]
-        turns = across.min() < -_TURNS_BACK and across.max() > _TURNS_BACK
-        circle = chart if turns and isinstance(chart, Cylinder) else None
-        position = points[:, axis] if circle is None else circle.flat(points)[:, 0]
+        axis, circle, position = positions(rows)
         order = np.argsort(position, kind="stable")
         pieces = _pieces(body, rows, contact)[order]
         rows, position = rows.rows(order), position[order]
@@ -98,14 +93,7 @@ class SurfaceLine:
     @property
     def tangents(self) -> Array:
         """Unit vectors along the axis of the plot, whichever side the body lies on, (points, 2)."""
-        numbers = self.rows.numbers
-        tangents = np.stack([numbers["ny"], -numbers["nx"]], axis=1)
-        along = tangents[:, self.axis]
-        if self.circle is not None:
-            turned = np.column_stack([tangents, np.zeros(len(tangents))])
-            along = self.circle.vectors(self.rows.vectors("x", "y", "z"), turned)[:, 0]
-        tangents *= np.where(along < 0, -1.0, 1.0)[:, None]
-        return tangents
+        return tangents(self.rows, self.axis, self.circle)
 
     @property
     def traction(self) -> Array:
@@ -147,6 +135,36 @@ class SurfaceLine:
         bounds = np.append(position[:1], starts), np.append(ends, position[-1:])
         for start, end, number in zip(*bounds, first, strict=True):
             yield float(start), float(end), str(status[number])
+
+
+def positions(rows: ContactTable) -> tuple[int, Cylinder | None, Array]:
+    """The axis along which a line extends most, its circle if it is unrolled, and its positions.
+
+    Args:
+        rows: Points of the contact.
+    """
+    points, chart = rows.vectors("x", "y", "z"), chart_of(rows)
+    axis = int(np.argmax(np.ptp(points[:, :2], axis=0)))
+    across = rows.numbers[("nx", "ny")[1 - axis]]
+    turns = across.min() < -_TURNS_BACK and across.max() > _TURNS_BACK
+    circle = chart if turns and isinstance(chart, Cylinder) else None
+    return axis, circle, points[:, axis] if circle is None else circle.flat(points)[:, 0]
+
+
+def tangents(rows: ContactTable, axis: int, circle: Cylinder | None) -> Array:
+    """Unit vectors in the sense in which the positions of a line grow, (points, 2).
+
+    Args:
+        rows: Points of the contact.
+        axis: As of ``positions``.
+        circle: Likewise.
+    """
+    found = np.stack([rows.numbers["ny"], -rows.numbers["nx"]], axis=1)
+    along = found[:, axis]
+    if circle is not None:
+        turned = np.column_stack([found, np.zeros(len(found))])
+        along = circle.vectors(rows.vectors("x", "y", "z"), turned)[:, 0]
+    return np.asarray(found * np.where(along < 0, -1.0, 1.0)[:, None])
 
 
 def _pieces(body: UnstructuredGrid, rows: ContactTable, contact: ContactRecord) -> Integers:

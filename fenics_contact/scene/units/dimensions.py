@@ -34,6 +34,7 @@ class Dimension:
         force: Power of force.
         is_resultant: Whether models of unit thickness have it per length.
         is_said: Whether descriptions say it.
+        is_place: Whether it is a coordinate, which says nothing of how far it may be moved.
     """
 
     words: str
@@ -41,6 +42,7 @@ class Dimension:
     force: float = 0.0
     is_resultant: bool = False
     is_said: bool = True
+    is_place: bool = False
 
     def of(self, table: Any, outer: Dimension | None) -> Dimension | None:
         """What it is in a table of a scene, where that depends on other keys.
@@ -101,6 +103,7 @@ class _OfPower(Dimension):
 
 
 LENGTH = Dimension("length", 1)
+PLACE = Dimension("length", 1, is_place=True)
 LENGTH_OR_NUMBER = Dimension("length", 1, is_said=False)
 STRESS = Dimension("stress", -2, 1)
 FORCE = Dimension("force", 0, 1, is_resultant=True)

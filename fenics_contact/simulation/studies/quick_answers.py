@@ -25,6 +25,7 @@ from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.body_answer import FindBody
 
 # How an answer was begun: as a separate run does; at the last answer, where there is one answer
 # only; or there all the same.
@@ -66,12 +67,16 @@ _FOLLOWED = (
 class QuickAnswers:
     """Answers on one body, each from the last one where that is safe; collective.
 
+    Attributes:
+        find_body: Gives what is inside the body in the last answer; None before there is one.
+
     Args:
         kept: The body.
     """
 
     def __init__(self, kept: KeptBody) -> None:
         self._kept = kept
+        self.find_body: FindBody | None = None
         self._last: WarmStart | None = None
         self._uniqueness = Uniqueness()
 
@@ -107,6 +112,7 @@ class QuickAnswers:
             if time >= problem.scene.steps.last * (1 - 1e-9):
                 begun: Start = start if load_steps.warm is not None else "cold"
                 found.append(_measured(problem, solution, begun))
+                self.find_body = solution.find_body
 
         load_steps = LoadSteps(newton, accepted)
         load_steps.finds_body = False

@@ -6,11 +6,12 @@ import dataclasses
 import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
 
 from fenics_contact.body.description import BodyDescription
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import failing_together
 from fenics_contact.common.timings import Timings
@@ -25,6 +26,9 @@ from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
 from fenics_contact.simulation.studies.saved_body import SavedBody, save_body
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
+
+if TYPE_CHECKING:
+    from fenics_contact import Exploration
 
 logger = logging.getLogger(__name__)
 
@@ -43,6 +47,7 @@ class Study:
 
     Attributes:
         scene: As it is without changes.
+        comm: The ranks that it is on.
         run: The last answer's run, with its fields; None before there is one.
         factorisations: How often a body was factorised.
 
@@ -72,7 +77,7 @@ class Study:
         self, scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None
     ) -> None:
         _refuse_accuracy(scene)
-        self.scene, self._comm = scene, comm
+        self.scene, self.comm = scene, comm
         self.run: Run | None = None
         self._mesh, self._own_mesh = body, body is not None
         self._mesh_of = mesh_key(scene)
@@ -130,7 +135,7 @@ class Study:
         path = Path(file)
         if self._kept is None or self._kept.condensed is None:
             raise InputError(f"{path}: solve before saving: no body is condensed yet")
-        with failing_together(self._comm):
+        with failing_together(self.comm):
             save_body(path, self._kept.condensed, _text_of(self.scene))
 
     @property
@@ -198,11 +203,49 @@ class Study:
             MachineError: Likewise.
         """
         scene, timings = self.changed(changes), Timings()
-        with failing_together(self._comm):
+        with failing_together(self.comm):
             kept = self._body_of(scene, timings)
             if self._quick is None:
                 self._quick = QuickAnswers(kept)
             return self._quick.answer(scene, follow)
+
+    def displacement(self) -> Array:
+        """Displacement in the last quick answer, by one back-substitution; collective.
+
+        Returns:
+            At the nodes of this rank, (nodes, components), in the order of a run's fields (length).
+
+        Raises:
+            InputError: There is no quick answer yet.
+        """
+        find = None if self._quick is None else self._quick.find_body
+        if find is None:
+            raise InputError("displacement: ask for quantities first: there is no quick answer yet")
+        return find().displacement
+
+    def explore(
+        self,
+        vary: Sequence[str] | Mapping[str, tuple[float, float]] = (),
+        host: str = "127.0.0.1",
+        port: int = 0,
+    ) -> Exploration:
+        """A page on which numbers of the scene are moved, and its answer follows; on one rank.
+
+        A notebook shows it where it is the last value of a cell. Elsewhere its ``serve`` answers
+        until Ctrl-C.
+
+        Args:
+            vary: What is moved: key → (low, high), or ``KEY=LOW:HIGH`` each; by default numbers of
+                contacts, loads, preloads and supports.
+            host: Address to listen at.
+            port: Port, 0 for a free one.
+
+        Raises:
+            InputError: There are several ranks; a key or a range is none; nothing can listen there.
+        """
+        from fenics_contact import Exploration
+
+        return Exploration(self, vary, host, port, in_frames=True)
 
     def forget_answer(self) -> None:
         """Begin the next quick answer as a separate run does, not at the last one."""
@@ -218,9 +261,9 @@ class Study:
             InputError: As of ``solve``.
         """
         scene, timings = self.changed(changes), Timings()
-        with failing_together(self._comm):
+        with failing_together(self.comm):
             kept = self._body_of(scene, timings)
-        return Run(scene, self._comm, kept=kept)
+        return Run(scene, self.comm, kept=kept)
 
     def _body_of(self, scene: Scene, timings: Timings) -> KeptBody:
         """That of a scene, made anew if the last one was another; collective."""
@@ -234,7 +277,7 @@ class Study:
             logger.info("the body is made anew: other %s", ", ".join(other))
             self._forget_body()
         if self._mesh is None or not same_mesh:
-            self._mesh = mesh_of(scene, self._comm, timings)
+            self._mesh = mesh_of(scene, self.comm, timings)
             self._mesh_of = mesh_key(scene)
         self._kept = KeptBody(scene, self._mesh, timings, self._factors)
         return self._kept

@@ -1,0 +1,1 @@
+"""``fenics-contact explore``: a page on which numbers of a scene are moved."""
