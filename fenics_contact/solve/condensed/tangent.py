@@ -15,6 +15,7 @@ from fenics_contact.solve.condensed.compliance_solver import ComplianceSolver
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.preload_border import PreloadBorder
 from fenics_contact.solve.condensed.split_solver import SplitSolver
+from fenics_contact.solve.systems.pair_stiffness import Entries
 
 # Contact dofs up to which a dense inverse costs next to nothing.
 _FEW = 400
@@ -42,7 +43,9 @@ class ContactTangent:
     ) -> None:
         self.constant = constant
         self.border = border or PreloadBorder.empty(constant.size)
-        self._added = csr_matrix((constant.width, constant.width))
+        none = np.zeros(0, dtype=np.int64)
+        self._entries: Entries = none, none, np.zeros(0)
+        self._written: csr_matrix | None = None
         self._split = SplitSolver(constant, nodes) if constant.count > _FEW else None
         self._by_compliance: ComplianceSolver | None = None
         self._is_split = False
@@ -59,12 +62,19 @@ class ContactTangent:
         """Set W by its entries; those at the same place add up."""
         self.border.forget()
         kept = np.flatnonzero(values)
-        shape = (self.constant.width, self.constant.width)
-        places = (rows[kept], columns[kept])
-        self._added = csr_matrix((values[kept], places), shape=shape)
+        self._entries, self._written = (rows[kept], columns[kept], values[kept]), None
         self._is_split = self._can_split()
         if not self._is_split:
-            self.compliance.factorise(self._added)
+            self.compliance.factorise(self._entries)
+
+    @property
+    def _added(self) -> csr_matrix:
+        """W written out, when it is asked for."""
+        if self._written is None:
+            rows, columns, values = self._entries
+            shape = (self.constant.width, self.constant.width)
+            self._written = csr_matrix((values, (rows, columns)), shape=shape)
+        return self._written
 
     def _can_split(self) -> bool:
         """Factorise stiff and soft parts, if that is the shorter way and there is one."""
@@ -99,7 +109,7 @@ class ContactTangent:
             if found is not None:
                 return found
             self._is_split = False
-            self.compliance.factorise(self._added)
+            self.compliance.factorise(self._entries)
         return self.compliance.solve(right)
 
     def multiply(self, values: Array) -> Array:
