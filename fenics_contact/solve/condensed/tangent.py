@@ -93,7 +93,7 @@ class ContactTangent:
         touched[self._added.indices] = True
         directly = _LU * float(touched.sum()) ** 3
         gain: float = _LU * float(soft) ** 3 + 4.0 * _GMRES * count**2 - directly
-        if self._by_compliance is not None:
+        if self.constant.of_schur.compliance is not None:  # also by an answer before this one
             return gain < 0
         self._lost += max(gain, 0.0)
         return self._lost < _INVERSE * float(count) ** 3
