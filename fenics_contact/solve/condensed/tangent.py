@@ -78,25 +78,45 @@ class ContactTangent:
 
     def _can_split(self) -> bool:
         """Factorise stiff and soft parts, if that is the shorter way and there is one."""
-        if self._split is None:
+        if self._split is None or self._is_short:
             return False
         self._split.split(self._added)
         return self._is_shorter(self._split.soft) and self._split.factorise()
+
+    @property
+    def _is_short(self) -> bool:
+        """Whether all that touches is solved sooner than GMRES is done, whatever is soft."""
+        known = self.constant.of_schur.compliance is not None
+        return known and self._directly(self._touched) < self._by_steps
+
+    @property
+    def _touched(self) -> int:
+        """How many of all of Q y W has entries of."""
+        acts = np.zeros(self.constant.width, dtype=bool)
+        acts[self._entries[0]] = acts[self._entries[1]] = True
+        return int(acts.sum())
+
+    @staticmethod
+    def _directly(touched: int) -> float:
+        """Operations of a dense LU of all that touches."""
+        return _LU * float(touched) ** 3
+
+    @property
+    def _by_steps(self) -> float:
+        """Operations of GMRES."""
+        return 4.0 * _GMRES * float(self.constant.count) ** 2
 
     def _is_shorter(self, soft: int) -> bool:
         """Whether to solve the soft part directly rather than all that touches.
 
         S⁻¹ is made once what it would have spared is what it costs.
         """
-        count = self.constant.count
-        touched = np.diff(self._added.indptr) > 0
-        touched[self._added.indices] = True
-        directly = _LU * float(touched.sum()) ** 3
-        gain: float = _LU * float(soft) ** 3 + 4.0 * _GMRES * count**2 - directly
+        directly = self._directly(self._touched)
+        gain: float = _LU * float(soft) ** 3 + self._by_steps - directly
         if self.constant.of_schur.compliance is not None:  # also by an answer before this one
             return gain < 0
         self._lost += max(gain, 0.0)
-        return self._lost < _INVERSE * float(count) ** 3
+        return self._lost < _INVERSE * float(self.constant.count) ** 3
 
     def solve(self, right: Array) -> Array:
         """Of all unknowns; not a number where the tangent is singular."""
