@@ -85,22 +85,29 @@ class Supports:
 
     def _constraints(self) -> tuple[Integers, Array]:
         """All constrained dofs, each once, with their values."""
-        owner: dict[int, tuple[float, str]] = {}
+        none = np.zeros(0)
+        every = np.concatenate([none.astype(np.int64), *(one.dofs for one in self.applied)])
+        given = np.concatenate([none, *(one.values for one in self.applied)])
+        size = largest(self._spaces.comm, np.abs(given))
+        dofs, first, same = np.unique(every, return_index=True, return_inverse=True)
+        values = given[first]  # the first to hold a dof counts
+        other = np.flatnonzero(np.abs(values[same] - given) > 1e-12 * size)
         error = None
-        every = [np.zeros(0), *(support.values for support in self.applied)]
-        size = largest(self._spaces.comm, np.abs(np.concatenate(every)))
-        for support in self.applied:
-            for dof, value in zip(support.dofs.tolist(), support.values.tolist(), strict=True):
-                first, on = owner.setdefault(dof, (value, support.on))
-                if abs(first - value) > 1e-12 * size:
-                    axis = AXES[dof % self._spaces.components]
-                    error = InputError(
-                        f"support on '{support.on}': displacement.{axis} = {value:g}, but the "
-                        f"support on '{on}' prescribes {first:g} at a point of both"
-                    )
+        if len(other):
+            last = int(other[-1])
+            axis = AXES[int(every[last]) % self._spaces.components]
+            error = InputError(
+                f"support on '{self._holder(last)}': displacement.{axis} = {given[last]:g}, but the "
+                f"support on '{self._holder(int(first[same[last]]))}' prescribes "
+                f"{values[same[last]]:g} at a point of both"
+            )
         raise_together(self._spaces.comm, error)
-        dofs = np.array(sorted(owner), dtype=np.int64)
-        return dofs, np.array([owner[dof][0] for dof in dofs.tolist()])
+        return dofs, values
+
+    def _holder(self, place: int) -> str:
+        """Where the support is of which a dof is, by its place among those of all supports."""
+        ends = np.cumsum([len(support.dofs) for support in self.applied])
+        return self.applied[int(np.searchsorted(ends, place, side="right"))].on
 
     def at(self, time: float) -> Array:
         """Prescribed displacements of ``dofs`` at a pseudo-time (length)."""

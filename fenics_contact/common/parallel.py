@@ -83,14 +83,15 @@ def raise_together(comm: MPI.Comm, error: Exception | None) -> None:
 def total(comm: MPI.Comm, value: Any) -> Any:
     """Sum of a number or an array (same shape on every rank) over the ranks."""
     if np.ndim(value) == 0:
-        return comm.allreduce(float(value), op=MPI.SUM)
+        return float(value) if comm.size == 1 else comm.allreduce(float(value), op=MPI.SUM)
     return _summed(comm, np.ascontiguousarray(value, dtype=np.float64))
 
 
 def largest(comm: MPI.Comm, values: Array, empty: float = 0.0) -> float:
     """Largest entry over the ranks, not a number if one is; ``empty`` where there is none."""
-    local = float(values.max()) if values.size else -np.inf
-    found = float(np.max(of_every_rank(comm, local)))  # MPI's own maximum may lose a NaN
+    found = float(values.max()) if values.size else -np.inf
+    if comm.size > 1:
+        found = float(np.max(of_every_rank(comm, found)))  # MPI's own maximum may lose a NaN
     return empty if found == -np.inf else found
 
 
@@ -131,12 +132,19 @@ def from_root(comm: MPI.Comm, thing: T) -> T:
     return _from_root(comm, thing)
 
 
+# One rank alone has all there is: packing it up would cost more than most of what it is for.
+
+
 def _to_every_rank(comm: MPI.Comm, thing: T) -> list[T]:
+    if comm.size == 1:
+        return [_copied(thing)]
     found: list[T] = comm.allgather(thing)
     return found
 
 
 def _to_root(comm: MPI.Comm, thing: T) -> list[T] | None:
+    if comm.size == 1:
+        return [_copied(thing)]
     found: list[T] | None = comm.gather(thing)
     return found
 
@@ -146,11 +154,20 @@ def _received(comm: MPI.Comm, rank: int) -> Any:
 
 
 def _from_root(comm: MPI.Comm, thing: T, rank: int = 0) -> T:
+    if comm.size == 1:
+        return _copied(thing)
     found: T = comm.bcast(thing, rank)
     return found
 
 
 def _summed(comm: MPI.Comm, values: Array) -> Array:
+    if comm.size == 1:
+        return values.copy()
     summed = np.empty_like(values)
     comm.Allreduce(values, summed, op=MPI.SUM)
     return summed
+
+
+def _copied(thing: T) -> T:
+    """An array of its own, as from another rank; other things are not written to."""
+    return cast(T, thing.copy()) if isinstance(thing, np.ndarray) else thing

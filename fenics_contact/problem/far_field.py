@@ -63,6 +63,7 @@ class FarField:
         self._columns: dict[bytes, Array] = discrete.found.setdefault("far field", {})
         self.columns: dict[int, Array] = {}
         self.sideways: dict[int, list[tuple[Array, Array]]] = {}
+        self._known_feet: dict[tuple[object, ...], Array] = discrete.found.setdefault("feet", {})
         self._feet: dict[int, Array] = {}
         self._inward: dict[int, Array] = {}
         for number, contact in enumerate(contacts):
@@ -77,7 +78,7 @@ class FarField:
         components = self._spaces.components
         inward = np.zeros(3)
         inward[:components] = contact.kinematics.direction
-        foot = self._foot(contact, inward, f"contact[{number}]")
+        foot = self._kept_foot(number, contact, inward)
         self._feet[number], self._inward[number] = foot, inward
         self.columns[number] = self._column(foot, inward, None)
         self.sideways[number] = [
@@ -194,7 +195,16 @@ class FarField:
             for plane in self._held.planes
         )
 
-    def _foot(self, contact: ContactSurface, inward: Array, key: str) -> Array:
+    def _kept_foot(self, number: int, contact: ContactSurface, inward: Array) -> Array:
+        """``_foot``, found and tested once for all that it depends on beside the body."""
+        apex, law = self._apex(contact), contact.normal
+        is_driven = contact.force is not None
+        known = number, apex.tobytes(), inward.tobytes(), law.has_counterpart, is_driven
+        if known not in self._known_feet:
+            self._known_feet[known] = self._foot(contact, apex, inward, f"contact[{number}]")
+        return self._known_feet[known]
+
+    def _foot(self, contact: ContactSurface, apex: Array, inward: Array, key: str) -> Array:
         """Where the resultant acts: the obstacle's apex, on the surface."""
         trace, comm = contact.trace, self._spaces.comm
         rows = np.hstack([trace.coordinates, trace.normals])[trace.owned]
@@ -212,7 +222,6 @@ class FarField:
                 f"{key}.obstacle: in plane strain the indentation of a half-space has no datum (it "
                 "grows with the logarithm of the distance), so give its force"
             )
-        apex = self._apex(contact)
         foot = apex + ((rows[0, :3] - apex) @ inward) * inward
         self._require_inside(rows[:, :3], foot, contact, key)
         return foot

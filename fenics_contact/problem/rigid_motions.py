@@ -40,14 +40,16 @@ class RigidMotions:
         self._names, self._fields = problem.discrete.once(
             "rigid motions", partial(_of_parts, spaces)
         )
-        free = reduced(self._free_combinations())
+        free = self._kept_combinations()
         self._body = free[: self._fields.shape[-1]]
         self._obstacles = free[self._fields.shape[-1] :]
         self.count = free.shape[1]
-        owned = spaces.owned_nodes
-        work = problem.load[:owned, :, None] * self._fields[:owned]
-        force = total(problem.comm, work.sum(axis=(0, 1)))
-        size = total(problem.comm, np.abs(work).sum(axis=(0, 1)))
+        force, size = np.zeros((2, self._fields.shape[-1]))
+        if self.count:
+            owned = spaces.owned_nodes
+            work = problem.load[:owned, :, None] * self._fields[:owned]
+            force = total(problem.comm, work.sum(axis=(0, 1)))
+            size = total(problem.comm, np.abs(work).sum(axis=(0, 1)))
         force[np.abs(force) <= 1e-12 * size] = 0.0
         driven = np.array([contact.force or 0.0 for contact in self.floating])
         self.force = force @ self._body + driven @ self._obstacles
@@ -85,6 +87,17 @@ class RigidMotions:
         w, slip = self.slips(coulomb=True, touching=touching)
         rough = total(self._problem.comm, np.einsum("q,qci,qcj->ij", w, slip, slip))
         return bool(np.trace(loose.T @ rough @ loose) > _ROUND_OFF * np.trace(rough))
+
+    def _kept_combinations(self) -> Array:
+        """A basis of ``_free_combinations``, worked out once where glue and stabilisation are not."""
+        problem = self._problem
+        held_otherwise = problem.constrained is not problem.discrete.constrained
+        if held_otherwise or any(contact.normal.sticks for contact in problem.contacts):
+            return reduced(self._free_combinations())
+        floats = [contact.floats for contact in problem.contacts]
+        return problem.discrete.once(
+            f"free motions, obstacles {floats}", lambda: reduced(self._free_combinations())
+        )
 
     def _free_combinations(self) -> Array:
         """Combinations (modes and obstacles, free) with no jump on supports and glue."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
+from typing import Any
 
 import basix.ufl
 import numpy as np
@@ -127,9 +128,10 @@ def _lowered(expression: Expr) -> Expr:
 
 
 class _Program:
-    """Scalar expressions as a list of operations, each on what comes before it.
+    """Scalar expressions as a function of Python that works out their numbers.
 
-    Written out once: to look expressions up takes UFL longer than to work out their numbers.
+    Written out once: to look expressions up takes UFL longer than to work out their numbers. Each
+    line is one operation on what stands in lines before it.
 
     Args:
         variables: Scalar variables whose numbers are given.
@@ -137,24 +139,34 @@ class _Program:
     """
 
     def __init__(self, variables: Sequence[Expr], expressions: Sequence[Expr]) -> None:
-        self._places = {variable.ufl_operands[0]: place for place, variable in enumerate(variables)}
-        self._constants: dict[int, float] = {}
-        self._operations: list[tuple[int, Callable[..., Array], list[int]]] = []
-        self._found = [self._place(expression) for expression in expressions]
+        self._names = {one.ufl_operands[0]: f"x{place}" for place, one in enumerate(variables)}
+        given = ", ".join(self._names.values())
+        self._known: dict[str, Any] = {}
+        self._lines: list[str] = []
+        found = [self._name(expression) for expression in expressions]
+        self._vanishes = all(self._known.get(name) == 0.0 for name in found)
+        self._count = len(found)
+        set_all = [f"found[:, {column}] = {name}" for column, name in enumerate(found)]
+        body = "\n    ".join([*self._lines, *set_all])
+        # Of our own names and numpy's operations: nothing in it comes from a scene.
+        exec(f"def work_out(found, {given}):\n    {body}", self._known)
+        self._work_out: Callable[..., None] = self._known["work_out"]
 
-    def _place(self, expression: Expr) -> int:
-        """Where the numbers of an expression stand; adds what leads to them."""
+    def _name(self, expression: Expr) -> str:
+        """What the numbers of an expression are called; adds the lines that lead to them."""
         if isinstance(expression, classes.Variable):
-            return self._place(expression.ufl_operands[0])
-        if expression not in self._places:
+            return self._name(expression.ufl_operands[0])
+        if expression not in self._names:
             is_number = isinstance(expression, classes.ScalarValue | classes.Zero)
-            operands = [] if is_number else [self._place(one) for one in expression.ufl_operands]
-            place = self._places[expression] = len(self._places)
+            operands = [] if is_number else [self._name(one) for one in expression.ufl_operands]
+            name = self._names[expression] = f"y{len(self._names)}"
             if is_number:
-                self._constants[place] = float(expression)
+                self._known[name] = float(expression)
             else:
-                self._operations.append((place, _OPERATORS[type(expression)], operands))
-        return self._places[expression]
+                operator = _OPERATORS[type(expression)]
+                self._known[operator.__name__] = operator
+                self._lines.append(f"{name} = {operator.__name__}({', '.join(operands)})")
+        return self._names[expression]
 
     def run(self, given: Sequence[Array], count: int) -> Array:
         """Numbers of the expressions, (points, expressions).
@@ -163,11 +175,9 @@ class _Program:
             given: Of the variables, (points,) or one for all, ().
             count: Number of points.
         """
-        numbers: dict[int, Array | float] = {**dict(enumerate(given)), **self._constants}
+        if self._vanishes:
+            return np.zeros((count, self._count))
+        found = np.empty((count, self._count))
         with np.errstate(all="ignore"):  # both sides of a condition are evaluated
-            for place, operator, operands in self._operations:
-                numbers[place] = operator(*[numbers[operand] for operand in operands])
-        found = np.empty((count, len(self._found)))
-        for column, place in enumerate(self._found):
-            found[:, column] = numbers[place]
+            self._work_out(found, *given)
         return found

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
+from pydantic.fields import FieldInfo
 
 from fenics_contact.common.errors import SceneError
 from fenics_contact.scene.messages import written
@@ -85,12 +87,18 @@ def convert_texts(scene: Any, units: Units | None, per_unit_thickness: bool) -> 
     if units is not None:
         _require_mm_of_step_files(scene, units)
     conversion = _Conversion(units, per_unit_thickness)
-    for field in dataclasses.fields(scene):
-        value = getattr(scene, field.name)
-        path = [field.name]
-        found = conversion.of(value, path, dimension_of(scene.__pydantic_fields__[field.name]))
+    for name, dimension in _dimensions(type(scene)):
+        value = getattr(scene, name)
+        found = conversion.of(value, [name], dimension)
         if found is not value:
-            object.__setattr__(scene, field.name, found)
+            object.__setattr__(scene, name, found)
+
+
+@cache
+def _dimensions(table: type) -> list[tuple[str, Dimension | None]]:
+    """The keys of a scene class, and what their numbers measure."""
+    fields: dict[str, FieldInfo] = table.__pydantic_fields__  # type: ignore[attr-defined]
+    return [(name, dimension_of(field)) for name, field in fields.items()]
 
 
 def _require_mm_of_step_files(scene: Any, units: Units) -> None:
@@ -150,8 +158,8 @@ class _Conversion:
             outer: What the key measures, for a profile in its place.
         """
         changes = {}
-        for name, field in table.__pydantic_fields__.items():
-            value, dimension = getattr(table, name), dimension_of(field)
+        for name, dimension in _dimensions(type(table)):
+            value = getattr(table, name)
             of_value = dimension.of(table, outer) if dimension is not None else None
             found = self.of(value, [*path, name], of_value)
             if found is not value:

@@ -12,6 +12,7 @@ from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
+from fenics_contact.solve.systems.pair_stiffness import Entries
 
 _BLOCK = 256  # rows that are mirrored at a time
 
@@ -48,6 +49,7 @@ class ComplianceSolver:
             self._inverse = np.block([[self._inverse, beside], [below, own]])
         if len(constant.derived):
             self._extend(constant.derived)
+        self._springs: Integers = np.flatnonzero(self._added)
 
     def _extend(self, derived: Array) -> None:
         """Rows and columns for the derived jumps."""
@@ -79,22 +81,31 @@ class ComplianceSolver:
             return None
         return self._inverse[np.ix_(self.compliant, self.compliant)]
 
-    def factorise(self, added: csr_matrix) -> None:
-        """Take W, (all of Q y, all of Q y)."""
-        springs = np.flatnonzero(self._added)
-        entries = added.tocoo()
-        rows, columns = (np.concatenate([p, springs]) for p in (entries.row, entries.col))
-        values = np.concatenate([entries.data, -self._added[springs]])
+    def factorise(self, added: Entries) -> None:
+        """Take the entries of W, between all of Q y; those at the same place add up."""
+        rows, columns, values = added
+        if self._springs.size:
+            rows, columns = (np.concatenate([p, self._springs]) for p in (rows, columns))
+            values = np.concatenate([values, -self._added[self._springs]])
         acts = np.zeros(len(self._inverse), dtype=bool)
         acts[rows] = acts[columns] = True
         self._active: Integers = np.flatnonzero(acts)
         place = np.cumsum(acts) - 1
-        shape = (len(self._active), len(self._active))
-        self._extra = csr_matrix((values, (place[rows], place[columns])), shape=shape)
-        inverse = self._inverse[np.ix_(self._active, self._active)]
-        matrix = np.eye(len(self._active)) + (self._extra.T @ inverse.T).T
+        self._extra = place[rows], place[columns], values
+        matrix = self._product()
+        matrix[np.diag_indices(len(matrix))] += 1.0
         # By LAPACK itself: a singular tangent shall end the solve in our words.
-        self._factor = lapack.dgetrf(matrix) if len(self._active) else None
+        self._factor = lapack.dgetrf(matrix, overwrite_a=1) if len(self._active) else None
+
+    def _product(self) -> Array:
+        """A⁻¹ W of what acts, in the order of LAPACK; without what sparse matrices cost to make."""
+        rows, columns, values = self._extra
+        size = len(self._active)
+        order = np.argsort(columns, kind="stable")
+        first = np.concatenate([[0], np.cumsum(np.bincount(columns, minlength=size))])
+        transposed = csr_matrix((values[order], rows[order], first), shape=(size, size))
+        inverse = self._inverse.T[np.ix_(self._active, self._active)]
+        return np.asarray(transposed @ inverse).T
 
     def solve(self, right: Array) -> Array:
         """M⁻¹ r; not a number where M is singular."""
@@ -106,7 +117,9 @@ class ComplianceSolver:
         if singular:
             return np.full(len(right), np.nan)
         active, _ = lapack.dgetrs(factor, pivots, free[self._active])
-        found = free - self._inverse[:, self._active] @ (self._extra @ active)
+        rows, columns, values = self._extra
+        pushed = np.bincount(rows, values * active[columns], len(active))
+        found = free - self._inverse[:, self._active] @ pushed
         found[self._active] = active  # no difference of long numbers under a stiff penalty
         return np.asarray(found[:size])
 

@@ -116,9 +116,11 @@ class CondensedSystem(System):
         return moved, self.dofs.gathered(displacements)
 
     def _jump(self, surface: SurfaceMatrix) -> ContactJump:
-        places, points = self.dofs.places(surface.dofs), self.variables.jump(surface)
+        places, variables = self.dofs.places(surface.dofs), self.variables
         far = [displacements[places] for _, displacements in self._far_loads]
-        return ContactJump.over(surface, points, self.variables.count, self._driving, far)
+        sizes = variables.count, variables.derived_count
+        points = variables.own_unknowns(surface)
+        return ContactJump.over(surface, points, sizes, self._driving, far)
 
     def _dense_tangent(self) -> ContactTangent | None:
         """A on rank 0, with what resultants do to the contact dofs through the bulk."""
@@ -171,7 +173,7 @@ class CondensedSystem(System):
         compliance = None if solver is None else solver.compliance
         if jump is None or solver is None or compliance is None:
             return None
-        unknowns = jump.relative[:, solver.compliant]
+        unknowns = jump.relative_to(solver.compliant)
         moved = (across @ unknowns) @ compliance
         return moved @ (across @ unknowns).T, [moved @ (way @ unknowns).T for way in ways]
 
@@ -272,7 +274,7 @@ class CondensedSystem(System):
         left[[len(self.dofs.free) + number for number in self.held_scalars]] = 0.0
         for jump, force in zip(self._jumps, parts, strict=True):
             if jump is not None:
-                left[: self._inner] -= self._dense.constant.onto_unknowns(jump.work.T @ force)
+                left[: self._inner] -= self._dense.constant.onto_unknowns(jump.forces(force))
         with residual as array:
             array[:] = left
 
@@ -365,7 +367,7 @@ class CondensedSystem(System):
 def _relative(jump: ContactJump, held: Array, jumps: Array) -> Array:
     """Displacements relative to a body opposite, at this rank's nodes of a surface."""
     surface = jump.surface.contact.trace.surface
-    found = jump.relative @ jumps + held
+    found = jump.displacement(jumps) + held
     return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
 
 

@@ -4,42 +4,50 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_matrix, hstack
+from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.problem.scalar_unknowns import ContactScalar
-from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix, congruent
+from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.pair_stiffness import Entries
 
 
 @dataclass(frozen=True, eq=False)
 class ContactJump:
-    """The jump w = B (y, z) + c of one contact; rows are dofs of its surface.
+    """The jump w = B (y, q, z) + c of one contact; rows are dofs of its surface.
 
-    Columns are the unknowns y, then the derived jumps z.
+    Each has one displacement y or derived jump z as its own, or none; scalars q may move all rows.
 
     Attributes:
         surface: Tangent in the jump.
-        relative: Displacement relative to a body opposite: B without an obstacle's motion.
-        motion: B: contact variables, an obstacle's motion, the far field of resultants.
-        work: L: rows of the balance that its forces enter, Lᵀ: as B, without the far field,
-            and its direction for a resultant.
+        relative: What scalars make of the displacement relative to a body opposite, (rows,
+            scalars): B without an obstacle's motion.
+        motion: B of the scalars: an obstacle's motion, the far field of resultants.
+        work: L of the scalars: rows of the balance that its forces enter, Lᵀ: as B, without the
+            far field, and its direction for a resultant.
+        rows: Those that have an unknown of their own, increasing.
+        columns: That unknown of each.
+        count: Number of displacements, which the scalars come after.
+        width: Number of all unknowns, with derived jumps.
     """
 
     surface: SurfaceMatrix
-    relative: csr_matrix
-    motion: csr_matrix
-    work: csr_matrix
+    relative: Array
+    motion: Array
+    work: Array
+    rows: Integers
+    columns: Integers
+    count: int
+    width: int
 
     @classmethod
     def over(
         cls,
         surface: SurfaceMatrix,
-        points: csr_matrix,
-        count: int,
+        points: tuple[Integers, Integers],
+        sizes: tuple[int, int],
         unknowns: Sequence[ContactScalar],
         far: Sequence[Array],
     ) -> ContactJump:
@@ -47,39 +55,56 @@ class ContactJump:
 
         Args:
             surface: Tangent in the jump.
-            points: Jumps over displacements and derived jumps, without scalars.
-            count: Number of the displacements.
+            points: Rows that have a displacement or a derived jump, and which.
+            sizes: Numbers of displacements and of derived jumps.
             unknowns: The scalars.
             far: Displacements at the dofs of the surface that each of these adds.
         """
-        if not unknowns:
-            return cls(surface, points, points, points)
-        rows = points.shape[0]
+        rows, count = len(surface.dofs), sizes[0]
         relative, motion, work = np.zeros((3, rows, len(unknowns)))
         for column, unknown in enumerate(unknowns):
             if unknown.column is not None:
                 motion[:, column] = relative[:, column] = far[column]
-            direction = np.resize(unknown.direction, rows)
             if unknown.contact is surface.contact:
+                direction = np.resize(unknown.direction, rows)
                 work[:, column] = -unknown.pushes * direction
                 if unknown.drives:
                     motion[:, column] = -direction
+        own, columns = points
+        columns = columns + np.where(columns < count, 0, len(unknowns))
+        width = sum(sizes) + len(unknowns)
+        return cls(surface, relative, motion, work, own, columns, count, width)
 
-        def beside(scalars: Array) -> csr_matrix:
-            return csr_matrix(hstack([points[:, :count], scalars, points[:, count:]], "csr"))
+    @property
+    def _scalars(self) -> slice:
+        return slice(self.count, self.count + self.work.shape[1])
 
-        return cls(surface, beside(relative), beside(motion), beside(work))
+    def displacement(self, unknowns: Array) -> Array:
+        """Relative to a body opposite at its dofs, (rows,), without what is held.
 
-    @cached_property
-    def _columns(self) -> Integers | None:
-        """The one column that each row of B and L has, −1 of a row of zeros; None of others."""
-        if self.work is not self.motion:
-            return None
-        found = np.full(self.motion.shape[0], -1)
-        entries = self.motion.tocoo()
-        found[entries.row] = entries.col
-        is_selection = len(entries.row) == len(set(entries.row)) and (entries.data == 1.0).all()
-        return found if is_selection else None
+        Args:
+            unknowns: All, with derived jumps.
+        """
+        found = self.relative @ unknowns[self._scalars]
+        found[self.rows] += unknowns[self.columns]
+        return found
+
+    def forces(self, force: Array) -> Array:
+        """Lᵀ r, on all unknowns.
+
+        Args:
+            force: At its dofs, (rows,).
+        """
+        found = np.zeros(self.width)
+        found[self._scalars] = force @ self.work
+        found[self.columns] += force[self.rows]
+        return found
+
+    def relative_to(self, chosen: Integers) -> csr_matrix:
+        """The displacement over some of the unknowns, none of which is a scalar."""
+        shape = (len(self.relative), self.width)
+        ones = np.ones(len(self.rows))
+        return csr_matrix((ones, (self.rows, self.columns)), shape=shape)[:, chosen]
 
     def tangent(self, entries: Entries) -> Entries:
         """Entries of Lᵀ K_c B; those at the same place add up.
@@ -87,9 +112,21 @@ class ContactJump:
         Args:
             entries: Of K_c, between the dofs of the surface.
         """
-        columns = self._columns
-        if columns is None:
-            return congruent(entries, self.work, self.motion)
-        rows, others, values = columns[entries[0]], columns[entries[1]], entries[2]
-        kept = (rows >= 0) & (others >= 0) & (values != 0)
-        return rows[kept], others[kept], values[kept]
+        place = np.full(len(self.relative), -1)
+        place[self.rows] = self.columns
+        rows, columns, values = entries
+        mine, others = place[rows], place[columns]
+        size = self.work.shape[1]
+        scalars = self.count + np.arange(size)
+        moved = values[:, None] * self.motion[columns]
+        pushed = values[:, None] * self.work[rows]
+        corner = pushed.T @ self.motion[columns]
+        found = [
+            (mine, others, values),
+            (mine.repeat(size), np.tile(scalars, len(mine)), moved.ravel()),
+            (np.tile(scalars, len(mine)), others.repeat(size), pushed.ravel()),
+            (scalars.repeat(size), np.tile(scalars, size), corner.ravel()),
+        ]
+        rows, columns, values = (np.concatenate(part) for part in zip(*found, strict=True))
+        kept = (rows >= 0) & (columns >= 0) & (values != 0)
+        return rows[kept], columns[kept], values[kept]

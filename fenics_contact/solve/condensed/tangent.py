@@ -15,6 +15,7 @@ from fenics_contact.solve.condensed.compliance_solver import ComplianceSolver
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.preload_border import PreloadBorder
 from fenics_contact.solve.condensed.split_solver import SplitSolver
+from fenics_contact.solve.systems.pair_stiffness import Entries
 
 # Contact dofs up to which a dense inverse costs next to nothing.
 _FEW = 400
@@ -42,7 +43,9 @@ class ContactTangent:
     ) -> None:
         self.constant = constant
         self.border = border or PreloadBorder.empty(constant.size)
-        self._added = csr_matrix((constant.width, constant.width))
+        none = np.zeros(0, dtype=np.int64)
+        self._entries: Entries = none, none, np.zeros(0)
+        self._written: csr_matrix | None = None
         self._split = SplitSolver(constant, nodes) if constant.count > _FEW else None
         self._by_compliance: ComplianceSolver | None = None
         self._is_split = False
@@ -59,34 +62,61 @@ class ContactTangent:
         """Set W by its entries; those at the same place add up."""
         self.border.forget()
         kept = np.flatnonzero(values)
-        shape = (self.constant.width, self.constant.width)
-        places = (rows[kept], columns[kept])
-        self._added = csr_matrix((values[kept], places), shape=shape)
+        self._entries, self._written = (rows[kept], columns[kept], values[kept]), None
         self._is_split = self._can_split()
         if not self._is_split:
-            self.compliance.factorise(self._added)
+            self.compliance.factorise(self._entries)
+
+    @property
+    def _added(self) -> csr_matrix:
+        """W written out, when it is asked for."""
+        if self._written is None:
+            rows, columns, values = self._entries
+            shape = (self.constant.width, self.constant.width)
+            self._written = csr_matrix((values, (rows, columns)), shape=shape)
+        return self._written
 
     def _can_split(self) -> bool:
         """Factorise stiff and soft parts, if that is the shorter way and there is one."""
-        if self._split is None:
+        if self._split is None or self._is_short:
             return False
         self._split.split(self._added)
         return self._is_shorter(self._split.soft) and self._split.factorise()
+
+    @property
+    def _is_short(self) -> bool:
+        """Whether all that touches is solved sooner than GMRES is done, whatever is soft."""
+        known = self.constant.of_schur.compliance is not None
+        return known and self._directly(self._touched) < self._by_steps
+
+    @property
+    def _touched(self) -> int:
+        """How many of all of Q y W has entries of."""
+        acts = np.zeros(self.constant.width, dtype=bool)
+        acts[self._entries[0]] = acts[self._entries[1]] = True
+        return int(acts.sum())
+
+    @staticmethod
+    def _directly(touched: int) -> float:
+        """Operations of a dense LU of all that touches."""
+        return _LU * float(touched) ** 3
+
+    @property
+    def _by_steps(self) -> float:
+        """Operations of GMRES."""
+        return 4.0 * _GMRES * float(self.constant.count) ** 2
 
     def _is_shorter(self, soft: int) -> bool:
         """Whether to solve the soft part directly rather than all that touches.
 
         S⁻¹ is made once what it would have spared is what it costs.
         """
-        count = self.constant.count
-        touched = np.diff(self._added.indptr) > 0
-        touched[self._added.indices] = True
-        directly = _LU * float(touched.sum()) ** 3
-        gain: float = _LU * float(soft) ** 3 + 4.0 * _GMRES * count**2 - directly
-        if self._by_compliance is not None:
+        directly = self._directly(self._touched)
+        gain: float = _LU * float(soft) ** 3 + self._by_steps - directly
+        if self.constant.of_schur.compliance is not None:  # also by an answer before this one
             return gain < 0
         self._lost += max(gain, 0.0)
-        return self._lost < _INVERSE * float(count) ** 3
+        return self._lost < _INVERSE * float(self.constant.count) ** 3
 
     def solve(self, right: Array) -> Array:
         """Of all unknowns; not a number where the tangent is singular."""
@@ -99,7 +129,7 @@ class ContactTangent:
             if found is not None:
                 return found
             self._is_split = False
-            self.compliance.factorise(self._added)
+            self.compliance.factorise(self._entries)
         return self.compliance.solve(right)
 
     def multiply(self, values: Array) -> Array:

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.contact.mortar.projection import NodalProjection
@@ -264,17 +263,15 @@ class ContactVariables:
             found.append(jump[others])
         return np.concatenate(found)
 
-    def jump(self, surface: SurfaceMatrix) -> csr_matrix:
-        """Jumps at the dofs of a surface over (y, z), (dofs, unknowns + derived jumps)."""
+    def own_unknowns(self, surface: SurfaceMatrix) -> tuple[Integers, Integers]:
+        """Which dofs of a surface have a jump, and its number among (y, z)."""
         unit, unknown = self._units[surface]
         others, first = self._first_derived[surface]
         rows = np.concatenate([unit, others])
-        columns = np.concatenate([unknown, self.count + first + np.arange(len(others))])
-        shape = (len(surface.dofs), self.count + self.derived_count)
-        return csr_matrix((np.ones(len(rows)), (rows, columns)), shape=shape)
+        return rows, np.concatenate([unknown, self.count + first + np.arange(len(others))])
 
     def held_part(self, surface: SurfaceMatrix, held: Array) -> Array:
-        """What held displacements, given at all contact dofs, add to ``jump``."""
+        """What held displacements, given at all contact dofs, add to jumps."""
         found = held[self._places[surface]].copy()
         pairing = surface.contact.kinematics.pairing
         if pairing is not None:

@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 from dolfinx import fem
-from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.contact.contact_surface import ContactSurface
@@ -76,22 +75,6 @@ class SurfaceMatrix:
         size = self._surface.components
         first, owned = index_map.local_range[0] * size, index_map.size_local * size
         return PairStiffness(pairing, self.dofs, first, owned)
-
-
-def congruent(entries: Entries, left: csr_matrix, right: csr_matrix) -> Entries:
-    """Entries of Lᵀ K R; each place comes once.
-
-    Args:
-        entries: Of K; those at the same place add up.
-        left: L.
-        right: R.
-    """
-    rows, columns, values = entries
-    kept = values != 0
-    places = (rows[kept], columns[kept])
-    matrix = csr_matrix((values[kept], places), shape=(left.shape[0], right.shape[0]))
-    found = (left.T @ (matrix @ right)).tocoo()
-    return found.row.astype(np.int64), found.col.astype(np.int64), found.data
 
 
 class AssembledForms:

@@ -239,10 +239,11 @@ class RegularisedFriction(FrictionLaw):
         """The primal-dual tangent in the present mode, (points, components, components)."""
         if self.mode not in ("law", "status", "coupled"):
             return super().tangent_at_points()
-        found = self._primal_dual.tangent
+        state = self._primal_dual
+        found = state.tangent
         if self.mode == "coupled":
             slope = self.normal.pressure_slope(self.site.kinematics.jump_at_points())
-            found += self._primal_dual.coupling(self.bound_of(np.ones(len(slope)))[:, None] * slope)
+            found += state.coupling(self.bound_of(np.ones(len(slope)))[:, None] * slope)
         return found
 
     @property
