@@ -176,15 +176,21 @@ class Study:
         self.run = run
         return result
 
-    def quantities(self, changes: Mapping[str, Any] | None = None, follow: bool = False) -> Answer:
-        """Solve the scene with other values, for what its contacts tell alone; collective.
+    def quantities(
+        self,
+        changes: Mapping[str, Any] | None = None,
+        follow: bool = False,
+        checks: bool = True,
+    ) -> Answer:
+        """Solve the scene with other values, for its numbers alone; collective.
 
-        Without fields, checks and error bars, and mostly from the last answer on: the quickest
-        way to many answers. Where more than one answer may be, it begins as a separate run does.
+        Without fields and error bars, and mostly from the last answer on: the quickest way to many
+        answers. Where more than one answer may be, it begins as a separate run does.
 
         Args:
             changes: As of ``solve``.
             follow: Begin at the last answer in any case, and follow its branch.
+            checks: Check the physics as far as that takes no field.
 
         Raises:
             InputError: As of ``solve``.
@@ -195,7 +201,7 @@ class Study:
             kept = self._body_of(scene, timings)
             if self._quick is None:
                 self._quick = QuickAnswers(kept)
-            return self._quick.answer(scene, follow)
+            return self._quick.answer(scene, follow, checks)
 
     def forget_answer(self) -> None:
         """Begin the next quick answer as a separate run does, not at the last one."""

@@ -15,6 +15,7 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.discrete_body import DiscreteBody
+from fenics_contact.solve.condensed.body_rows import BodyRows
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
@@ -35,6 +36,7 @@ class CondensedBody:
         bulk: The factorisation, and S on rank 0.
         loads: Those condensed so far.
         preloads: What shortenings of preloaded parts do.
+        rows: Those of numbers that are linear in the displacement.
 
     Args:
         discrete: The body.
@@ -74,6 +76,7 @@ class CondensedBody:
             parts = discrete.elastic.preloaded
             self.preloads = CondensedPreloads(parts, self.stiffness, self.bulk, self.held)
         self.loads = CondensedLoads(self.bulk)
+        self.rows = BodyRows(self.stiffness, self.held, self.dofs, self.bulk)
         self._of_schur: OfSchur | None = None
 
     @property

@@ -1,0 +1,177 @@
+"""Which rows a body keeps for what is measured of it: supports, parts, points and surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from functools import partial
+
+import numpy as np
+
+from fenics_contact.body.transposed_form import ForcesOnState, TransposedForm
+from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.parallel import gather_rows, total
+from fenics_contact.evaluate.needed_forces import own_dofs
+from fenics_contact.evaluate.surface_stress import stress_on
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.condensed.body_rows import Functional, GivenState
+from fenics_contact.solve.condensed.condensed_body import CondensedBody
+
+_Wanted = dict[Hashable, Callable[[], Functional]]
+
+
+class RowsOfBody:
+    """The numbers of an answer that are linear in the displacement; collective, as all.
+
+    Args:
+        problem: The model.
+        body: The body, condensed.
+    """
+
+    def __init__(self, problem: Problem, body: CondensedBody) -> None:
+        self._problem, self._body, self._rows = problem, body, body.rows
+        share = body.stiffness.share
+        #: This rank's shares of what a unit of each shortening puts on the body (force/length).
+        self.of_shortenings = self._rows.once(
+            "shortenings",
+            lambda: [share(p.bulk.nodal, p.bulk.on_mean_stress) for p in problem.preloads],
+        )
+
+    def supports(self, state: GivenState, shortenings: Array) -> Array:
+        """Resultant of each applied support, (supports, components) (force)."""
+        problem = self._problem
+        found = np.zeros((len(problem.applied_supports), problem.spaces.components))
+        for (number, axis, _), value in self._by_parts(state).items():
+            found[number, axis] += value
+        return found + self._beyond(state, shortenings)
+
+    def _by_parts(self, state: GivenState) -> dict[Hashable, float]:
+        """Of each support, axis and part of the body; radial forces cancel."""
+        wanted = self._rows.once("supports", self._reactions)
+        return self._rows.group("supports").values(wanted, state)
+
+    def _reactions(self) -> _Wanted:
+        problem = self._problem
+        spaces, parts = problem.spaces, problem.spaces.parts
+        size, wanted = spaces.components, {}
+        first = 1 if spaces.kinematics == "axisymmetric" else 0
+        for number, dofs in enumerate(own_dofs(problem)):
+            for axis in range(first, size):
+                along = dofs[dofs % size == axis]
+                of_part = parts.of_node[along // size]
+                counts = total(problem.comm, np.bincount(of_part, minlength=parts.count))
+                for part in np.flatnonzero(counts):
+                    chosen = along[of_part == part]
+                    wanted[number, axis, int(part)] = partial(self._held, chosen, 1.0)
+        return wanted
+
+    def _held(self, dofs: Integers, values: Array | float) -> Functional:
+        """Σ of reactions at held dofs, times values."""
+        nodal = np.zeros(self._problem.load.size)
+        nodal[dofs] = values
+        nodal = nodal.reshape(self._problem.load.shape)
+        return Functional(held=self._body.stiffness.at_unknowns(nodal))
+
+    def _beyond(self, state: GivenState, shortenings: Array) -> Array:
+        """Where supports meet, what each has of what is counted to the first, as ``supports``."""
+        problem = self._problem
+        found = np.zeros((len(problem.applied_supports), problem.spaces.components))
+        parts = self._rows.once("shared reactions", problem.shared_reactions.moved_by)
+        if parts:
+            wanted = {key: partial(self._on_state, part[1], part[0]) for key, part in parts.items()}
+            for (number, axis), value in self._rows.group("shared").values(wanted, state).items():
+                found[number, axis] = value + parts[number, axis][1].on_shortenings @ shortenings
+        return found
+
+    def of_parts(self, state: GivenState) -> tuple[Array, Array]:
+        """What supports do to each connected part of the body.
+
+        Returns:
+            Their resultants, (supports, parts, components) (force), and the moments of all of them
+            about the part's centre over its size, (parts, 3) (force).
+        """
+        problem = self._problem
+        parts, size = problem.spaces.parts, problem.spaces.components
+        resultants = np.zeros((len(problem.applied_supports), parts.count, size))
+        for (number, axis, part), value in self._by_parts(state).items():
+            resultants[number, part, axis] = value
+        moments = np.zeros((parts.count, 3))
+        wanted = self._rows.once("moments", self._moments)
+        for (part, axis), value in self._rows.group("moments").values(wanted, state).items():
+            moments[part, axis] = value
+        return resultants, moments
+
+    def _moments(self) -> _Wanted:
+        """Σ (x × r)_i of each part; none in axisymmetric models."""
+        problem = self._problem
+        spaces, parts = problem.spaces, problem.spaces.parts
+        if spaces.kinematics == "axisymmetric":
+            return {}
+        dofs, wanted = problem.constrained, {}
+        nodes, axes = dofs // spaces.components, dofs % spaces.components
+        arms = parts.arms[nodes] / parts.sizes[parts.of_node[nodes], None]
+        turned = np.cross(arms, np.eye(3)[axes])
+        for part in range(parts.count):
+            inside = parts.of_node[nodes] == part
+            sizes = total(problem.comm, np.abs(turned[inside]).sum(axis=0))
+            for axis in np.flatnonzero(sizes):
+                values = np.where(inside, turned[:, axis], 0.0)
+                wanted[part, int(axis)] = partial(self._held, dofs, values)
+        return wanted
+
+    def stabilised(self, state: GivenState) -> Array:
+        """Reactions at dofs that a stabilisation holds, on every rank (force)."""
+        wanted = self._rows.once("stabilised", self._at_stabilised)
+        return np.array(list(self._rows.group("stabilised").values(wanted, state).values()))
+
+    def _at_stabilised(self) -> _Wanted:
+        problem = self._problem
+        spaces = problem.spaces
+        size, index_map = spaces.components, spaces.displacement_space.dofmap.index_map
+        here = np.unique(np.concatenate([support.dofs for support in problem.stabilisation]))
+        nodes = index_map.local_to_global((here // size).astype(np.int32))
+        numbers = nodes.astype(np.int64) * size + here % size
+        return {
+            number: partial(self._held, here[numbers == number], 1.0)
+            for number in np.unique(gather_rows(problem.comm, numbers)).tolist()
+        }
+
+    def stress(self, number: int, state: GivenState, shortenings: Array) -> Array:
+        """∫ σ n over the slave surface of a contact, by its number, (components,) (force)."""
+        name = f"stress {number}"
+        parts = self._rows.once(name, partial(self._stress_at, number))
+        wanted: _Wanted = {n: partial(self._on_state, one) for n, one in enumerate(parts)}
+        found = np.array(list(self._rows.group(name).values(wanted, state).values()))
+        return found + [one.on_shortenings @ shortenings for one in parts]
+
+    def _stress_at(self, number: int) -> list[ForcesOnState]:
+        """What ∫ σ n is of a state, by components."""
+        problem = self._problem
+        spaces, elastic = problem.spaces, problem.elastic
+        form = stress_on(spaces, elastic, problem.contacts[number].sides.group)
+        transposed = TransposedForm(form, spaces, elastic, elastic.displacement)
+        units = np.broadcast_to(
+            np.eye(spaces.components)[:, None], (spaces.components, *problem.load.shape)
+        )
+        return [transposed.of(unit) for unit in units]
+
+    def _on_state(self, forces: ForcesOnState, held: Array | None = None) -> Functional:
+        """Of forces on the state, and of factors of reactions at the nodes' dofs."""
+        stiffness = self._body.stiffness
+        share = stiffness.share(forces.nodal, forces.on_mean_stress)
+        at_held = None
+        if held is not None:
+            at_held = stiffness.at_unknowns(held.reshape(forces.nodal.shape))
+        return Functional(share, at_held)
+
+    def points(self, state: GivenState) -> dict[str, list[float]]:
+        """The displacement at the scene's points, by quantity."""
+        points, size = self._problem.points, self._problem.spaces.components
+        at_unknowns = self._body.stiffness.at_unknowns
+        wanted: _Wanted = {
+            (place, axis): lambda n=number, a=axis: Functional(at_unknowns(points.unit_force(n, a)))
+            for number, place in enumerate(points.places)
+            for axis in range(size)
+        }
+        found = self._rows.group("points").values(wanted, state)
+        rows = [[found[place, axis] for axis in range(size)] for place in points.places]
+        return points.named(np.reshape(rows, (len(rows), size)))
