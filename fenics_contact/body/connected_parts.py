@@ -53,6 +53,8 @@ class Parts:
 
     def sums(self, values: Array) -> Array:
         """Sum of values at owned nodes, first axis nodes, over each part; collective."""
+        if self.count == 1:
+            return np.asarray(total(self._comm, values.sum(axis=0)[None]))
         found = np.zeros((self.count, *values.shape[1:]))
         np.add.at(found, self.of_node[: self._owned], values)
         return np.asarray(total(self._comm, found))

@@ -13,6 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.evaluate.recovered_pressure import reaction_pressure
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import PreloadState
@@ -58,6 +59,7 @@ class NeededForces(ABC):
         for contact, force in zip(problem.contacts, self._given, strict=True):
             self.contacts += contact.kinematics.on_body(contact.trace.at_all_nodes(force))
         self._pressures: dict[int, Array] = {}
+        self._carries: dict[int, bool] = {}
 
     @property
     @abstractmethod
@@ -133,6 +135,13 @@ class NeededForces(ABC):
             forces = self.at_contact(number)
             self._pressures[number] = reaction_pressure(self.problem.contacts[number], forces)
         return self._pressures[number]
+
+    def carries(self, number: int) -> bool:
+        """Whether a contact carries more than what solver and round-off leave."""
+        if number not in self._carries:
+            contact = self.problem.contacts[number]
+            self._carries[number] = carries_more_than(contact, self.imbalance)
+        return self._carries[number]
 
 
 def own_dofs(problem: Problem) -> list[Integers]:

@@ -75,7 +75,9 @@ class RowsOfBody:
         """Where supports meet, what each has of what is counted to the first, as ``supports``."""
         problem = self._problem
         found = np.zeros((len(problem.applied_supports), problem.spaces.components))
-        parts = self._rows.once("shared reactions", problem.shared_reactions.moved_by)
+        parts = self._rows.once(
+            "shared reactions", lambda: problem.shared_reactions.moved_by()
+        )
         if parts:
             wanted = {key: partial(self._on_state, part[1], part[0]) for key, part in parts.items()}
             for (number, axis), value in self._rows.group("shared").values(wanted, state).items():

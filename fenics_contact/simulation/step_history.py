@@ -77,7 +77,8 @@ class StepHistory(Generic[_Forces]):
             solution: Of the step.
         """
         quantities = self._measure(solution)
-        self.book.count(self.forces)
+        if self._problem.scene.steps.several:  # else there is no path to count along
+            self.book.count(self.forces)
         quantities |= self.book.quantities(quantities)
         with self._timings.phase("output"):
             sizes = self._linear_range.of(solution) if self.forces.tells_inside else {}

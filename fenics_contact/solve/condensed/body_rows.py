@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
+from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
@@ -82,6 +83,7 @@ class BodyRows:
     Attributes:
         stiffness: That of each rank's cells.
         held: Which of this rank's unknowns supports hold.
+        count: Number of free contact dofs.
         given: Rows of what scenes give.
 
     Args:
@@ -95,6 +97,7 @@ class BodyRows:
         self, stiffness: LocalStiffness, held: Flags, dofs: ContactDofs, bulk: CondensedBulk
     ) -> None:
         self.stiffness, self.held, self._bulk = stiffness, held, bulk
+        self.count = bulk.count
         self._at_contacts = np.flatnonzero(np.isin(stiffness.numbers, dofs.free) & ~held)
         self._places = np.searchsorted(dofs.free, stiffness.numbers[self._at_contacts])
         self._groups: dict[str, RowGroup] = {}
@@ -135,9 +138,9 @@ class BodyRows:
             load -= matrix @ np.where(self.held, of.held, 0.0)
         load -= forces
         load[self.held] = 0.0 if of.held is None else of.held[self.held]
-        found = self._bulk.expand(load, np.zeros(self._bulk.count))
+        found = self._bulk.expand(load, np.zeros(self.count))
         share = matrix @ found + forces
-        at_contacts = np.zeros(self._bulk.count)
+        at_contacts = np.zeros(self.count)
         at_contacts[self._places] = share[self._at_contacts]
         return Row(total(self.stiffness.comm, at_contacts), share[self.held], found)
 
@@ -188,11 +191,10 @@ class RowStack:
 
     def __init__(self, rows: BodyRows, stacked: Sequence[Row]) -> None:
         self._comm = rows.stiffness.comm
-        shape = (len(stacked), -1 if stacked else 0)
-        of_contacts = np.array([row.of_contacts for row in stacked])
-        self.of_contacts = of_contacts.reshape(shape)
-        self._of_held = np.array([row.of_held for row in stacked]).reshape(shape)
-        self._of_forces = np.array([row.of_forces for row in stacked]).reshape(shape)
+        count = len(stacked)
+        self.of_contacts = np.reshape([row.of_contacts for row in stacked], (count, rows.count))
+        self._of_held = np.reshape([r.of_held for r in stacked], (count, rows.held.sum()))
+        self._of_forces = np.reshape([r.of_forces for r in stacked], (count, len(rows.held)))
 
     def values(self, state: GivenState) -> Array:
         """Of each row; collective."""
@@ -217,6 +219,7 @@ class GivenRows:
         self._rows = rows
         self._known: list[tuple[Functional, Row]] = []
         self._stack: RowStack | None = None
+        self._last: list[tuple[Functional, Array]] = []
 
     @property
     def made(self) -> list[tuple[Functional, Row]]:
@@ -235,15 +238,18 @@ class GivenRows:
             wanted: With forces alone, or held displacements alone.
         """
         if len(self._known) + len(wanted) > _MOST_GIVEN:
-            self._known, self._stack = [], None
+            self._known, self._stack, self._last = [], None, []
         found = []
-        for of in wanted:
-            shares = self._combination(of)
+        for number, of in enumerate(wanted):
+            shares = self._last_shares(number, of)
+            if shares is None:
+                shares = self._combination(of)
             if shares is None:
                 self.know(of, self._rows.make(of))
                 shares = np.zeros(len(self._known))
                 shares[-1] = 1.0
             found.append(shares)
+        self._last = list(zip(wanted, found, strict=True))
         whole = np.zeros((len(wanted), len(self._known)))
         for number, shares in enumerate(found):
             whole[number, : len(shares)] = shares
@@ -273,6 +279,18 @@ class GivenRows:
             shares: As of ``values``.
         """
         return np.asarray(shares @ self._stacked.of_contacts)
+
+    def _last_shares(self, number: int, of: Functional) -> Array | None:
+        """Of a functional that was asked for last in the same place; collective."""
+        same, shares = False, None
+        if number < len(self._last):
+            last, shares = self._last[number]
+            same = all(
+                one is other or (one is not None and other is not None and (one == other).all())
+                for one, other in ((of.forces, last.forces), (of.held, last.held))
+            )
+        is_same = bool(self._rows.stiffness.comm.allreduce(same, op=MPI.LAND))
+        return shares if is_same else None
 
     def _combination(self, of: Functional) -> Array | None:
         """Shares of the known rows in a functional's, None if it is another one; collective."""

@@ -12,7 +12,6 @@ import numpy as np
 
 from fenics_contact.common.arrays import Flags
 from fenics_contact.common.parallel import largest, total
-from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.contact.state import STICK
 from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.results.result import Check
@@ -78,7 +77,7 @@ def _glue(forces: NeededForces, numbers: Sequence[int]) -> Check | None:
     free = forces.problem.free.all(axis=1)
     for number in numbers:
         contact = forces.problem.contacts[number]
-        if not contact.normal.sticks or not carries_more_than(contact, forces.imbalance):
+        if not contact.normal.sticks or not forces.carries(number):
             continue
         state, nodes = forces.solution.states[number], slice(0, len(contact.nodes))
         counted = contact.owned_nodes & free[contact.nodes] & np.isfinite(state.gap[nodes])

@@ -14,7 +14,6 @@ from mpi4py import MPI
 from fenics_contact.common.arrays import Array, Words
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.contact.state import OPEN
 from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.results.result import Check
@@ -203,7 +202,7 @@ def outer_loop(forces: NeededForces, contacts: Sequence[int]) -> Check | None:
             continue
         wanted = contact.friction.bound_of(solution.states[number].contact_pressure)
         peak = largest(problem.comm, wanted)
-        if peak <= 0 or not carries_more_than(contact, forces.imbalance):
+        if peak <= 0 or not forces.carries(number):
             continue
         owned = contact.trace.owned
         off = np.abs(solution.friction_bound[number] - wanted)[owned]

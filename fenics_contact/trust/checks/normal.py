@@ -10,7 +10,6 @@ from mpi4py import MPI
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import gather_rows, largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.facet_sizes import relative_facet_size
 from fenics_contact.evaluate.needed_forces import NeededForces
@@ -96,7 +95,7 @@ def compared_pressures(forces: NeededForces) -> list[ComparedPressures]:
                 places=trace.coordinates[: len(contact.nodes)][free],
                 limit=TRACE + 2 * solution.imbalance_limit / (lightest * peak),
                 peak=peak,
-                tells=carries_more_than(contact, forces.imbalance),
+                tells=forces.carries(number),
             )
         )
     return found
