@@ -13,10 +13,10 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import from_root, total
 from fenics_contact.evaluate.needed_forces import Balances, NeededForces
-from fenics_contact.evaluate.rows_of_body import RowsOfBody
+from fenics_contact.evaluate.rows_of_body import RowsOfBody, at_far_field, prescribed
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ContactScalar, PreloadState
-from fenics_contact.solve.condensed.body_rows import Functional, GivenState
+from fenics_contact.solve.condensed.body_rows import GivenState
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.newton.solution import Solution
 
@@ -51,9 +51,8 @@ class CondensedForces(NeededForces):
             if isinstance(unknown, ContactScalar) and unknown.column is not None
         ]
         self._resultants = np.array([value for value, _ in far])
-        self._columns = [self._at_far_field(column) for _, column in far]
-        self._prescribed = np.zeros(problem.load.shape)
-        self._prescribed.reshape(-1)[problem.constrained] = problem.prescribed
+        self._columns = [at_far_field(problem, column) for _, column in far]
+        self._prescribed = prescribed(problem)
         self._displacement = body.dofs.placed(position).reshape(problem.load.shape)
         self._displacement += self._prescribed
         for value, column in zip(self._resultants, self._columns, strict=True):
@@ -67,33 +66,14 @@ class CondensedForces(NeededForces):
         self._state = GivenState(position, at_unknowns[body.held], forces)
         self.unbalanced = self._at_contacts()
 
-    def _at_far_field(self, column: Array) -> Array:
-        """The far field over a unit resultant, 0 elsewhere, (nodes, components)."""
-        problem = self.problem
-        assert problem.far_field is not None
-        found = np.zeros(problem.load.size)
-        found[problem.far_field.dofs] = column
-        return found.reshape(problem.load.shape)
-
-    def _functionals(self, *loads: Array) -> list[Functional]:
-        """Loads, displacements of supports, and far fields over resultants.
-
-        Args:
-            loads: This rank's shares.
-        """
-        at_unknowns = self._body.stiffness.at_unknowns
-        held = [at_unknowns(each) for each in (self._prescribed, *self._columns)]
-        return [*(Functional(forces=each) for each in loads), *(Functional(held=h) for h in held)]
-
     @cached_property
     def _of_given(self) -> tuple[Array, Array]:
         """Work of the loads, of reactions on displacements of supports, and on each far field.
 
         And what each of these and of the shortenings does to the free contact dofs, (…, dofs).
         """
-        shortened = [Functional(forces=share) for share in self._rows.of_shortenings]
         given = self._body.rows.given
-        shares = given.shares([*self._functionals(self._load), *shortened])
+        shares = given.shares(self._rows.given([self._load], [self._prescribed, *self._columns]))
         return given.values(shares, self._state), given.of_contacts(shares)
 
     def _at_contacts(self) -> Array:
@@ -104,9 +84,9 @@ class CondensedForces(NeededForces):
         acting -= self._shortenings @ columns[far:]
         schur, position = self._body.bulk.schur, self._state.contacts
         needed = None if schur is None else schur @ position - acting
-        found = self._body.dofs.placed(np.asarray(from_root(self.problem.comm, needed)))
-        left = found.reshape(self.load.shape) - self.contacts
-        return np.where(self._body.dofs.placed(np.ones(len(position))).reshape(left.shape), left, 0)
+        needed = np.asarray(from_root(self.problem.comm, needed))
+        found = self._body.dofs.placed(needed, less=self.contacts.reshape(-1))
+        return found.reshape(self.load.shape)
 
     @property
     def displacement(self) -> Array:
@@ -153,35 +133,25 @@ class CondensedForces(NeededForces):
         each support together are ``carried``, which is no more than that of each node.
         """
         spaces = self.problem.spaces
+        size, parts = spaces.components, spaces.parts
         reactions, moments = self._rows.of_parts(self._state)
-        found = np.zeros((3, spaces.parts.count, 3))
         forces = self.load + self.contacts
-        turning = forces
+        nodes = self.acting(forces)
+        resultants, turning = np.zeros((parts.count, 3)), np.zeros((len(nodes), 3))
+        resultants[:, :size] = parts.sums(forces[nodes], nodes) + reactions.sum(axis=0)
+        turning[:, :size] = forces[nodes]
+        turned = nodes
         if spaces.degree < spaces.geometry_order:  # see ``BulkForces.balances``
-            turning, moments = -self.unbalanced, np.zeros_like(moments)
-        found[0, :, : spaces.components] = self._in_parts(forces) + reactions.sum(axis=0)
-        found[1] = self._turning(turning) + moments
-        found[2, :, : spaces.components] = self._in_parts(np.abs(forces)) + np.abs(reactions).sum(axis=0)
-        return Balances(found[0], found[1], found[2].sum(axis=1))
-
-    def _in_parts(self, nodal: Array) -> Array:
-        """Sums over each connected part, (parts, columns); of few nodes that are not 0."""
-        parts, owned = self.problem.spaces.parts, self.problem.spaces.owned_nodes
-        acting = np.flatnonzero(nodal[:owned].any(axis=1))
-        found = np.zeros((parts.count, nodal.shape[1]))
-        np.add.at(found, parts.of_node[acting], nodal[acting])
-        return np.asarray(total(self.problem.comm, found))
-
-    def _turning(self, forces: Array) -> Array:
-        """Moments about the centre of each part, over its size, (parts, 3)."""
-        parts, owned = self.problem.spaces.parts, self.problem.spaces.owned_nodes
-        acting = np.flatnonzero(forces[:owned].any(axis=1))
-        vectors, found = np.zeros((len(acting), 3)), np.zeros((parts.count, 3))
-        vectors[:, : forces.shape[1]] = forces[acting]
-        of_part = parts.of_node[acting]
-        moments = np.cross(parts.arms[acting], vectors) / parts.sizes[of_part, None]
-        np.add.at(found, of_part, moments)
-        return np.asarray(total(self.problem.comm, found))
+            turned = self.acting(self.unbalanced)
+            turning, moments = np.zeros((len(turned), 3)), np.zeros_like(moments)
+            turning[:, :size] = -self.unbalanced[turned]
+        arms = parts.arms[turned] / parts.sizes[parts.of_node[turned], None]
+        carried = parts.sums(np.abs(forces[nodes]).sum(axis=1), nodes)
+        return Balances(
+            resultants,
+            parts.sums(np.cross(arms, turning), turned) + moments,
+            carried + np.abs(reactions).sum(axis=(0, 2)),
+        )
 
     def at_stabilised(self) -> Array:
         """Reactions at dofs that a stabilisation holds, of all ranks (force)."""
@@ -208,14 +178,13 @@ class CondensedForces(NeededForces):
             return 0.5 * float(works[0]), 0.5 * (self.given_work - float(works[0]))
         assert isinstance(before, CondensedForces)
         given = self._body.rows.given
-        shares = given.shares(
-            [*self._functionals(self._load, before._load), *before._functionals()]  # noqa: SLF001
-        )
-        now, then = (given.values(shares, one._state) for one in (self, before))  # noqa: SLF001
+        held = [self._prescribed, *self._columns, before._prescribed, *before._columns]
+        shares = given.shares(self._rows.given([self._load, before._load], held))
+        now, then = (given.values(shares, one._state) for one in (self, before))
         loads = 0.5 * float((now - then)[:2].sum())
-        own, others = (np.array([1.0, *one._resultants]) for one in (self, before))  # noqa: SLF001
+        own, others = (np.array([1.0, *one._resultants]) for one in (self, before))
         moved = np.concatenate([own, -others])
-        return loads, 0.5 * float(moved @ (now + then)[2:])
+        return loads, 0.5 * float(moved @ (now + then)[2 : 2 + len(moved)])
 
     def _summed(self, values: Array) -> float:
         """Over the nodes of all ranks; collective."""

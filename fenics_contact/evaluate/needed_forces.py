@@ -122,6 +122,15 @@ class NeededForces(ABC):
             before: The other answer, of the same kind; None for the body at rest.
         """
 
+    def acting(self, nodal: Array) -> Integers:
+        """The nodes of this rank's own at which something is not 0.
+
+        Args:
+            nodal: (nodes, components).
+        """
+        owned, components = self.problem.spaces.owned_nodes, nodal.shape[1]
+        return np.unique(np.flatnonzero(nodal[:owned]) // components)
+
     def at_contact(self, number: int) -> Array:
         """Forces that the bulk needs from a contact at its nodes, (nodes, components) (force).
 

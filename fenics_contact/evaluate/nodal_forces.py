@@ -18,7 +18,7 @@ from fenics_contact.solve.newton.solution import Solution
 
 
 class BulkForces(NeededForces):
-    """What the bulk needs in a solution, from nodal values of the whole body; collective, as all."""
+    """What the bulk needs, from nodal values of the whole body; collective, as all."""
 
     tells_inside = True
 

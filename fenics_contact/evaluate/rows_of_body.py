@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -13,10 +13,8 @@ from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.evaluate.needed_forces import own_dofs
 from fenics_contact.evaluate.surface_stress import stress_on
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.condensed.body_rows import Functional, GivenState
+from fenics_contact.solve.condensed.body_rows import Functional, GivenState, Key, Wanted
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
-
-_Wanted = dict[Hashable, Callable[[], Functional]]
 
 
 class RowsOfBody:
@@ -36,23 +34,54 @@ class RowsOfBody:
             lambda: [share(p.bulk.nodal, p.bulk.on_mean_stress) for p in problem.preloads],
         )
 
+    def given(self, loads: Sequence[Array], held: Sequence[Array]) -> list[Functional]:
+        """Of loads, displacements of what is held, and what shortenings put on the body.
+
+        Args:
+            loads: This rank's shares (force).
+            held: At all nodes, 0 but where held, (nodes, components) each (length).
+        """
+        at_unknowns = self._body.stiffness.at_unknowns
+        return [
+            *(Functional(forces=share) for share in loads),
+            *(Functional(held=at_unknowns(nodal)) for nodal in held),
+            *(Functional(forces=share) for share in self.of_shortenings),
+        ]
+
+    def make_all(self) -> None:
+        """Make the rows that an answer of the problem asks for, if they are not there."""
+        problem, rows = self._problem, self._rows
+        none = np.zeros(len(problem.preloads))
+        held = np.zeros(int(rows.held.sum()))
+        state = GivenState(np.zeros(rows.count), held, np.zeros(len(rows.held)))
+        self.supports(state, none)
+        self.of_parts(state)
+        self.points(state)
+        for number in range(len(problem.contacts)):
+            self.stress(number, state, none)
+        columns = [unknown.column for unknown in problem.unknowns if unknown.column is not None]
+        far = [at_far_field(problem, column) for column in columns]
+        load = self._body.stiffness.share(problem.load)
+        rows.given.shares(self.given([load], [prescribed(problem), *far]))
+
     def supports(self, state: GivenState, shortenings: Array) -> Array:
         """Resultant of each applied support, (supports, components) (force)."""
         problem = self._problem
         found = np.zeros((len(problem.applied_supports), problem.spaces.components))
         for (number, axis, _), value in self._by_parts(state).items():
-            found[number, axis] += value
+            found[int(number), int(axis)] += value
         return found + self._beyond(state, shortenings)
 
-    def _by_parts(self, state: GivenState) -> dict[Hashable, float]:
+    def _by_parts(self, state: GivenState) -> dict[Key, float]:
         """Of each support, axis and part of the body; radial forces cancel."""
         wanted = self._rows.once("supports", self._reactions)
         return self._rows.group("supports").values(wanted, state)
 
-    def _reactions(self) -> _Wanted:
+    def _reactions(self) -> Wanted:
         problem = self._problem
         spaces, parts = problem.spaces, problem.spaces.parts
-        size, wanted = spaces.components, {}
+        size = spaces.components
+        wanted: dict[Key, Callable[[], Functional]] = {}
         first = 1 if spaces.kinematics == "axisymmetric" else 0
         for number, dofs in enumerate(own_dofs(problem)):
             for axis in range(first, size):
@@ -75,13 +104,12 @@ class RowsOfBody:
         """Where supports meet, what each has of what is counted to the first, as ``supports``."""
         problem = self._problem
         found = np.zeros((len(problem.applied_supports), problem.spaces.components))
-        parts = self._rows.once(
-            "shared reactions", lambda: problem.shared_reactions.moved_by()
-        )
-        if parts:
-            wanted = {key: partial(self._on_state, part[1], part[0]) for key, part in parts.items()}
-            for (number, axis), value in self._rows.group("shared").values(wanted, state).items():
-                found[number, axis] = value + parts[number, axis][1].on_shortenings @ shortenings
+        parts = self._rows.once("shared reactions", lambda: problem.shared_reactions.moved_by())
+        wanted: dict[Key, Callable[[], Functional]]
+        wanted = {key: partial(self._on_state, one, held) for key, (held, one) in parts.items()}
+        values = self._rows.group("shared").values(wanted, state) if parts else {}
+        for key, (_, one) in parts.items():
+            found[key] = values[key] + one.on_shortenings @ shortenings
         return found
 
     def of_parts(self, state: GivenState) -> tuple[Array, Array]:
@@ -94,21 +122,23 @@ class RowsOfBody:
         problem = self._problem
         parts, size = problem.spaces.parts, problem.spaces.components
         resultants = np.zeros((len(problem.applied_supports), parts.count, size))
-        for (number, axis, part), value in self._by_parts(state).items():
+        for key, value in self._by_parts(state).items():
+            number, axis, part = map(int, key)
             resultants[number, part, axis] = value
         moments = np.zeros((parts.count, 3))
         wanted = self._rows.once("moments", self._moments)
-        for (part, axis), value in self._rows.group("moments").values(wanted, state).items():
-            moments[part, axis] = value
+        for key, value in self._rows.group("moments").values(wanted, state).items():
+            moments[tuple(map(int, key))] = value
         return resultants, moments
 
-    def _moments(self) -> _Wanted:
+    def _moments(self) -> Wanted:
         """Σ (x × r)_i of each part; none in axisymmetric models."""
         problem = self._problem
         spaces, parts = problem.spaces, problem.spaces.parts
         if spaces.kinematics == "axisymmetric":
             return {}
-        dofs, wanted = problem.constrained, {}
+        dofs = problem.constrained
+        wanted: dict[Key, Callable[[], Functional]] = {}
         nodes, axes = dofs // spaces.components, dofs % spaces.components
         arms = parts.arms[nodes] / parts.sizes[parts.of_node[nodes], None]
         turned = np.cross(arms, np.eye(3)[axes])
@@ -125,7 +155,7 @@ class RowsOfBody:
         wanted = self._rows.once("stabilised", self._at_stabilised)
         return np.array(list(self._rows.group("stabilised").values(wanted, state).values()))
 
-    def _at_stabilised(self) -> _Wanted:
+    def _at_stabilised(self) -> Wanted:
         problem = self._problem
         spaces = problem.spaces
         size, index_map = spaces.components, spaces.displacement_space.dofmap.index_map
@@ -133,7 +163,7 @@ class RowsOfBody:
         nodes = index_map.local_to_global((here // size).astype(np.int32))
         numbers = nodes.astype(np.int64) * size + here % size
         return {
-            number: partial(self._held, here[numbers == number], 1.0)
+            (number,): partial(self._held, here[numbers == number], 1.0)
             for number in np.unique(gather_rows(problem.comm, numbers)).tolist()
         }
 
@@ -141,7 +171,7 @@ class RowsOfBody:
         """∫ σ n over the slave surface of a contact, by its number, (components,) (force)."""
         name = f"stress {number}"
         parts = self._rows.once(name, partial(self._stress_at, number))
-        wanted: _Wanted = {n: partial(self._on_state, one) for n, one in enumerate(parts)}
+        wanted: Wanted = {(n,): partial(self._on_state, one) for n, one in enumerate(parts)}
         found = np.array(list(self._rows.group(name).values(wanted, state).values()))
         return found + [one.on_shortenings @ shortenings for one in parts]
 
@@ -168,12 +198,31 @@ class RowsOfBody:
     def points(self, state: GivenState) -> dict[str, list[float]]:
         """The displacement at the scene's points, by quantity."""
         points, size = self._problem.points, self._problem.spaces.components
-        at_unknowns = self._body.stiffness.at_unknowns
-        wanted: _Wanted = {
-            (place, axis): lambda n=number, a=axis: Functional(at_unknowns(points.unit_force(n, a)))
+        wanted = {
+            (*place, axis): partial(self._at_point, number, axis)
             for number, place in enumerate(points.places)
             for axis in range(size)
         }
         found = self._rows.group("points").values(wanted, state)
-        rows = [[found[place, axis] for axis in range(size)] for place in points.places]
+        rows = [[found[*place, axis] for axis in range(size)] for place in points.places]
         return points.named(np.reshape(rows, (len(rows), size)))
+
+    def _at_point(self, number: int, axis: int) -> Functional:
+        """The displacement of a point along an axis."""
+        force = self._problem.points.unit_force(number, axis)
+        return Functional(forces=self._body.stiffness.at_unknowns(force))
+
+
+def prescribed(problem: Problem) -> Array:
+    """Displacements of supports at present, 0 elsewhere, (nodes, components) (length)."""
+    found = np.zeros(problem.load.size)
+    found[problem.constrained] = problem.prescribed
+    return found.reshape(problem.load.shape)
+
+
+def at_far_field(problem: Problem, column: Array) -> Array:
+    """The far field over a unit resultant, 0 elsewhere, likewise."""
+    found = np.zeros(problem.load.size)
+    assert problem.far_field is not None
+    found[problem.far_field.dofs] = column
+    return found.reshape(problem.load.shape)

@@ -48,7 +48,9 @@ class SharedReactions:
     ) -> None:
         self._spaces, self._elastic = spaces, elastic
         components = spaces.components
-        self._facets = facets = [_own_facets(supports, number, spaces) for number in range(len(supports))]
+        self._facets = facets = [
+            _own_facets(supports, number, spaces) for number in range(len(supports))
+        ]
         size = components * len(spaces.coordinates)
         touched = np.zeros((len(supports), size), dtype=bool)
         for number, by_axis in enumerate(facets):

@@ -24,7 +24,6 @@ from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.checks.run_checks import run_checks
 from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_range
 
-
 _Forces = TypeVar("_Forces", bound=NeededForces)
 
 

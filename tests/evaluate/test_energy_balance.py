@@ -210,9 +210,7 @@ def test_a_book_goes_on_where_it_was_left():
 
         def count(time, solution, problem=problem, books=books, kept=kept, leaves=leaves):
             forces = BulkForces(problem, solution)
-                kept.update(
-                global_quantities(forces, [contact_quantities(problem, solution, 0)])
-            )
+            kept.update(global_quantities(forces, [contact_quantities(problem, solution, 0)]))
             books[-1].count(forces)
             kept.update(books[-1].quantities(kept))
             if leaves:

@@ -69,7 +69,7 @@ class Answer:
 
     @property
     def exit_code(self) -> int | None:
-        """As of a run: 0 passed, 3 not converged, 4 a check failed; None of what was not checked."""
+        """As of a run: 0 passed, 3 not converged, 4 a check failed; None if not checked."""
         if not self.converged:
             return NotConvergedError.exit_code
         if self.checks is None:
@@ -155,14 +155,14 @@ class QuickAnswers:
         try:
             load_steps.solve()
         except NotConvergedError as error:
-            return Answer(converged=False, said=str(error), start="cold", verdict=f"No answer: {error}")
+            return Answer(
+                converged=False, said=str(error), start="cold", verdict=f"No answer: {error}"
+            )
         self._last = first[0]
         return found[-1]
 
 
-def _forces_of(
-    system: CondensedSystem, body: CondensedBody, solution: Solution
-) -> CondensedForces:
+def _forces_of(system: CondensedSystem, body: CondensedBody, solution: Solution) -> CondensedForces:
     """What the bulk needs in the present state of a system; collective."""
     scalars = system.scalar_values(system.state)
     return CondensedForces(system.problem, solution, body, system.position(), scalars)

@@ -126,6 +126,7 @@ class Study:
         if self._kept is None or self._kept.condensed is None:
             raise InputError(f"{path}: solve before saving: no body is condensed yet")
         with failing_together(self._comm):
+            self._kept.make_rows()
             save_body(path, self._kept.condensed, _text_of(self.scene))
 
     @property

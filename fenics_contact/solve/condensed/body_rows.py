@@ -13,7 +13,7 @@ with the factorised bulk, and is kept.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -44,6 +44,11 @@ class Functional:
 
     forces: Array | None = None
     held: Array | None = None
+
+
+# What a row of a group is of.
+Key = tuple[float, ...]
+Wanted = Mapping[Key, Callable[[], Functional]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,12 +162,10 @@ class RowGroup:
 
     def __init__(self, rows: BodyRows) -> None:
         self._rows = rows
-        self.made: dict[Hashable, Row] = {}
+        self.made: dict[Key, Row] = {}
         self._stack: RowStack | None = None
 
-    def values(
-        self, wanted: Mapping[Hashable, Callable[[], Functional]], state: GivenState
-    ) -> dict[Hashable, float]:
+    def values(self, wanted: Wanted, state: GivenState) -> dict[Key, float]:
         """Of each row that is wanted, its number; others are forgotten; collective.
 
         Args:

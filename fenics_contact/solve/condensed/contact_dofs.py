@@ -49,10 +49,17 @@ class ContactDofs:
         self._here = np.flatnonzero(np.isin(own, self.free))
         self._of_free = np.searchsorted(self.free, own[self._here])
 
-    def placed(self, values: Array) -> Array:
-        """Values at the free contact dofs, at all displacement dofs of this rank, 0 elsewhere."""
+    def placed(self, values: Array, less: Array | None = None) -> Array:
+        """Values at the free contact dofs, at all displacement dofs of this rank, 0 elsewhere.
+
+        Args:
+            values: At the free contact dofs.
+            less: What is taken off there, at all displacement dofs.
+        """
         found = np.zeros(len(self.constrained))
         found[self._here] = values[self._of_free]
+        if less is not None:
+            found[self._here] -= less[self._here]
         return found
 
     def gathered(self, values: Array) -> Array:

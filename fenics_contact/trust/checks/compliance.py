@@ -74,13 +74,16 @@ def _glue(forces: NeededForces, numbers: Sequence[int]) -> Check | None:
     """How far glue gives way, over what the bodies do; collective."""
     worst: Check | None = None
     comm = forces.problem.comm
-    free = forces.problem.free.all(axis=1)
     for number in numbers:
         contact = forces.problem.contacts[number]
         if not contact.normal.sticks or not forces.carries(number):
             continue
         state, nodes = forces.solution.states[number], slice(0, len(contact.nodes))
-        counted = contact.owned_nodes & free[contact.nodes] & np.isfinite(state.gap[nodes])
+        counted = (
+            contact.owned_nodes
+            & forces.problem.free[contact.nodes].all(axis=1)
+            & np.isfinite(state.gap[nodes])
+        )
         needed = np.linalg.norm(forces.at_contact(number), axis=1)[counted]
         apart = np.hypot(state.gap[nodes], np.linalg.norm(state.slip[nodes], axis=1))[counted]
         area = contact.trace.to_nodes(contact.trace.weights)[counted]

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import balance, nearer_to_failing
 
@@ -88,21 +89,33 @@ def _parts(forces: NeededForces) -> list[Check]:
         if contact.terms:
             everywhere = np.ones(len(contact.trace.all_nodes), dtype=bool)
             touched |= contact.kinematics.reaches(everywhere)
-    owned = slice(0, spaces.owned_nodes)
-    needed = np.where(touched[:, None], forces.unbalanced + forces.contacts, 0.0)[owned]
-    load = problem.load[owned]
-    held = parts.sums(np.where(problem.free, 0.0, 1.0)[owned]) > 0
-    if spaces.kinematics == "axisymmetric":
-        held[:, 0] = True  # radial forces have no resultant
-    left = np.where(held, 0.0, parts.sums(needed + load))
-    carried = parts.sums(np.abs(needed).sum(axis=1) + np.abs(load).sum(axis=1))
-    by_contacts = parts.sums(np.where(touched[owned], 1.0, 0.0)) > 0
+    nodes, loaded = np.flatnonzero(touched[: spaces.owned_nodes]), forces.acting(forces.load)
+    needed, load = (forces.unbalanced + forces.contacts)[nodes], forces.load[loaded]
+    held = _held_axes(problem)
+    resultants = parts.sums(needed, nodes) + parts.sums(load, loaded)
+    left = np.where(held, 0.0, resultants)
+    carried = parts.sums(np.abs(needed).sum(axis=1), nodes)
+    carried += parts.sums(np.abs(load).sum(axis=1), loaded)
+    by_contacts = parts.sums(np.ones(len(nodes)), nodes) > 0
     imbalance = forces.solution.imbalance_limit
     return [
         balance(float(np.linalg.norm(left[n])), carried[n], imbalance, kind="part", part=name)
         for n, name in enumerate(parts.names)
         if by_contacts[n] and not held[n].all()
     ]
+
+
+def _held_axes(problem: Problem) -> Flags:
+    """Along which axes supports hold each part, (parts, components); collective."""
+    spaces = problem.spaces
+    size, dofs = spaces.components, problem.constrained
+    dofs = dofs[dofs < spaces.owned_nodes * size]
+    along = np.zeros((len(dofs), size))
+    along[np.arange(len(dofs)), dofs % size] = 1.0
+    held = np.asarray(spaces.parts.sums(along, dofs // size) > 0)
+    if spaces.kinematics == "axisymmetric":
+        held[:, 0] = True  # radial forces have no resultant
+    return held
 
 
 def action_and_reaction(forces: NeededForces) -> Check | None:
