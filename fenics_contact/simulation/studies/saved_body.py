@@ -155,10 +155,10 @@ class SavedBody:
             found = dense[f"load{number}"][places] if comm.rank == 0 else np.zeros(len(places))
             condensed.loads.know(condensed.stiffness.share(nodal), found)
         what = self._saved.header["rows"]
-        of_contacts = {
-            f"row{n}": dense[f"row{n}"][places] if comm.rank == 0 else np.zeros(0)
-            for n in range(len(what))
-        }
+        of_contacts = {}
+        if what:
+            of_root = dense["rows"][places] if comm.rank == 0 else np.zeros((0, len(what)))
+            of_contacts["rows"] = of_root
         give_rows(condensed, what, self._at_nodes(discrete), of_contacts)
 
     def _at_nodes(self, discrete: DiscreteBody) -> dict[str, Array]:

@@ -31,32 +31,34 @@ def tables(
     Returns:
         What each row is of; columns of the nodes, and of the free contact dofs.
     """
-    rows = condensed.rows
-    nodal: dict[str, Array] = {}
-    at_contacts: dict[str, Array] = {}
+    rows, stiffness = condensed.rows, condensed.stiffness
     what: list[Any] = []
-    given: list[tuple[Any, Functional | None, Row]] = [
-        (None, functional, row) for functional, row in rows.given.made
-    ]
-    grouped = [
-        ([name, list(key)], None, row)
-        for name, group in rows.groups.items()
-        for key, row in group.made.items()
-    ]
-    for number, (of, functional, row) in enumerate([*given, *grouped]):
-        columns = {"forces": rows.stiffness.nodal(row.of_forces), "held": _whole(rows, row.of_held)}
-        if functional is not None:
-            is_load = functional.forces is not None
-            of = [_LOADS if is_load else _HELD]
-            columns["given"] = (
-                rows.stiffness.whole(functional.forces)
-                if functional.forces is not None
-                else rows.stiffness.nodal(_values(functional))
-            )
-        nodal |= {f"row{number} {name}": values[own] for name, values in columns.items()}
-        at_contacts[f"row{number}"] = row.of_contacts
-        what.append(of)
-    return what, nodal, at_contacts
+    made: list[Row] = []
+    given: list[Array] = []
+    for functional, row in rows.given.made:
+        is_load = functional.forces is not None
+        what.append([_LOADS if is_load else _HELD])
+        made.append(row)
+        given.append(
+            stiffness.whole(functional.forces)
+            if functional.forces is not None
+            else stiffness.nodal(_values(functional))
+        )
+    for name, group in rows.groups.items():
+        for key, row in group.made.items():
+            what.append([name, list(key)])
+            made.append(row)
+    forces = [stiffness.nodal(row.of_forces) for row in made]
+    held = [_whole(rows, row.of_held) for row in made]
+    at_nodes = {"forces of rows": forces, "held of rows": held, "given of rows": given}
+    nodal = {name: _beside(parts, own) for name, parts in at_nodes.items()}
+    of_contacts = np.array([row.of_contacts for row in made]).reshape(len(made), rows.count).T
+    return what, nodal, {"rows": of_contacts}
+
+
+def _beside(nodal: Sequence[Array], own: Integers) -> Array:
+    """Values at nodes beside each other, (nodes, arrays × components)."""
+    return np.concatenate([np.zeros((len(own), 0)), *(values[own] for values in nodal)], axis=1)
 
 
 def _values(functional: Functional) -> Array:
@@ -86,22 +88,21 @@ def give_rows(
         at_contacts: At the free contact dofs, in their present order, on rank 0.
     """
     rows, stiffness = condensed.rows, condensed.stiffness
+    size = condensed.discrete.spaces.components
+    forces, held, given = (
+        np.hsplit(nodal[f"{name} of rows"], nodal[f"{name} of rows"].shape[1] // size or 1)
+        for name in ("forces", "held", "given")
+    )
     for number, of in enumerate(what):
-        found = {name: nodal[f"row{number} {name}"] for name in ("forces", "held")}
         row = Row(
-            np.asarray(from_root(stiffness.comm, at_contacts[f"row{number}"])),
-            stiffness.share(found["held"])[rows.held],
-            stiffness.at_unknowns(found["forces"]),
+            np.asarray(from_root(stiffness.comm, at_contacts["rows"][:, number])),
+            stiffness.share(held[number])[rows.held],
+            stiffness.at_unknowns(forces[number]),
         )
-        if of in ([_LOADS], [_HELD]):
-            given = nodal[f"row{number} given"]
-            is_load = of == [_LOADS]
-            rows.given.know(
-                Functional(forces=stiffness.share(given))
-                if is_load
-                else Functional(held=stiffness.at_unknowns(given)),
-                row,
-            )
+        if of == [_LOADS]:
+            rows.given.know(Functional(forces=stiffness.share(given[number])), row)
+        elif of == [_HELD]:
+            rows.given.know(Functional(held=stiffness.at_unknowns(given[number])), row)
         else:
             name, key = of
             rows.group(name).made[tuple(key)] = row
