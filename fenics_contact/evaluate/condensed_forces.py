@@ -88,6 +88,10 @@ class CondensedForces(NeededForces):
         found = self._body.dofs.placed(needed, less=self.contacts.reshape(-1))
         return found.reshape(self.load.shape)
 
+    def _reactions_at(self, number: int) -> Array | float:
+        """Reactions across a contact's surface at its nodes (force)."""
+        return self._rows.across(number, self._state)
+
     @property
     def displacement(self) -> Array:
         """Of contacts and of what is held, 0 elsewhere, (nodes, components) (length)."""

@@ -138,10 +138,14 @@ class NeededForces(ABC):
         """
         return self.unbalanced[self.problem.contacts[number].nodes] + self._given[number]
 
+    def _reactions_at(self, number: int) -> Array | float:
+        """Reactions across a contact's surface at its nodes that ``unbalanced`` has not (force)."""
+        return 0.0
+
     def pressure(self, number: int) -> Array:
         """``reaction_pressure`` of a contact, at all nodes of its surface (stress)."""
         if number not in self._pressures:
-            forces = self.at_contact(number)
+            forces = self.at_contact(number) + self._reactions_at(number)
             self._pressures[number] = reaction_pressure(self.problem.contacts[number], forces)
         return self._pressures[number]
 

@@ -16,6 +16,9 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.body_rows import Functional, GivenState, Key, Wanted
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 
+# Of a normal: squares of components below it are round-off.
+_ACROSS = 1e-9
+
 
 class RowsOfBody:
     """The numbers of an answer that are linear in the displacement; collective, as all.
@@ -59,6 +62,7 @@ class RowsOfBody:
         self.points(state)
         for number in range(len(problem.contacts)):
             self.stress(number, state, none)
+            self.across(number, state)
         columns = [unknown.column for unknown in problem.unknowns if unknown.column is not None]
         far = [at_far_field(problem, column) for column in columns]
         load = self._body.stiffness.share(problem.load)
@@ -152,20 +156,43 @@ class RowsOfBody:
 
     def stabilised(self, state: GivenState) -> Array:
         """Reactions at dofs that a stabilisation holds, on every rank (force)."""
-        wanted = self._rows.once("stabilised", self._at_stabilised)
-        return np.array(list(self._rows.group("stabilised").values(wanted, state).values()))
+        held = [support.dofs for support in self._problem.stabilisation]
+        found = self._at_dofs("stabilised", np.unique(np.concatenate(held)), state)
+        return np.array(list(found.values()))
 
-    def _at_stabilised(self) -> Wanted:
-        problem = self._problem
-        spaces = problem.spaces
+    def across(self, number: int, state: GivenState) -> Array:
+        """Reactions at a contact's nodes where supports act across it; mostly there are none.
+
+        Returns:
+            (nodes, components) (force).
+        """
+        problem, contact = self._problem, self._problem.contacts[number]
+        size = problem.spaces.components
+        normals = contact.trace.normals[: len(contact.nodes)]
+        is_held = ~problem.free[contact.nodes] & (normals**2 > _ACROSS)
+        nodes, axes = np.nonzero(is_held)
+        dofs = contact.nodes[nodes].astype(np.int64) * size + axes
+        values = self._at_dofs(f"across {number}", dofs, state)
+        found = np.zeros(is_held.shape)
+        found[nodes, axes] = [values[key] for key in self._numbers(dofs)]
+        return found
+
+    def _at_dofs(self, name: str, dofs: Integers, state: GivenState) -> dict[Key, float]:
+        """Reactions at held dofs of this rank (owned and ghost), and at those of all others."""
+        numbers = self._numbers(dofs)
+        every = gather_rows(self._problem.comm, np.array(numbers, dtype=np.int64).reshape(-1, 1))
+        wanted: dict[Key, Callable[[], Functional]] = {}
+        for number in np.unique(every).tolist():
+            here = dofs[[key == (number,) for key in numbers]]
+            wanted[(number,)] = partial(self._held, here, 1.0)
+        return self._rows.group(name).values(wanted, state)
+
+    def _numbers(self, dofs: Integers) -> list[Key]:
+        """Of dofs of this rank, over all ranks."""
+        spaces = self._problem.spaces
         size, index_map = spaces.components, spaces.displacement_space.dofmap.index_map
-        here = np.unique(np.concatenate([support.dofs for support in problem.stabilisation]))
-        nodes = index_map.local_to_global((here // size).astype(np.int32))
-        numbers = nodes.astype(np.int64) * size + here % size
-        return {
-            (number,): partial(self._held, here[numbers == number], 1.0)
-            for number in np.unique(gather_rows(problem.comm, numbers)).tolist()
-        }
+        nodes = index_map.local_to_global((dofs // size).astype(np.int32)).astype(np.int64)
+        return [(number,) for number in (nodes * size + dofs % size).tolist()]
 
     def stress(self, number: int, state: GivenState, shortenings: Array) -> Array:
         """∫ σ n over the slave surface of a contact, by its number, (components,) (force)."""

@@ -87,6 +87,8 @@ def give_rows(
         nodal: At all nodes of this rank, likewise.
         at_contacts: At the free contact dofs, in their present order, on rank 0.
     """
+    if not what:
+        return
     rows, stiffness = condensed.rows, condensed.stiffness
     size = condensed.discrete.spaces.components
     forces, held, given = (
