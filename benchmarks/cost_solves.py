@@ -13,7 +13,7 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import (
     contact_quantities,
     global_quantities,
-    support_reactions,
+    support_records,
 )
 from fenics_contact.problem.problem import Problem
 from fenics_contact.simulation.step_history import StepHistory
@@ -234,8 +234,8 @@ def pair_again(problem: Problem) -> None:
 def read_results(problem: Problem, solution: Solution) -> None:
     """What a run reads from every load step; collective."""
     forces = BulkForces(problem, solution)
-    reactions, _ = support_reactions(forces)
+    support_records(forces)
     by_contact = [
         contact_quantities(problem, solution, number) for number in range(len(problem.contacts))
     ]
-    global_quantities(forces, reactions, by_contact)
+    global_quantities(forces, by_contact)

@@ -13,7 +13,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.parallel import gather_rows, of_every_rank, total
 from fenics_contact.mesh.tagged_mesh import Body
 
@@ -51,10 +51,18 @@ class Parts:
         """Number of parts."""
         return len(self.names)
 
-    def sums(self, values: Array) -> Array:
-        """Sum of values at owned nodes, first axis nodes, over each part; collective."""
+    def sums(self, values: Array, nodes: AnyIntegers | None = None) -> Array:
+        """Sum of values at nodes, first axis nodes, over each part; collective.
+
+        Args:
+            values: At the nodes.
+            nodes: Which of those that this rank owns; by default all.
+        """
+        if self.count == 1:
+            return np.asarray(total(self._comm, values.sum(axis=0)[None]))
+        of_node = self.of_node[: self._owned] if nodes is None else self.of_node[nodes]
         found = np.zeros((self.count, *values.shape[1:]))
-        np.add.at(found, self.of_node[: self._owned], values)
+        np.add.at(found, of_node, values)
         return np.asarray(total(self._comm, found))
 
     def _largest(self, values: Array) -> Array:

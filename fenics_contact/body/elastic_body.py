@@ -56,6 +56,7 @@ class ElasticBody:
 
     Attributes:
         name: What is modelled, in words.
+        displacement: The unknown, a dolfinx function.
         preloaded: Parts whose unstressed length is changed, and what that does to the body.
         stiffness: Compiled bilinear form: a(·, ·), or its deviatoric part if mixed.
         mixed: The forms of a mean stress, or None.
@@ -66,7 +67,7 @@ class ElasticBody:
         self, description: BodyDescription, spaces: Spaces, displacement: fem.Function
     ) -> None:
         self._spaces = spaces
-        self._displacement = displacement
+        self.displacement = displacement
         elasticities = Elasticities(description, spaces)
         self.law = elasticities.law
         self.reference_modulus = elasticities.reference_modulus
@@ -107,7 +108,7 @@ class ElasticBody:
     def _forces_of(self, part: PreloadedPart) -> PreloadForces:
         """Derivatives of the energy in a part, of the strain that is elastic."""
         shortening = ufl.variable(part.shortening)
-        e = self.strain(self._displacement) - part.stressless_strain(shortening)
+        e = self.strain(self.displacement) - part.stressless_strain(shortening)
         if self.mixed is None:
             density = 0.5 * ufl.inner(self.law.stress(e), e)
             mean_stress = None
@@ -116,7 +117,7 @@ class ElasticBody:
             mean_stress = self.mixed.mean_stress
             density = 0.5 * ufl.inner(self.law.deviatoric_stress(e), e) + mean_stress * ufl.tr(e)
         weighted = self._spaces.weight * density
-        return PreloadForces.of(part, weighted, shortening, self._displacement, mean_stress)
+        return PreloadForces.of(part, weighted, shortening, self.displacement, mean_stress)
 
     def moduli_behind(self, nodes: NDArray[np.int32]) -> Moduli:
         """Those of the stiffest of the parts that nodes of this rank belong to; collective."""
@@ -151,7 +152,7 @@ class ElasticBody:
 
     def stress(self) -> Expr:
         """Cauchy stress of the solution as a UFL expression, shape (3, 3)."""
-        e = self.elastic_strain(self._displacement)
+        e = self.elastic_strain(self.displacement)
         if self.mixed is None:
             return self.law.stress(e)
         assert isinstance(self.law, Isotropic)

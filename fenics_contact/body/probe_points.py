@@ -45,6 +45,7 @@ class DisplacementPoints:
         self._comm = spaces.comm
         self._names = [f"displacement_{point.name}" for point in points]
         self._shape = len(points), spaces.components
+        self._count = len(spaces.coordinates)
         self._at = np.zeros((len(points), 3))
         for place, point in zip(self._at, points, strict=True):
             place[: len(point.at)] = point.at
@@ -67,6 +68,25 @@ class DisplacementPoints:
         """
         return self._summed(np.einsum("pn,pnc->pc", self._weights, displacement[self._nodes]))
 
+    @property
+    def places(self) -> list[tuple[float, ...]]:
+        """Where they are (length)."""
+        return [tuple(at) for at in self._at.tolist()]
+
+    def unit_force(self, number: int, axis: int) -> Array:
+        """Forces whose work is the displacement of a point along an axis, (nodes, components).
+
+        Those of this rank's cells; the forces of all ranks add up.
+        """
+        nodal = np.zeros((self._count, self._shape[1]))
+        for one in np.flatnonzero(self._points == number):
+            np.add.at(nodal[:, axis], self._nodes[one], self._weights[one])
+        return nodal
+
+    def named(self, displacements: Array) -> dict[str, list[float]]:
+        """Displacements of all points, (points, components), by quantity."""
+        return dict(zip(self._names, displacements.tolist(), strict=True))
+
     def of_function(self, function: fem.Function) -> dict[str, list[float]]:
         """A function of vectors at every point, in the cell that the point counts to."""
         values = function.eval(self._at[self._points], self._cells.astype(np.int32))
@@ -76,7 +96,7 @@ class DisplacementPoints:
         """Values at the points of this rank, by quantity and of all ranks."""
         every = np.zeros(self._shape)
         every[self._points] = values
-        return dict(zip(self._names, total(self._comm, every).tolist(), strict=True))
+        return self.named(np.reshape(total(self._comm, every), self._shape))
 
 
 class _Found(NamedTuple):

@@ -16,7 +16,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
-from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
 from fenics_contact.solve.newton.solution import Solution
@@ -26,7 +26,6 @@ _ROUND_OFF = 1e-9
 # Of the work done: what a contact may do to the balance besides what is known to be left open.
 _SHARE = 0.02
 
-_AT_NODES = ("displacement", "load", "reactions")
 _OF_OBSTACLES = ("forces", "motions")
 _SUMS = ("work", "done", "round_off", "left_open", "changed")
 
@@ -50,44 +49,38 @@ class EnergyBook:
         self.left_open = 0.0
         self.changed = False
         shape = (len(problem.contacts), problem.spaces.components)
+        self._before: NeededForces | None = None
         self._last: dict[str, Array] = {}
-        self._last |= {name: np.zeros_like(problem.load) for name in _AT_NODES}
         self._last |= {name: np.zeros(shape) for name in _OF_OBSTACLES}
         self._last |= {"preloads": np.zeros((len(problem.preloads), 2))}
         self._last |= {"interferences": np.zeros(len(problem.contacts))}
 
-    def count(self, forces: BulkForces, reactions: Array) -> None:
+    def count(self, forces: NeededForces) -> None:
         """Count a step that was accepted, before slip is counted anew; collective.
 
         Args:
             forces: Of its solution.
-            reactions: Of its supports at the nodes, (nodes, components) (force).
         """
         problem, solution = self._problem, forces.solution
-        owned = slice(0, problem.spaces.owned_nodes)
-        last = self._last
-        moved_here = solution.displacement - last["displacement"]
-        moved = moved_here[owned]
-        done = [
-            0.5 * total(problem.comm, np.sum((before + after)[owned] * moved))
-            for before, after in ((last["load"], problem.load), (last["reactions"], reactions))
-        ]
+        last, before = self._last, self._before
+        moved = forces.displacement - (0.0 if before is None else before.displacement)
+        done = list(forces.works_since(before))
         motions = last["motions"].copy()
         done += [self._work_of_obstacle(i, solution) for i in range(len(problem.contacts))]
         motions = last["motions"] - motions
         done += self._works_of_preloads(solution)
         self.work += float(sum(done))
         self.done += float(np.abs(done).sum())
-        self.round_off += solution.imbalance_limit * largest(problem.comm, np.abs(moved))
+        farthest = largest(problem.comm, np.abs(moved[: problem.spaces.owned_nodes]))
+        self.round_off += solution.imbalance_limit * farthest
         pairs = zip(problem.contacts, solution.states, strict=True)
         for (contact, state), motion in zip(pairs, motions, strict=True):
             self.left_open += contact.open_work(state)
-            self.left_open += _work_at_edges(contact, state, moved_here, motion)
+            self.left_open += _work_at_edges(contact, state, moved, motion)
             changed = contact.last_step.changed(state) & contact.trace.owned
             self.changed |= total(problem.comm, changed.sum()) > 0
             self.changed |= contact.last_step.left_open > 0
-        last["displacement"] = solution.displacement.copy()
-        last["load"], last["reactions"] = problem.load, reactions
+        self._before = forces
 
     def _work_of_obstacle(self, number: int, solution: Solution) -> float:
         """In a step, of what stands opposite; it becomes the last step's; collective."""
@@ -124,15 +117,14 @@ class EnergyBook:
         """What has been summed up so far, to be given to ``resume``."""
         return [float(getattr(self, name)) for name in _SUMS]
 
-    def resume(self, sums: Sequence[float], forces: BulkForces, reactions: Array) -> None:
+    def resume(self, sums: Sequence[float], forces: NeededForces) -> None:
         """Go on from the last load step of another run; collective.
 
         Args:
             sums: Of its book.
             forces: Of that step's solution.
-            reactions: Of its supports at the nodes, (nodes, components) (force).
         """
-        self.count(forces, reactions)  # for the last forces and motions
+        self.count(forces)  # for the last forces and motions
         for name, value in zip(_SUMS, sums, strict=True):
             setattr(self, name, type(getattr(self, name))(value))
 

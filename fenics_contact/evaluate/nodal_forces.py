@@ -6,45 +6,35 @@ from functools import cached_property
 
 import numpy as np
 
+from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
-from fenics_contact.evaluate.recovered_pressure import reaction_pressure
+from fenics_contact.evaluate.contact_resultants import resultant
+from fenics_contact.evaluate.needed_forces import Balances, NeededForces, own_dofs
+from fenics_contact.evaluate.surface_stress import stress_on
 from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.scalar_unknowns import PreloadState
 from fenics_contact.solve.newton.solution import Solution
 
 
-class BulkForces:
-    """What the bulk needs in a solution, against what loads and contacts give; collective, as all.
+class BulkForces(NeededForces):
+    """What the bulk needs, from nodal values of the whole body; collective, as all."""
 
-    Attributes:
-        problem: The model.
-        solution: Its solution.
-        contacts: Forces of all contacts on the body, (nodes, components) (force).
-        unbalanced: What it needs less loads and contacts: reactions where supports hold (force).
-    """
+    tells_inside = True
 
     def __init__(self, problem: Problem, solution: Solution) -> None:
-        self.problem, self.solution = problem, solution
-        self._given = solution.contact_force
-        self.contacts = np.zeros_like(problem.load)
-        for contact, force in zip(problem.contacts, self._given, strict=True):
-            self.contacts += contact.kinematics.on_body(contact.trace.at_all_nodes(force))
+        super().__init__(problem, solution)
         self.unbalanced = solution.internal_force - problem.load - self.contacts
-        self._pressures: dict[int, Array] = {}
 
-    def at_contact(self, number: int) -> Array:
-        """Forces that the bulk needs from a contact at its nodes, (nodes, components) (force).
+    @property
+    def displacement(self) -> Array:
+        """Of all nodes, (nodes, components) (length)."""
+        return self.solution.displacement
 
-        K u − f, less what other contacts give to a shared node.
-        """
-        return self.unbalanced[self.problem.contacts[number].nodes] + self._given[number]
-
-    def pressure(self, number: int) -> Array:
-        """``reaction_pressure`` of a contact, at all nodes of its surface (stress)."""
-        if number not in self._pressures:
-            forces = self.at_contact(number)
-            self._pressures[number] = reaction_pressure(self.problem.contacts[number], forces)
-        return self._pressures[number]
+    @cached_property
+    def reactions(self) -> Array:
+        """Of supports at the nodes, (nodes, components), 0 at free dofs (force)."""
+        return np.where(self.problem.free, 0.0, self.unbalanced)
 
     @cached_property
     def imbalance(self) -> float:
@@ -63,8 +53,88 @@ class BulkForces:
     @cached_property
     def strain_energy(self) -> float:
         """½ a(u, u); in preloaded parts of the strain beyond the one free of stress (energy)."""
-        owned = slice(0, self.problem.spaces.owned_nodes)
         solution = self.solution
-        product = np.sum(solution.displacement[owned] * solution.internal_force[owned])
+        product = self._summed(solution.displacement * solution.internal_force)
         tightened = sum(state.force * state.shortening for state in solution.preloads)
-        return 0.5 * (float(total(self.problem.comm, product)) + tightened)
+        return 0.5 * (product + tightened)
+
+    @cached_property
+    def of_supports(self) -> Array:
+        """Resultant of each applied support, (supports, components) (force)."""
+        problem, needed = self.problem, self.unbalanced.reshape(-1)
+        spaces = problem.spaces
+        owned = spaces.owned_nodes * spaces.components
+        rows = problem.shared_reactions.moved(needed, self.solution.displacement)
+        for row, dofs in zip(rows, own_dofs(problem), strict=True):
+            mine = dofs[dofs < owned]
+            by_node = np.zeros((len(mine), spaces.components))
+            by_node[np.arange(len(mine)), mine % spaces.components] = needed[mine]
+            row += resultant(spaces, by_node)
+        return rows
+
+    @property
+    def of_all_supports(self) -> Array:
+        """Resultant of all supports, (components,) (force)."""
+        spaces = self.problem.spaces
+        return resultant(spaces, self.reactions[: spaces.owned_nodes])
+
+    @property
+    def given_work(self) -> float:
+        """Of loads and reactions on the displacement (energy)."""
+        return self._summed(self.displacement * (self.load + self.reactions))
+
+    def at_points(self) -> dict[str, list[float]]:
+        """The displacement at the scene's points, by quantity."""
+        return self.problem.points.quantities(self.displacement)
+
+    def balances(self) -> Balances:
+        """What adds up to zero in every connected part of the body.
+
+        The reactions come from the bulk, which balances itself, so whatever a wrong solution leaves
+        on free nodes shows here.
+        """
+        spaces = self.problem.spaces
+        parts, owned = spaces.parts, spaces.owned_nodes
+        applied = (self.load + self.reactions + self.contacts)[:owned]
+        turning = applied
+        if spaces.degree < spaces.geometry_order:
+            # Straight shape functions on curved cells cannot turn rigidly: what turns the bulk's
+            # own forces is not balanced, by an error of the discretisation, and taken off.
+            turning = applied - self.solution.internal_force[:owned]
+        forces, turns = np.zeros((2, owned, 3))
+        forces[:, : spaces.components], turns[:, : spaces.components] = applied, turning
+        moments = np.cross(parts.arms[:owned], turns) / parts.sizes[parts.of_node[:owned], None]
+        sums = parts.sums(np.hstack([forces, moments, np.abs(applied).sum(axis=1)[:, None]]))
+        return Balances(sums[:, :3], sums[:, 3:6], sums[:, 6])
+
+    def at_stabilised(self) -> Array:
+        """Reactions at dofs that a stabilisation holds (force)."""
+        held = [support.dofs for support in self.problem.stabilisation]
+        return self.unbalanced.reshape(-1)[np.concatenate(held)]
+
+    def of_stress(self, number: int) -> Array:
+        """∫ σ n over the slave surface of a contact, by its number (force)."""
+        spaces = self.problem.spaces
+        group = self.problem.contacts[number].sides.group
+        form = form_cache.form(stress_on(spaces, self.problem.elastic, group))
+        owned = spaces.assemble(form)[: spaces.owned_nodes]
+        return np.asarray(total(spaces.comm, owned.sum(axis=0)))
+
+    def preload_states(self) -> tuple[PreloadState, ...]:
+        """Preloaded parts, by the displacement and their shortening."""
+        return self.problem.preload_states(self.displacement)
+
+    def works_since(self, before: NeededForces | None) -> tuple[float, float]:
+        """Of loads and of reactions, by the trapezoidal rule, from another answer on (energy)."""
+        if before is None:
+            loads, reactions, moved = self.load, self.reactions, self.displacement
+        else:
+            assert isinstance(before, BulkForces)
+            loads, reactions = before.load + self.load, before.reactions + self.reactions
+            moved = self.displacement - before.displacement
+        return 0.5 * self._summed(loads * moved), 0.5 * self._summed(reactions * moved)
+
+    def _summed(self, values: Array) -> float:
+        """Over the nodes of all ranks; collective."""
+        owned = self.problem.spaces.owned_nodes
+        return float(total(self.problem.comm, np.sum(values[:owned])))

@@ -12,8 +12,8 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, SLIP, STICK, ContactState
 from fenics_contact.evaluate.contact_areas import contact_area, stick_area
 from fenics_contact.evaluate.contact_radii import radii
-from fenics_contact.evaluate.contact_resultants import resultant, resultants
-from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.evaluate.contact_resultants import resultants
+from fenics_contact.evaluate.needed_forces import NeededForces, own_dofs
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.point_arrays import WRITTEN
@@ -89,39 +89,24 @@ def _motion(problem: Problem, contact: ContactSurface) -> dict[str, Any]:
     return found
 
 
-def support_reactions(forces: BulkForces) -> tuple[Array, list[SupportRecord]]:
-    """Nodal reactions, and the resultant of each support.
+def support_records(forces: NeededForces) -> list[SupportRecord]:
+    """A row a support: its resultant, and the mean displacement of what it holds; collective.
 
-    A reaction is what the bulk needs beyond loads and contact forces; where two supports meet,
-    each has its part of what is needed at the dofs of both (``shared_reactions``).
-
-    Returns:
-        Reactions of shape (nodes, components), zero at free dofs; and a row a support, with
-        the mean displacement of what it holds along each axis, None along others (length).
+    Along each axis, None along others (length).
     """
-    problem, needed = forces.problem, forces.unbalanced.reshape(-1)
-    spaces = problem.spaces
-    owned = spaces.owned_nodes * spaces.components
-    reactions = np.zeros_like(needed)
-    counted = np.zeros(len(needed), dtype=bool)
-    rows: list[SupportRecord] = []
-    moved = problem.shared_reactions.moved(needed, forces.solution.displacement)
-    for support, more in zip(problem.applied_supports, moved, strict=True):
-        dofs = support.dofs[~counted[support.dofs]]
-        reactions[dofs] = needed[dofs]
-        counted[dofs] = True
-        mine = dofs[dofs < owned]
-        by_node = np.zeros((len(mine), spaces.components))
-        by_node[np.arange(len(mine)), mine % spaces.components] = needed[mine]
-        rows.append(
-            SupportRecord(
-                name=support.label,
-                on=support.on,
-                reaction=(resultant(spaces, by_node) + more).tolist(),
-                displacement=_mean_displacement(forces, mine),
-            )
+    problem = forces.problem
+    size = problem.spaces.owned_nodes * problem.spaces.components
+    return [
+        SupportRecord(
+            name=support.label,
+            on=support.on,
+            reaction=reaction.tolist(),
+            displacement=_mean_displacement(forces, dofs[dofs < size]),
         )
-    return reactions.reshape(problem.load.shape), rows
+        for support, reaction, dofs in zip(
+            problem.applied_supports, forces.of_supports, own_dofs(problem), strict=True
+        )
+    ]
 
 
 def preload_records(problem: Problem, solution: Solution) -> dict[str, PreloadRecord]:
@@ -138,27 +123,23 @@ def preload_records(problem: Problem, solution: Solution) -> dict[str, PreloadRe
     }
 
 
-def _mean_displacement(forces: BulkForces, dofs: Integers) -> list[float | None]:
+def _mean_displacement(forces: NeededForces, dofs: Integers) -> list[float | None]:
     """Of owned dofs of all ranks by component, None where there are none; collective."""
     components = forces.problem.spaces.components
-    moved = forces.solution.displacement.reshape(-1)[dofs]
+    moved = forces.displacement.reshape(-1)[dofs]
     sums = [np.bincount(dofs % components, w, components) for w in (moved, np.ones(len(dofs)))]
     summed, counts = total(forces.problem.comm, np.stack(sums))
     return [float(s / n) if n > 0 else None for s, n in zip(summed, counts, strict=True)]
 
 
-def global_quantities(
-    forces: BulkForces, reactions: Array, contacts: list[dict[str, Any]]
-) -> dict[str, Any]:
+def global_quantities(forces: NeededForces, contacts: list[dict[str, Any]]) -> dict[str, Any]:
     """The interface's quantities of the whole model.
 
     Resultants of contacts are those of the only one, None where there are several: a sum over
     surfaces that point in different directions means nothing.
     """
     problem, solution = forces.problem, forces.solution
-    owned = slice(0, problem.spaces.owned_nodes)
-    u = solution.displacement[owned]
-    work = total(problem.comm, np.sum(u * (problem.load + reactions)[owned]))
+    work = forces.given_work
     acting = zip(problem.contacts, solution.contact_force, solution.states, strict=True)
     for surface, force, state in acting:
         pushed = total(problem.comm, force[surface.owned_nodes].sum(axis=0))
@@ -171,11 +152,11 @@ def global_quantities(
     made = of_all_contacts(contacts)
     return {
         **{key: made[key] for key in OF_ONE_CONTACT},
-        "reaction": resultant(problem.spaces, reactions[owned]).tolist(),
+        "reaction": forces.of_all_supports.tolist(),
         **made,
         "strain_energy": forces.strain_energy,
         "external_work": float(work),
-        **problem.points.quantities(solution.displacement),
+        **forces.at_points(),
     }
 
 

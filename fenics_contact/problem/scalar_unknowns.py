@@ -239,9 +239,13 @@ class Shortening(ScalarUnknown):
             displacement: Of this rank's nodes, (nodes, components) (length).
             mean_stress: At its dofs of this rank; empty without one (stress).
         """
+        return self.state_at(self.bulk.force(displacement, mean_stress), self.value)
+
+    def state_at(self, force: float, shortening: float) -> PreloadState:
+        """Of an answer with a force along the part, at a shortening (force, length)."""
         return PreloadState(
-            force=self.bulk.force(displacement, mean_stress),
-            shortening=self.value,
-            initial_strain=-self.value / self.bulk.part.length,
+            force=force,
+            shortening=shortening,
+            initial_strain=-shortening / self.bulk.part.length,
             is_locked=self.is_locked,
         )

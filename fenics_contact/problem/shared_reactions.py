@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import AppliedSupport
+from fenics_contact.body.transposed_form import ForcesOnState, TransposedForm
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
@@ -45,9 +46,11 @@ class SharedReactions:
     def __init__(
         self, supports: Sequence[AppliedSupport], spaces: Spaces, elastic: ElasticBody
     ) -> None:
-        self._spaces = spaces
+        self._spaces, self._elastic = spaces, elastic
         components = spaces.components
-        facets = [_own_facets(supports, number, spaces) for number in range(len(supports))]
+        self._facets = facets = [
+            _own_facets(supports, number, spaces) for number in range(len(supports))
+        ]
         size = components * len(spaces.coordinates)
         touched = np.zeros((len(supports), size), dtype=bool)
         for number, by_axis in enumerate(facets):
@@ -66,16 +69,17 @@ class SharedReactions:
         self._holds = touched[:, self._dofs]
         self._moved = fem.Function(spaces.displacement_space)
         self._forms = [
-            self._tractions(by_axis, elastic) if total(spaces.comm, int(holds.sum())) else None
+            self._compiled(by_axis) if total(spaces.comm, int(holds.sum())) else None
             for by_axis, holds in zip(facets, self._holds, strict=True)
         ]
         self._axes = self._dofs % components
 
-    def _tractions(
-        self, by_axis: Sequence[NDArray[np.int32]], elastic: ElasticBody
-    ) -> fem.Function:
+    def _compiled(self, by_axis: Sequence[NDArray[np.int32]]) -> fem.Form:
+        return form_cache.form(self._tractions(by_axis))
+
+    def _tractions(self, by_axis: Sequence[NDArray[np.int32]]) -> ufl.Form:
         """∫ (σ n)_i v_i over a support's facets, along the axes i that it holds."""
-        spaces = self._spaces
+        spaces, elastic = self._spaces, self._elastic
         mesh, test = spaces.body.mesh, ufl.TestFunction(spaces.displacement_space)
         normal = ufl.FacetNormal(mesh)
         stress = (
@@ -90,14 +94,12 @@ class SharedReactions:
         rule = {"quadrature_degree": spaces.bulk_degree}
         on = ufl.Measure("ds", mesh, subdomain_data=domains, metadata=rule)
         components = range(spaces.components)
-        return form_cache.form(
-            sum(
-                spaces.weight
-                * sum(stress[axis, j] * normal[j] for j in components)
-                * test[axis]
-                * on(axis + 1)
-                for axis in components
-            )
+        return sum(
+            spaces.weight
+            * sum(stress[axis, j] * normal[j] for j in components)
+            * test[axis]
+            * on(axis + 1)
+            for axis in components
         )
 
     @property
@@ -122,6 +124,43 @@ class SharedReactions:
             first = np.argmax(self._holds, axis=0)
             parts[first, np.arange(len(self._dofs))] -= needed[self._dofs]
         return self._summed(parts)
+
+    def moved_by(self) -> dict[tuple[int, int], tuple[Array, ForcesOnState]]:
+        """What ``moved`` is of a state, by support and axis.
+
+        Returns:
+            Factors of what the bulk needs at each dof of this rank, (dofs,), with what acts on the
+            state besides.
+        """
+        spaces, count = self._spaces, len(self._holds)
+        state = self._moved if self._elastic.mixed is None else self._elastic.displacement
+        transposed = [
+            None
+            if form is None
+            else TransposedForm(self._tractions(by_axis), spaces, self._elastic, state)
+            for by_axis, form in zip(self._facets, self._forms, strict=True)
+        ]
+        holders = np.maximum(self._holds.sum(axis=0), 1)
+        first = np.argmax(self._holds, axis=0)
+        found = {}
+        for number, axis in np.ndindex(count, spaces.components):
+            chosen = self._holds[number] & (self._axes == axis)
+            if (spaces.kinematics == "axisymmetric" and axis == 0) or not total(
+                spaces.comm, int(chosen.sum())
+            ):
+                continue
+            left = np.where(chosen, 1 / holders, 0.0)
+            factors = np.zeros(spaces.components * len(spaces.coordinates))
+            factors[self._dofs] = left - np.where(chosen & (first == number), 1.0, 0.0)
+            parts = []
+            for other, form in enumerate(transposed):
+                if form is not None:
+                    tested = np.zeros(len(factors))
+                    own = np.where(chosen, 1.0, 0.0) if other == number else 0.0
+                    tested[self._dofs] = np.where(self._holds[other], own - left, 0.0)
+                    parts.append(form.of(tested.reshape(-1, spaces.components)))
+            found[number, axis] = factors, ForcesOnState.sum(parts)
+        return found
 
     def unknown(self, needed: Array, displacement: Array, supports: Collection[int]) -> float:
         """What is not known of the part of some supports in what they share with others (force).

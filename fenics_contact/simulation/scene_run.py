@@ -113,7 +113,8 @@ class Run:
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)
         self.choice: SolverChoice = choose_solver(self.problem, self._kept is not None)
-        self._history = StepHistory(self.problem, self.timings)
+        forces_of = partial(BulkForces, self.problem)
+        self._history = StepHistory(self.problem, self.timings, forces_of)
 
     @property
     def solution(self) -> Solution | None:

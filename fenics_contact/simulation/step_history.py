@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBook
-from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.evaluate.quantities import (
     contact_quantities,
     global_quantities,
     preload_records,
-    support_reactions,
+    support_records,
 )
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.contacts import StepContact
@@ -24,13 +24,16 @@ from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.checks.run_checks import run_checks
 from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_range
 
+_Forces = TypeVar("_Forces", bound=NeededForces)
 
-class StepHistory:
+
+class StepHistory(Generic[_Forces]):
     """The load steps that were accepted.
 
     Args:
         problem: The model.
         timings: To which what it takes is counted.
+        forces_of: What the bulk needs in a solution, in whose state all is; collective.
 
     Attributes:
         steps: What came out of each.
@@ -42,8 +45,10 @@ class StepHistory:
         preloads: Each preload there, by its name.
     """
 
-    def __init__(self, problem: Problem, timings: Timings) -> None:
-        self._problem, self._timings = problem, timings
+    def __init__(
+        self, problem: Problem, timings: Timings, forces_of: Callable[[Solution], _Forces]
+    ) -> None:
+        self._problem, self._timings, self._forces_of = problem, timings, forces_of
         self.steps: list[StepRecord] = []
         self.solution: Solution | None = None
 
@@ -61,7 +66,7 @@ class StepHistory:
             energy: Sums of its energy book.
         """
         self._measure(solution)
-        self.book.resume(energy, self.forces, self._reactions)
+        self.book.resume(energy, self.forces)
 
     def add(self, time: float, solution: Solution) -> None:
         """Keep what came out of a load step, before slip is counted anew; collective.
@@ -71,10 +76,11 @@ class StepHistory:
             solution: Of the step.
         """
         quantities = self._measure(solution)
-        self.book.count(self.forces, self._reactions)
+        if self._problem.scene.steps.several:  # else there is no path to count along
+            self.book.count(self.forces)
         quantities |= self.book.quantities(quantities)
         with self._timings.phase("output"):
-            sizes = self._linear_range.of(solution)
+            sizes = self._linear_range.of(solution) if self.forces.tells_inside else {}
         self.steps.append(
             StepRecord(
                 load_factor=time,
@@ -102,7 +108,7 @@ class StepHistory:
     def checks(self) -> dict[str, Check]:
         """Of the last load step; collective."""
         with self._timings.phase("output"):
-            checks = run_checks(self.forces, self._reactions, len(self.steps))
+            checks = run_checks(self.forces, len(self.steps))
             balance = self.book.check(self.steps[-1].quantities)
             checks |= {} if balance is None else {"energy_balance": balance}
             small = linear_range(self.steps)
@@ -113,14 +119,14 @@ class StepHistory:
         """Forces and quantities of a load step; collective."""
         self.solution = solution
         with self._timings.phase("output"):
-            self.forces = BulkForces(self._problem, solution)
-            self._reactions, self.supports = support_reactions(self.forces)
+            self.forces = self._forces_of(solution)
+            self.supports = support_records(self.forces)
             self.preloads = preload_records(self._problem, solution)
             self.by_contact = [
                 contact_quantities(self._problem, solution, number)
                 for number in range(len(self._problem.contacts))
             ]
-            return global_quantities(self.forces, self._reactions, self.by_contact)
+            return global_quantities(self.forces, self.by_contact)
 
     @cached_property
     def _linear_range(self) -> LinearRange:

@@ -26,6 +26,9 @@ _OF_LINEAR_RANGE = {
     "rotation": "rotations of {share} of a radian",
     "indentation": "an indentation of {share} of the radius or thickness",
 }
+# Of answers whose fields are not known.
+_UNCHECKED = "Converged; nothing was checked."
+_WITHOUT_FIELDS = " The range of linear theory was not checked: that takes the fields."
 # Share of the work left open by load steps, from which it is said.
 _OPEN = 0.1
 
@@ -55,6 +58,28 @@ def of_answer(
         + coarse_path(open_share)
         + loop_expands(solution)
     )
+
+
+def of_quick_answer(
+    problem: Problem,
+    solution: Solution,
+    steps: list[StepRecord],
+    checks: dict[str, Check] | None,
+    open_share: float,
+) -> str:
+    """The same of an answer whose fields are not known; collective.
+
+    Args:
+        problem: The model.
+        solution: Of the last load step.
+        steps: All load steps.
+        checks: Those that need no field; None where none was made.
+        open_share: Share of the work that load steps leave open.
+    """
+    found = of_answer(problem, solution, steps, checks or {}, open_share)
+    if checks is None:
+        return f"{_UNCHECKED}{found.removeprefix(of_checks({}))}"
+    return found + _WITHOUT_FIELDS
 
 
 def untouched(problem: Problem, solution: Solution) -> str:

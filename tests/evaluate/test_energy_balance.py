@@ -12,7 +12,6 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import (
     contact_quantities,
     global_quantities,
-    support_reactions,
 )
 from fenics_contact.solve.load_steps.load_steps import solve
 from fenics_contact.verification.boxes import Box, boxes
@@ -192,11 +191,10 @@ def test_a_wrong_answer_is_noticed(how):
     def count(time, solution):
         found = solution if how in ("energy", None) else _wrong(solution, how)
         forces = BulkForces(problem, found)
-        reactions, _ = support_reactions(forces)
         by_contact = [contact_quantities(problem, found, 0)]
-        kept.update(global_quantities(forces, reactions, by_contact))
+        kept.update(global_quantities(forces, by_contact))
         kept["strain_energy"] *= 1.05 if how == "energy" else 1
-        book.count(forces, reactions)
+        book.count(forces)
         kept.update(book.quantities(kept))
 
     solve(problem, accepted=count, choice=prepared.choice)
@@ -212,15 +210,12 @@ def test_a_book_goes_on_where_it_was_left():
 
         def count(time, solution, problem=problem, books=books, kept=kept, leaves=leaves):
             forces = BulkForces(problem, solution)
-            reactions, _ = support_reactions(forces)
-            kept.update(
-                global_quantities(forces, reactions, [contact_quantities(problem, solution, 0)])
-            )
-            books[-1].count(forces, reactions)
+            kept.update(global_quantities(forces, [contact_quantities(problem, solution, 0)]))
+            books[-1].count(forces)
             kept.update(books[-1].quantities(kept))
             if leaves:
                 books.append(EnergyBook(problem))
-                books[-1].resume(books[-2].sums, forces, reactions)
+                books[-1].resume(books[-2].sums, forces)
 
         solve(problem, accepted=count, choice=prepared.choice)
         results.append((kept["energy_defect"], books[-1].check(kept)))

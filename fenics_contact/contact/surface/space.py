@@ -11,6 +11,8 @@ import numpy as np
 import ufl
 from dolfinx import fem, la
 from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.linalg import SuperLU, splu
 
 from fenics_contact.body.elasticity import measure_weight
 from fenics_contact.body.forms import CompiledForm, Expr, Function, Measure, Rule
@@ -71,6 +73,28 @@ class SurfaceSpace:
         """∫ N_i N_j of the scalar space, a compiled form."""
         trial, test = ufl.TrialFunction(self.scalar_space), ufl.TestFunction(self.scalar_space)
         return form_cache.form(self.weight * trial * test * self.measure())
+
+    @cached_property
+    def mass_factor(self) -> SuperLU:
+        """``mass`` of the whole surface, factorised on every rank; collective when first asked for.
+
+        Only contact unknowns are gathered.
+        """
+        rows, columns, values = (gather_rows(self.comm, part) for part in self._own_mass())
+        count = self.scalar_space.dofmap.index_map.size_global
+        return splu(coo_matrix((values, (rows, columns)), shape=(count, count)).tocsc())
+
+    def _own_mass(self) -> tuple[Integers, Integers, Array]:
+        """Global rows and columns of ``mass``, and values, of owned nodes."""
+        matrix = fem.assemble_matrix(self.mass)
+        matrix.scatter_reverse()
+        entries = matrix.to_scipy().tocoo()
+        kept = entries.row < self.scalar_space.dofmap.index_map.size_local
+        row, column = entries.row[kept].astype(np.int32), entries.col[kept].astype(np.int32)
+        # The matrix may have columns of nodes that the space's own map does not know here.
+        rows, columns = matrix.index_map(0), matrix.index_map(1)
+        numbers = rows.local_to_global(row), columns.local_to_global(column)
+        return *numbers, entries.data[kept]
 
     @cached_property
     def dofs(self) -> Integers:

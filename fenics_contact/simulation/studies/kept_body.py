@@ -7,6 +7,7 @@ from functools import partial
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.slave_and_master import ContactSides
+from fenics_contact.evaluate.rows_of_body import RowsOfBody
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.problem import Problem
@@ -38,6 +39,7 @@ class KeptBody:
             self.discrete.is_kept = True
         self._factors = factors
         self._earlier = 0
+        self._problem: Problem | None = None
         self.condensed: CondensedBody | None = None
         self.saved: SavedBody | None = None
 
@@ -56,6 +58,7 @@ class KeptBody:
             problem: On this body.
             timings: Seconds so far.
         """
+        self._problem = problem
         sides, before = acting_sides(problem), self.condensed
         if before is not None:
             if before.serves(problem.constrained, sides):
@@ -69,9 +72,14 @@ class KeptBody:
             self.discrete, problem.constrained, sides, timings, schur, self._factors
         )
         if saved is not None and schur is not None:
-            saved.give_loads(self.condensed)
+            saved.give_to(self.condensed)
         self.saved = None
         return self.condensed
+
+    def make_rows(self) -> None:
+        """Make those that quick answers of the last problem ask for; collective."""
+        if self.condensed is not None and self._problem is not None:
+            RowsOfBody(self._problem, self.condensed).make_all()
 
     def _with_earlier(self, sides: list[ContactSides], before: CondensedBody) -> list[ContactSides]:
         """Surfaces in scene order, with those that were condensed onto before."""

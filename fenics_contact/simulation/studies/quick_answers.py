@@ -1,26 +1,26 @@
-"""What the contacts of a kept body tell of an answer: without fields, checks and error bars."""
+"""What a kept body tells of an answer by its contacts: without fields and error bars."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Literal
 
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.timings import Timings
-from fenics_contact.evaluate.contact_resultants import resultant
-from fenics_contact.evaluate.quantities import (
-    contact_points,
-    contact_quantities,
-    of_all_contacts,
-    preload_records,
-)
+from fenics_contact.evaluate.condensed_forces import CondensedForces
+from fenics_contact.evaluate.quantities import contact_points
 from fenics_contact.problem.existence.condition import require_equilibrium
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.contact_points import ContactPoints
-from fenics_contact.results.records.contacts import PreloadRecord
+from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
+from fenics_contact.results.result import Check
 from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation import verdict
+from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.warm_start import Uniqueness, WarmStart
+from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.newton import Newton
@@ -34,7 +34,7 @@ Start = Literal["cold", "warm", "followed"]
 
 @dataclass(frozen=True)
 class Answer:
-    """The last load step of a scene, as its contacts tell it.
+    """The last load step of a scene, as contacts and supports tell it.
 
     Attributes:
         converged: Whether there is one.
@@ -42,10 +42,13 @@ class Answer:
         start: ``cold``: begun as a separate run begins; ``warm``: begun at the last answer, where
             no other answer may be; ``followed``: begun there though others may be.
         newton_iterations: Newton steps of the last load step.
-        quantities: Those of the whole model that need no field in the body, by their names.
+        quantities: Those of the whole model, by their names.
         contacts: Those of each contact, in scene order.
+        supports: Each support, without error bars.
         preloads: Of each preload, by its name.
         points: The contact points, as of a run's result; None without an answer.
+        checks: Those of the physics that need no field in the body; None where none was asked for.
+        verdict: Whether to trust it, in a few sentences.
     """
 
     converged: bool
@@ -54,8 +57,29 @@ class Answer:
     newton_iterations: int = 0
     quantities: dict[str, Any] = field(default_factory=dict)
     contacts: list[dict[str, Any]] = field(default_factory=list)
+    supports: list[SupportRecord] = field(default_factory=list)
     preloads: dict[str, PreloadRecord] = field(default_factory=dict)
     points: ContactPoints | None = None
+    checks: dict[str, Check] | None = None
+    verdict: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether there is an answer that was checked, and every check holds."""
+        return self.converged and self.checks is not None and not self._failed
+
+    @property
+    def exit_code(self) -> int | None:
+        """As of a run: 0 passed, 3 not converged, 4 a check failed; None if not checked."""
+        if not self.converged:
+            return NotConvergedError.exit_code
+        if self.checks is None:
+            return None
+        return 4 if self._failed else 0
+
+    @property
+    def _failed(self) -> bool:
+        return any(not check.passed for check in (self.checks or {}).values())
 
 
 _FOLLOWED = (
@@ -80,12 +104,13 @@ class QuickAnswers:
         self._last: WarmStart | None = None
         self._uniqueness = Uniqueness()
 
-    def answer(self, scene: Scene, follow: bool) -> Answer:
+    def answer(self, scene: Scene, follow: bool, checks: bool = True) -> Answer:
         """Solve a scene of the body; collective.
 
         Args:
             scene: The scene.
             follow: Begin at the last answer also where others may be.
+            checks: Check the physics.
 
         Raises:
             InputError: The scene cannot be used, or has no equilibrium.
@@ -94,14 +119,24 @@ class QuickAnswers:
         timings = Timings()
         problem = Problem(scene, self._kept.discrete, timings, by_points=True)
         require_equilibrium(problem)
-        system = CondensedSystem(problem, timings, self._kept.condense(problem, timings))
+        body = self._kept.condense(problem, timings)
+        system = CondensedSystem(problem, timings, body)
         try:
-            return self._solved(system, timings, follow)
+            return self._solved(system, body, timings, follow, checks)
         finally:
             system.destroy()
 
-    def _solved(self, system: CondensedSystem, timings: Timings, follow: bool) -> Answer:
+    def _solved(
+        self,
+        system: CondensedSystem,
+        body: CondensedBody,
+        timings: Timings,
+        follow: bool,
+        checks: bool,
+    ) -> Answer:
         problem = system.problem
+        history = StepHistory(problem, timings, partial(_forces_of, system, body))
+        history.begin([])
         newton = Newton(problem, system, timings)
         first: list[WarmStart] = []
         found: list[Answer] = []
@@ -109,9 +144,10 @@ class QuickAnswers:
         def accepted(time: float, solution: Solution) -> None:
             if not first:
                 first.append(WarmStart(newton, self._last))
+            history.add(time, solution)
             if time >= problem.scene.steps.last * (1 - 1e-9):
                 begun: Start = start if load_steps.warm is not None else "cold"
-                found.append(_measured(problem, solution, begun))
+                found.append(_measured(history, solution, begun, checks))
                 self.find_body = solution.find_body
 
         load_steps = LoadSteps(newton, accepted)
@@ -125,34 +161,35 @@ class QuickAnswers:
         try:
             load_steps.solve()
         except NotConvergedError as error:
-            return Answer(converged=False, said=str(error), start="cold")
+            return Answer(
+                converged=False, said=str(error), start="cold", verdict=f"No answer: {error}"
+            )
         self._last = first[0]
         return found[-1]
 
 
-def _measured(problem: Problem, solution: Solution, start: Start) -> Answer:
+def _forces_of(system: CondensedSystem, body: CondensedBody, solution: Solution) -> CondensedForces:
+    """What the bulk needs in the present state of a system; collective."""
+    scalars = system.scalar_values(system.state)
+    return CondensedForces(system.problem, solution, body, system.position(), scalars)
+
+
+def _measured(
+    history: StepHistory[CondensedForces], solution: Solution, start: Start, checks: bool
+) -> Answer:
     """Of the last load step, before slip is counted anew; collective."""
-    contacts = [contact_quantities(problem, solution, n) for n in range(len(problem.contacts))]
+    problem, steps = history.forces.problem, history.steps
+    found = history.checks() if checks else None
     return Answer(
         converged=True,
         said=_FOLLOWED if start == "followed" else "",
         start=start,
         newton_iterations=solution.newton_iterations,
-        quantities={**of_all_contacts(contacts), "reaction": _reaction(problem, solution)},
-        contacts=contacts,
-        preloads=preload_records(problem, solution),
+        quantities=dict(steps[-1].quantities),
+        contacts=history.by_contact,
+        supports=history.supports,
+        preloads=history.preloads,
         points=contact_points(problem, solution),
+        checks=found,
+        verdict=verdict.of_quick_answer(problem, solution, steps, found, history.book.open_share),
     )
-
-
-def _reaction(problem: Problem, solution: Solution) -> list[float]:
-    """Of all supports together: what balances loads and obstacles; collective (force).
-
-    What bodies do to each other balances in itself.
-    """
-    spaces = problem.spaces
-    found = -resultant(spaces, problem.load[: spaces.owned_nodes])
-    for contact, force in zip(problem.contacts, solution.contact_force, strict=True):
-        if contact.contact.against is None:
-            found -= resultant(spaces, force[contact.owned_nodes])
-    return [float(x) + 0.0 for x in found]

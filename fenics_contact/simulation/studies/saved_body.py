@@ -1,4 +1,4 @@
-"""A condensed body in a file: S and the loads condensed so far, for any number of ranks.
+"""A condensed body in a file: S, loads and rows made so far, for any number of ranks.
 
 Without the factorisation, which is made again when a field inside the body is asked for. By what
 cells are called in the mesh as it was read, the file is of that mesh only; of it, of the materials
@@ -25,10 +25,11 @@ from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.simulation.restart import fingerprint
 from fenics_contact.simulation.restart.node_keys import NodalKeys
 from fenics_contact.simulation.restart.row_tables import Rows, SavedTables, write
+from fenics_contact.simulation.studies.saved_rows import give_rows, tables
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 
-_FORMAT = 1
+_FORMAT = 2
 _DAMAGED = "is damaged, or no file that a study has saved"
 
 
@@ -60,6 +61,9 @@ def save_body(path: Path, condensed: CondensedBody, scene: str) -> None:
     of_root = free if discrete.spaces.comm.rank == 0 else free[:0]
     dense = {f"load{i}": found[: len(of_root)] for i, (_, found) in enumerate(loads)}
     schur = condensed.bulk.schur
+    rows, of_nodes, of_contacts = ([], {}, {}) if mixed else tables(condensed, own)
+    nodal |= of_nodes
+    dense |= {name: values[: len(of_root)] for name, values in of_contacts.items()}
     dense["schur"] = np.zeros((0, len(free))) if schur is None else schur
     header = {
         "kind": "condensed body",
@@ -69,10 +73,11 @@ def save_body(path: Path, condensed: CondensedBody, scene: str) -> None:
         "body": fingerprint.of_body(discrete.description, discrete.spaces.body),
         "sides": [discrete.sides.index(one) for one in condensed.sides],
         "loads": len(loads),
+        "rows": rows,
         "scene": scene,
     }
-    tables = {"nodes": Rows(names, {"number": numbers, **nodal}), "contact": Rows(of_root, dense)}
-    write(discrete.spaces.comm, path, header, tables)
+    written = {"nodes": Rows(names, {"number": numbers, **nodal}), "contact": Rows(of_root, dense)}
+    write(discrete.spaces.comm, path, header, written)
 
 
 class SavedBody:
@@ -140,8 +145,8 @@ class SavedBody:
             return None
         return np.ascontiguousarray(dense["schur"][np.ix_(places, places)])
 
-    def give_loads(self, condensed: CondensedBody) -> None:
-        """Let a body know the loads that were condensed; collective."""
+    def give_to(self, condensed: CondensedBody) -> None:
+        """Let a body know the loads that were condensed, and the rows; collective."""
         discrete = condensed.discrete
         comm = discrete.spaces.comm
         places, dense = self._places(discrete, condensed.dofs), self._dense(comm)
@@ -149,6 +154,12 @@ class SavedBody:
             nodal = self._at_nodes(discrete)[f"load{number}"]
             found = dense[f"load{number}"][places] if comm.rank == 0 else np.zeros(len(places))
             condensed.loads.know(condensed.stiffness.share(nodal), found)
+        what = self._saved.header["rows"]
+        of_contacts = {}
+        if what:
+            of_root = dense["rows"][places] if comm.rank == 0 else np.zeros((0, len(what)))
+            of_contacts["rows"] = of_root
+        give_rows(condensed, what, self._at_nodes(discrete), of_contacts)
 
     def _at_nodes(self, discrete: DiscreteBody) -> dict[str, Array]:
         """Columns of the nodes of this rank; collective."""

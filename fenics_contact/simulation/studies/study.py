@@ -136,6 +136,7 @@ class Study:
         if self._kept is None or self._kept.condensed is None:
             raise InputError(f"{path}: solve before saving: no body is condensed yet")
         with failing_together(self.comm):
+            self._kept.make_rows()
             save_body(path, self._kept.condensed, _text_of(self.scene))
 
     @property
@@ -188,15 +189,21 @@ class Study:
         self.run = run
         return result
 
-    def quantities(self, changes: Mapping[str, Any] | None = None, follow: bool = False) -> Answer:
-        """Solve the scene with other values, for what its contacts tell alone; collective.
+    def quantities(
+        self,
+        changes: Mapping[str, Any] | None = None,
+        follow: bool = False,
+        checks: bool = True,
+    ) -> Answer:
+        """Solve the scene with other values, for its numbers alone; collective.
 
-        Without fields, checks and error bars, and mostly from the last answer on: the quickest
-        way to many answers. Where more than one answer may be, it begins as a separate run does.
+        Without fields and error bars, and mostly from the last answer on: the quickest way to many
+        answers. Where more than one answer may be, it begins as a separate run does.
 
         Args:
             changes: As of ``solve``.
             follow: Begin at the last answer in any case, and follow its branch.
+            checks: Check the physics as far as that takes no field.
 
         Raises:
             InputError: As of ``solve``.
@@ -207,7 +214,7 @@ class Study:
             kept = self._body_of(scene, timings)
             if self._quick is None:
                 self._quick = QuickAnswers(kept)
-            return self._quick.answer(scene, follow)
+            return self._quick.answer(scene, follow, checks)
 
     def displacement(self) -> Array:
         """Displacement in the last quick answer, by one back-substitution; collective.

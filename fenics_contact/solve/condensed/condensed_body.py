@@ -18,6 +18,7 @@ from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.bulk.schur import BulkWithoutFactor, CondensedBulk
+from fenics_contact.solve.condensed.body_rows import BodyRows
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
@@ -36,6 +37,7 @@ class CondensedBody:
         bulk: The factorisation, and S on rank 0.
         loads: Those condensed so far.
         preloads: What shortenings of preloaded parts do.
+        rows: Those of numbers that are linear in the displacement.
 
     Args:
         discrete: The body.
@@ -77,6 +79,7 @@ class CondensedBody:
             parts = discrete.elastic.preloaded
             self.preloads = CondensedPreloads(parts, self.stiffness, self.bulk, self.held)
         self.loads = CondensedLoads(self.bulk)
+        self.rows = BodyRows(self.stiffness, self.held, self.dofs, self.bulk)
         self._of_schur: OfSchur | None = None
 
     @property

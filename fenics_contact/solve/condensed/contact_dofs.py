@@ -36,13 +36,31 @@ class ContactDofs:
         first, last = (number * components for number in index_map.local_range)
         none = np.zeros(0, dtype=np.int64)
         masters = [side.pairing.dofs for side in sides if side.pairing is not None]
-        every = [none, *(side.trace.surface.dofs for side in sides), *masters]
-        self.numbers = np.unique(np.concatenate(every))
+        touched = [none, *(side.trace.surface.dofs for side in sides), *masters]
+        self.numbers = np.unique(np.concatenate(touched))
         self._mine = self.numbers[(self.numbers >= first) & (self.numbers < last)] - first
         self.constrained = np.zeros(len(spaces.coordinates) * components, dtype=bool)
         self.constrained[constrained] = True
         self.is_free = ~self.gathered(self.constrained.astype(float)).astype(bool)
         self.free = self.numbers[self.is_free]
+        nodes = np.arange(len(spaces.coordinates), dtype=np.int32)
+        every = index_map.local_to_global(nodes).astype(np.int64)
+        own = (every[:, None] * components + np.arange(components)).ravel()
+        self._here = np.flatnonzero(np.isin(own, self.free))
+        self._of_free = np.searchsorted(self.free, own[self._here])
+
+    def placed(self, values: Array, less: Array | None = None) -> Array:
+        """Values at the free contact dofs, at all displacement dofs of this rank, 0 elsewhere.
+
+        Args:
+            values: At the free contact dofs.
+            less: What is taken off there, at all displacement dofs.
+        """
+        found = np.zeros(len(self.constrained))
+        found[self._here] = values[self._of_free]
+        if less is not None:
+            found[self._here] -= less[self._here]
+        return found
 
     def gathered(self, values: Array) -> Array:
         """Values at this rank's displacement dofs, at all contact dofs; collective."""

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-import ufl
 from dolfinx import fem
 
-from fenics_contact.body.forms import Expr
+from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.surface.facet_sizes import relative_cell_size
-from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import nearer_to_failing
@@ -28,7 +27,7 @@ _LARGEST_STRESS_LIMIT = 0.5
 _OF_NO_STRESS = 0.8
 
 
-def boundary_stress(forces: BulkForces) -> Check | None:
+def boundary_stress(forces: NeededForces) -> Check | None:
     """∫ σ(u) n over each contact against its pressure and friction resultants.
 
     Relative to ∫ (p + g + mean stress of the body): where the contact carries little,
@@ -39,25 +38,19 @@ def boundary_stress(forces: BulkForces) -> Check | None:
     """
     problem = forces.problem
     spaces = problem.spaces
-    stress_vector = _boundary_traction(problem)
-    test = ufl.TestFunction(spaces.displacement_space)
     typical = _mean_stress(forces)
     worst: Check | None = None
-    for contact in problem.contacts:
+    for number, contact in enumerate(problem.contacts):
         axes = ~contact.supports.held_axes()
         acting = _on_surface(problem, contact)
         if acting is None or not axes.any():
             continue
-        measure = spaces.boundary(contact.sides.group)
-        nodal = spaces.assemble(
-            form_cache.form(spaces.weight * ufl.dot(stress_vector, test) * measure)
-        )
-        found = total(problem.comm, nodal[: spaces.owned_nodes].sum(axis=0))
         given = np.sum([sign * _resultant(forces, other) for other, sign in acting], axis=0)
         carried = sum(_carried(forces, other) for other, _ in acting)
         limit = _STRESS_OVER_SIZE[spaces.degree] * relative_cell_size(contact.trace.surface)
         if limit > _LARGEST_STRESS_LIMIT and contact.is_one_sided:
             continue  # it may touch in a single point of so coarse a surface
+        found = forces.of_stress(number)
         resultant = float(np.linalg.norm(given[axes]))
         without_stress = resultant / (carried or 1.0)
         most = max(_LARGEST_STRESS_LIMIT, _OF_NO_STRESS * without_stress)
@@ -96,30 +89,28 @@ def _area(contact: ContactSurface) -> float:
     return float(contact.trace.integral(np.ones(len(contact.trace.weights))))
 
 
-def _resultant(forces: BulkForces, number: int) -> Array:
+def _resultant(forces: NeededForces, number: int) -> Array:
     """∫ of the tractions on a contact's slave, (components,) (force)."""
     trace, state = forces.problem.contacts[number].trace, forces.solution.states[number]
     pressure = state.contact_pressure[:, None] * trace.normals
     return np.asarray(trace.integral(state.friction_traction - pressure))
 
 
-def _carried(forces: BulkForces, number: int) -> float:
+def _carried(forces: NeededForces, number: int) -> float:
     """∫ (p + g) of a contact (force)."""
     contact, state = forces.problem.contacts[number], forces.solution.states[number]
     return float(contact.trace.integral(np.abs(state.contact_pressure) + contact.friction_bound))
 
 
-def _boundary_traction(problem: Problem) -> Expr:
-    """σ n on the boundary, as a UFL vector."""
-    size = problem.spaces.components
-    cauchy = problem.elastic.stress()
-    normal = ufl.FacetNormal(problem.body.mesh)
-    return ufl.as_vector([sum(cauchy[i, j] * normal[j] for j in range(size)) for i in range(size)])
-
-
-def _mean_stress(forces: BulkForces) -> float:
+def _mean_stress(forces: NeededForces) -> float:
     """Root mean square stress of the body, √(E a(u, u) / volume), E the largest stiffness."""
-    problem, spaces = forces.problem, forces.problem.spaces
+    problem = forces.problem
     energy = 2 * forces.strain_energy
-    volume = total(problem.comm, fem.assemble_scalar(form_cache.form(spaces.weight * spaces.bulk)))
+    volume = problem.discrete.once("volume", lambda: _volume(problem.spaces))
     return float(np.sqrt(max(energy, 0.0) * problem.elastic.reference_modulus / volume))
+
+
+def _volume(spaces: Spaces) -> float:
+    """Of the body; of all ranks."""
+    found = fem.assemble_scalar(form_cache.form(spaces.weight * spaces.bulk))
+    return float(total(spaces.comm, found))

@@ -12,9 +12,8 @@ import numpy as np
 
 from fenics_contact.common.arrays import Flags
 from fenics_contact.common.parallel import largest, total
-from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.contact.state import STICK
-from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import nearer_to_failing, size_of, worst_of
 from fenics_contact.trust.checks.friction import ComparedFriction
@@ -30,7 +29,7 @@ _SLIP_ROUND_OFF = 20.0
 
 
 def penetration_depth(
-    forces: BulkForces, contacts: list[ComparedPressures], numbers: Sequence[int]
+    forces: NeededForces, contacts: list[ComparedPressures], numbers: Sequence[int]
 ) -> Check | None:
     """Deepest penetration of one-sided contacts, against two lengths; collective.
 
@@ -71,17 +70,20 @@ def penetration_depth(
     return worst
 
 
-def _glue(forces: BulkForces, numbers: Sequence[int]) -> Check | None:
+def _glue(forces: NeededForces, numbers: Sequence[int]) -> Check | None:
     """How far glue gives way, over what the bodies do; collective."""
     worst: Check | None = None
     comm = forces.problem.comm
-    free = forces.problem.free.all(axis=1)
     for number in numbers:
         contact = forces.problem.contacts[number]
-        if not contact.normal.sticks or not carries_more_than(contact, forces.imbalance):
+        if not contact.normal.sticks or not forces.carries(number):
             continue
         state, nodes = forces.solution.states[number], slice(0, len(contact.nodes))
-        counted = contact.owned_nodes & free[contact.nodes] & np.isfinite(state.gap[nodes])
+        counted = (
+            contact.owned_nodes
+            & forces.problem.free[contact.nodes].all(axis=1)
+            & np.isfinite(state.gap[nodes])
+        )
         needed = np.linalg.norm(forces.at_contact(number), axis=1)[counted]
         apart = np.hypot(state.gap[nodes], np.linalg.norm(state.slip[nodes], axis=1))[counted]
         area = contact.trace.to_nodes(contact.trace.weights)[counted]

@@ -14,9 +14,8 @@ from mpi4py import MPI
 from fenics_contact.common.arrays import Array, Words
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.contact.state import OPEN
-from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import TRACE, Place, nearer_to_failing, worst_of
 
@@ -24,7 +23,7 @@ from fenics_contact.trust.checks.comparison import TRACE, Place, nearer_to_faili
 _LOOP_SAFETY = 10.0
 
 
-def recovered_friction(forces: BulkForces, number: int) -> Array:
+def recovered_friction(forces: NeededForces, number: int) -> Array:
     """Friction forces that the bulk needs at the nodes of a contact.
 
     Returns:
@@ -81,7 +80,7 @@ class ComparedFriction:
         return worst_of(self.comm, values, self.places)
 
 
-def compared_friction(forces: BulkForces) -> list[ComparedFriction]:
+def compared_friction(forces: NeededForces) -> list[ComparedFriction]:
     """All contacts with friction to compare, in scene order; collective."""
     problem, solution = forces.problem, forces.solution
     found = []
@@ -111,7 +110,7 @@ def compared_friction(forces: BulkForces) -> list[ComparedFriction]:
                 law=law[counted],
                 bound=bound[counted],
                 slip=slip[counted],
-                displacement=solution.displacement[contact.nodes][counted],
+                displacement=forces.displacement[contact.nodes][counted],
                 status=solution.states[number].status[: len(contact.nodes)][counted],
                 places=trace.coordinates[: len(contact.nodes)][counted],
                 area=area[counted],
@@ -183,7 +182,7 @@ def dissipation(contacts: list[ComparedFriction]) -> Check | None:
     return _worst([contact for contact in contacts if contact.across <= TRACE], given)
 
 
-def outer_loop(forces: BulkForces, contacts: Sequence[int]) -> Check | None:
+def outer_loop(forces: NeededForces, contacts: Sequence[int]) -> Check | None:
     """G of the friction that was solved against μ p of the pressure that came out; collective.
 
     Over the largest μ p, where it depends on a pressure that is not known. No other check sees a
@@ -203,7 +202,7 @@ def outer_loop(forces: BulkForces, contacts: Sequence[int]) -> Check | None:
             continue
         wanted = contact.friction.bound_of(solution.states[number].contact_pressure)
         peak = largest(problem.comm, wanted)
-        if peak <= 0 or not carries_more_than(contact, forces.imbalance):
+        if peak <= 0 or not forces.carries(number):
             continue
         owned = contact.trace.owned
         off = np.abs(solution.friction_bound[number] - wanted)[owned]

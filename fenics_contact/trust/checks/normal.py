@@ -10,10 +10,9 @@ from mpi4py import MPI
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import gather_rows, largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.facet_sizes import relative_facet_size
-from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import TRACE, nearer_to_failing, worst_of
 
@@ -66,7 +65,7 @@ class ComparedPressures:
         return Check(found / self.peak, self.limit, self.contact.label, place)
 
 
-def compared_pressures(forces: BulkForces) -> list[ComparedPressures]:
+def compared_pressures(forces: NeededForces) -> list[ComparedPressures]:
     """All contacts that push, in scene order; collective."""
     problem, solution = forces.problem, forces.solution
     found = []
@@ -96,7 +95,7 @@ def compared_pressures(forces: BulkForces) -> list[ComparedPressures]:
                 places=trace.coordinates[: len(contact.nodes)][free],
                 limit=TRACE + 2 * solution.imbalance_limit / (lightest * peak),
                 peak=peak,
-                tells=carries_more_than(contact, forces.imbalance),
+                tells=forces.carries(number),
             )
         )
     return found
@@ -131,7 +130,7 @@ def tension(contacts: list[ComparedPressures]) -> Check | None:
     return worst
 
 
-def penetration(forces: BulkForces, contacts: list[ComparedPressures]) -> Check | None:
+def penetration(forces: NeededForces, contacts: list[ComparedPressures]) -> Check | None:
     """Energy in penalties over that in the body: the share by which contact forces are off.
 
     Args:
@@ -149,7 +148,7 @@ def penetration(forces: BulkForces, contacts: list[ComparedPressures]) -> Check 
     return Check(sunk / elastic if elastic > 0 else float("nan"), _LARGEST_PENETRATION)
 
 
-def pressure_recovery(forces: BulkForces, contacts: list[ComparedPressures]) -> Check | None:
+def pressure_recovery(forces: NeededForces, contacts: list[ComparedPressures]) -> Check | None:
     """Penalty pressure against that from reactions: median difference over the mean pressure.
 
     They differ at first order in the facet size over the contact's, but at singular edges and

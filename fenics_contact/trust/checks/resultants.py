@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import balance, nearer_to_failing
 
@@ -22,7 +23,7 @@ _PAIR_ROUND_OFF = 1e-6
 _PAIR_SAFETY = 4.0
 
 
-def resultant(forces: BulkForces) -> Check | None:
+def resultant(forces: NeededForces) -> Check | None:
     """Resultants of contacts from the bulk, K u − f, against loads; collective.
 
     - The force along its direction of an obstacle that a force drives, against that force.
@@ -38,7 +39,7 @@ def resultant(forces: BulkForces) -> Check | None:
     return worst
 
 
-def _obstacles(forces: BulkForces) -> list[Check]:
+def _obstacles(forces: NeededForces) -> list[Check]:
     """The force of each obstacle that a force drives, against that force; collective."""
     found = []
     free, comm = forces.problem.free, forces.problem.comm
@@ -57,7 +58,7 @@ def _obstacles(forces: BulkForces) -> list[Check]:
     return found
 
 
-def _pressures(forces: BulkForces) -> list[Check]:
+def _pressures(forces: NeededForces) -> list[Check]:
     """The forces of all given pressures together, against ∫ p n; collective."""
     problem, solution = forces.problem, forces.solution
     pairs = zip(problem.contacts, solution.states, strict=True)
@@ -79,7 +80,7 @@ def _pressures(forces: BulkForces) -> list[Check]:
     return [balance(off, carried, solution.imbalance_limit, label, "pressure")]
 
 
-def _parts(forces: BulkForces) -> list[Check]:
+def _parts(forces: NeededForces) -> list[Check]:
     """The forces of contacts on each part along axes that no support holds; collective."""
     problem = forces.problem
     spaces, parts = problem.spaces, problem.spaces.parts
@@ -88,15 +89,14 @@ def _parts(forces: BulkForces) -> list[Check]:
         if contact.terms:
             everywhere = np.ones(len(contact.trace.all_nodes), dtype=bool)
             touched |= contact.kinematics.reaches(everywhere)
-    owned = slice(0, spaces.owned_nodes)
-    needed = np.where(touched[:, None], forces.solution.internal_force - problem.load, 0.0)[owned]
-    load = problem.load[owned]
-    held = parts.sums(np.where(problem.free, 0.0, 1.0)[owned]) > 0
-    if spaces.kinematics == "axisymmetric":
-        held[:, 0] = True  # radial forces have no resultant
-    left = np.where(held, 0.0, parts.sums(needed + load))
-    carried = parts.sums(np.abs(needed).sum(axis=1) + np.abs(load).sum(axis=1))
-    by_contacts = parts.sums(np.where(touched[owned], 1.0, 0.0)) > 0
+    nodes, loaded = np.flatnonzero(touched[: spaces.owned_nodes]), forces.acting(forces.load)
+    needed, load = (forces.unbalanced + forces.contacts)[nodes], forces.load[loaded]
+    held = _held_axes(problem)
+    resultants = parts.sums(needed, nodes) + parts.sums(load, loaded)
+    left = np.where(held, 0.0, resultants)
+    carried = parts.sums(np.abs(needed).sum(axis=1), nodes)
+    carried += parts.sums(np.abs(load).sum(axis=1), loaded)
+    by_contacts = parts.sums(np.ones(len(nodes)), nodes) > 0
     imbalance = forces.solution.imbalance_limit
     return [
         balance(float(np.linalg.norm(left[n])), carried[n], imbalance, kind="part", part=name)
@@ -105,7 +105,20 @@ def _parts(forces: BulkForces) -> list[Check]:
     ]
 
 
-def action_and_reaction(forces: BulkForces) -> Check | None:
+def _held_axes(problem: Problem) -> Flags:
+    """Along which axes supports hold each part, (parts, components); collective."""
+    spaces = problem.spaces
+    size, dofs = spaces.components, problem.constrained
+    dofs = dofs[dofs < spaces.owned_nodes * size]
+    along = np.zeros((len(dofs), size))
+    along[np.arange(len(dofs)), dofs % size] = 1.0
+    held = np.asarray(spaces.parts.sums(along, dofs // size) > 0)
+    if spaces.kinematics == "axisymmetric":
+        held[:, 0] = True  # radial forces have no resultant
+    return held
+
+
+def action_and_reaction(forces: NeededForces) -> Check | None:
     """Forces of a contact on both bodies, and their moments, add up to zero.
 
     Relative to the forces on the slave, moments over the extent of its surface. Forces are handed
@@ -120,12 +133,12 @@ def action_and_reaction(forces: BulkForces) -> Check | None:
     return worst
 
 
-def _handed_over(forces: BulkForces, contact: ContactSurface, nodal: Array) -> Check:
+def _handed_over(forces: NeededForces, contact: ContactSurface, nodal: Array) -> Check:
     spaces, extent = contact.spaces, contact.trace.extent()
     owned, size = slice(0, spaces.owned_nodes), spaces.components
     vectors, places = np.zeros((2, spaces.owned_nodes, 3))
     vectors[:, :size] = nodal[owned]
-    places[:, :size] = spaces.coordinates[owned, :size] + forces.solution.displacement[owned]
+    places[:, :size] = spaces.coordinates[owned, :size] + forces.displacement[owned]
     carried = total(spaces.comm, np.linalg.norm(vectors, axis=1).sum()) / 2 or 1.0
     weights = np.linalg.norm(vectors, axis=1)
     centre = total(spaces.comm, weights @ places) / (2 * carried)

@@ -14,8 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from fenics_contact.common.arrays import Array
-from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.boundary_stress import boundary_stress
 from fenics_contact.trust.checks.compliance import penetration_depth, stick_creep
@@ -46,12 +45,10 @@ class Solved:
 
     Attributes:
         forces: That the bulk needs.
-        reactions: Nodal support reactions, (nodes, components) (force).
         steps: Load steps taken.
     """
 
-    forces: BulkForces
-    reactions: Array
+    forces: NeededForces
     steps: int
 
     @cached_property
@@ -99,7 +96,7 @@ class Claimed:
 
 # In the order of results and reports. First those that no law is asked for.
 OF_EVERY_SOLUTION: Mapping[str, Callable[[Solved], Check | None]] = {
-    "equilibrium": lambda solved: equilibrium(solved.forces, solved.reactions),
+    "equilibrium": lambda solved: equilibrium(solved.forces),
     "resultant": lambda solved: resultant(solved.forces),
     "stabilisation": lambda solved: stabilisation(solved.forces),
     "preload": lambda solved: preload(solved.forces),
@@ -122,7 +119,7 @@ OF_LAWS: Mapping[str, Callable[[Claimed], Check | None]] = {
 }
 
 
-def run_checks(forces: BulkForces, reactions: Array, steps: int = 1) -> dict[str, Check]:
+def run_checks(forces: NeededForces, steps: int = 1) -> dict[str, Check]:
     """All checks that the scene's terms call for; collective.
 
     A check that finds nothing to compare, such as friction where supports hold every
@@ -130,22 +127,21 @@ def run_checks(forces: BulkForces, reactions: Array, steps: int = 1) -> dict[str
 
     Args:
         forces: Of a solution.
-        reactions: Nodal support reactions, shape (nodes, components) (force).
         steps: Load steps taken.
 
     Raises:
         ValueError: A law claims a check that there is not.
     """
-    found = all_checks(forces, reactions, steps)
+    found = all_checks(forces, steps)
     return {name: check for name, check in found.items() if check is not None}
 
 
-def all_checks(forces: BulkForces, reactions: Array, steps: int) -> dict[str, Check | None]:
+def all_checks(forces: NeededForces, steps: int) -> dict[str, Check | None]:
     """As ``run_checks``, with None for those that find nothing to compare; collective."""
     for contact in forces.problem.contacts:
         unknown = sorted({*contact.checks} - {*OF_LAWS})
         if unknown:
             raise ValueError(f"a law of '{contact.label}' claims checks that are none: {unknown}")
-    solved = Solved(forces, reactions, steps)
+    solved = Solved(forces, steps)
     every = {name: check(solved) for name, check in OF_EVERY_SOLUTION.items()}
     return every | {name: check(Claimed(name, solved)) for name, check in OF_LAWS.items()}

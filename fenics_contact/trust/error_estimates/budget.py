@@ -17,7 +17,7 @@ from fenics_contact.evaluate.quantities import (
     contact_quantities,
     global_quantities,
     preload_records,
-    support_reactions,
+    support_records,
 )
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.quantities import QUANTITIES, QuantityValue, reactions_by_name
@@ -177,9 +177,9 @@ class _Measure:
     def _measured(self, solution: Solution) -> dict[Hashable, QuantityValue]:
         problem = self._problem
         forces = BulkForces(problem, solution)
-        reactions, supports = support_reactions(forces)
+        supports = support_records(forces)
         contacts = [contact_quantities(problem, solution, i) for i in range(len(problem.contacts))]
-        every = global_quantities(forces, reactions, contacts)
+        every = global_quantities(forces, contacts)
         found: dict[Hashable, QuantityValue] = _known(every)
         found.update(problem.points.quantities(solution.displacement))
         for number, of_contact in enumerate(contacts):

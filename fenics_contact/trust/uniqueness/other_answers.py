@@ -11,7 +11,6 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import (
     contact_quantities,
     global_quantities,
-    support_reactions,
 )
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.contacts import BranchContact
@@ -97,16 +96,15 @@ def look_around(load_steps: LoadSteps) -> OtherAnswers:
 
 def _branch(problem: Problem, start: str, solution: Solution) -> BranchRecord:
     forces = BulkForces(problem, solution)
-    reactions, _ = support_reactions(forces)
     by_contact = [
         contact_quantities(problem, solution, number) for number in range(len(problem.contacts))
     ]
-    checks = run_checks(forces, reactions)
+    checks = run_checks(forces)
     return BranchRecord(
         start=start,
         newton_iterations=solution.newton_iterations,
         passed=all(check.passed for check in checks.values()),
-        quantities=global_quantities(forces, reactions, by_contact),
+        quantities=global_quantities(forces, by_contact),
         contacts=[
             BranchContact(name=contact.label, quantities=found)
             for contact, found in zip(problem.contacts, by_contact, strict=True)

@@ -10,6 +10,7 @@ from fenics_contact import (
     NormalCompliance,
     Obstacle,
     Path,
+    Point,
     Scene,
     SolverSettings,
     Steps,
@@ -149,6 +150,25 @@ CASES = {
         dataclasses.replace(ON_A_FLOOR, material=Material(1000, 0.499)),
         square,
         [{MU: 0.4}, {"load.0.traction.0": 2}],
+    ),
+    "corners": (  # supports meet, some at the contact; points
+        Scene(
+            kinematics="plane strain",
+            material=STEEL,
+            support=(
+                Support("y1", {"x": 0, "y": -0.003}, name="lid"),
+                Support("x0", {"x": 0}),
+                Support("x1", {"y": -0.003}),
+            ),
+            load=(Load("x1", traction=(3, 0)), Load("body", body_force=(0, -2))),
+            contact=(Contact("y0", obstacle=Obstacle("plane"), friction_coefficient=0.2),),
+            point=(Point("middle", (0.3, 0.4)), Point("corner", (1, 1))),
+        ),
+        square,
+        [
+            {"support.0.displacement.y": -0.002, "support.2.displacement.y": -0.002, MU: 0.25},
+            {"load.0.traction": (2, 1), "point.0.at": (0.5, 0.5)},
+        ],
     ),
     "stabilised": (
         dataclasses.replace(

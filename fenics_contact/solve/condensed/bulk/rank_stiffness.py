@@ -86,6 +86,10 @@ class LocalStiffness:
         found[self.displacements] = share[: len(self.displacements)]
         return spaces.summed(found.reshape(-1, spaces.components))
 
+    def nodal(self, values: Array) -> Array:
+        """Displacements among values of the unknowns, at the nodes; collective."""
+        return self.whole(values / self._sharers)
+
     def load(self, nodal: Array, supported: Array, held: Flags) -> Array:
         """This rank's share of a load, with what supports at given displacements add.
 

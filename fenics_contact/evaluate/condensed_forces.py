@@ -1,0 +1,196 @@
+"""What the body needs in an answer of which only contacts and supports are known.
+
+Inside the body forces balance, as its displacement follows from what is known. What is linear in it
+has a row (``body_rows``): with these no displacement inside is found.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import from_root, total
+from fenics_contact.evaluate.needed_forces import Balances, NeededForces
+from fenics_contact.evaluate.rows_of_body import RowsOfBody, at_far_field, prescribed
+from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.scalar_unknowns import ContactScalar, PreloadState
+from fenics_contact.solve.condensed.body_rows import GivenState
+from fenics_contact.solve.condensed.condensed_body import CondensedBody
+from fenics_contact.solve.newton.solution import Solution
+
+
+class CondensedForces(NeededForces):
+    """What the bulk needs, from what contacts and supports tell; collective, as all.
+
+    Args:
+        problem: The model, in the state of the answer.
+        solution: The answer; nothing inside the body is asked of it.
+        body: The body, condensed.
+        position: Displacements of the free contact dofs, on every rank (length).
+        scalars: Values of the scalar unknowns.
+    """
+
+    tells_inside = False
+
+    def __init__(
+        self,
+        problem: Problem,
+        solution: Solution,
+        body: CondensedBody,
+        position: Array,
+        scalars: Array,
+    ) -> None:
+        super().__init__(problem, solution)
+        self._body, self._rows = body, RowsOfBody(problem, body)
+        self._shortenings = problem.of_preloads(scalars)
+        far = [
+            (float(value), unknown.column)
+            for value, unknown in zip(scalars, problem.unknowns, strict=True)
+            if isinstance(unknown, ContactScalar) and unknown.column is not None
+        ]
+        self._resultants = np.array([value for value, _ in far])
+        self._columns = [at_far_field(problem, column) for _, column in far]
+        self._prescribed = prescribed(problem)
+        self._displacement = body.dofs.placed(position).reshape(problem.load.shape)
+        self._displacement += self._prescribed
+        for value, column in zip(self._resultants, self._columns, strict=True):
+            self._displacement += value * column
+        stiffness = body.stiffness
+        self._load = stiffness.share(self.load)
+        forces = self._load + stiffness.share(self.contacts)
+        for value, share in zip(self._shortenings, self._rows.of_shortenings, strict=True):
+            forces -= value * share
+        at_unknowns = stiffness.at_unknowns(self._displacement)
+        self._state = GivenState(position, at_unknowns[body.held], forces)
+        self.unbalanced = self._at_contacts()
+
+    @cached_property
+    def _of_given(self) -> tuple[Array, Array]:
+        """Work of the loads, of reactions on displacements of supports, and on each far field.
+
+        And what each of these and of the shortenings does to the free contact dofs, (…, dofs).
+        """
+        given = self._body.rows.given
+        shares = given.shares(self._rows.given([self._load], [self._prescribed, *self._columns]))
+        return given.values(shares, self._state), given.of_contacts(shares)
+
+    def _at_contacts(self) -> Array:
+        """K u less loads and contacts at the free contact dofs, 0 elsewhere."""
+        _, columns = self._of_given
+        far = 2 + len(self._resultants)
+        acting = columns[0] - columns[1] - self._resultants @ columns[2:far]
+        acting -= self._shortenings @ columns[far:]
+        schur, position = self._body.bulk.schur, self._state.contacts
+        needed = None if schur is None else schur @ position - acting
+        needed = np.asarray(from_root(self.problem.comm, needed))
+        found = self._body.dofs.placed(needed, less=self.contacts.reshape(-1))
+        return found.reshape(self.load.shape)
+
+    def _reactions_at(self, number: int) -> Array | float:
+        """Reactions across a contact's surface at its nodes (force)."""
+        return self._rows.across(number, self._state)
+
+    @property
+    def displacement(self) -> Array:
+        """Of contacts and of what is held, 0 elsewhere, (nodes, components) (length)."""
+        return self._displacement
+
+    @property
+    def imbalance(self) -> float:
+        """The imbalance accepted: inside the body forces balance (force)."""
+        return self.solution.imbalance_limit
+
+    @property
+    def given_work(self) -> float:
+        """Of loads and reactions on the displacement (energy)."""
+        works, _ = self._of_given
+        return float(works[0] + works[1] + self._resultants @ works[2 : 2 + len(self._resultants)])
+
+    @cached_property
+    def strain_energy(self) -> float:
+        """½ a(u, u): the work of all nodal forces, as the bulk is linear (energy)."""
+        product = self._summed(self._displacement * (self.unbalanced + self.contacts))
+        tightened = sum(state.force * state.shortening for state in self.solution.preloads)
+        return 0.5 * (self.given_work + product + tightened)
+
+    @cached_property
+    def of_supports(self) -> Array:
+        """Resultant of each applied support, (supports, components) (force)."""
+        return self._rows.supports(self._state, self._shortenings)
+
+    @property
+    def of_all_supports(self) -> Array:
+        """Resultant of all supports, (components,) (force)."""
+        return np.asarray(self.of_supports.sum(axis=0)) + 0.0  # no −0
+
+    def at_points(self) -> dict[str, list[float]]:
+        """The displacement at the scene's points, by quantity."""
+        return self._rows.points(self._state)
+
+    def balances(self) -> Balances:
+        """What adds up to zero in every connected part of the body.
+
+        Reactions and their moments come from rows, and none of these is a sum of what the contacts
+        get: so what a wrong solution leaves at the contacts shows here. Of the reactions those of
+        each support together are ``carried``, which is no more than that of each node.
+        """
+        spaces = self.problem.spaces
+        size, parts = spaces.components, spaces.parts
+        reactions, moments = self._rows.of_parts(self._state)
+        forces = self.load + self.contacts
+        nodes = self.acting(forces)
+        resultants, turning = np.zeros((parts.count, 3)), np.zeros((len(nodes), 3))
+        resultants[:, :size] = parts.sums(forces[nodes], nodes) + reactions.sum(axis=0)
+        turning[:, :size] = forces[nodes]
+        turned = nodes
+        if spaces.degree < spaces.geometry_order:  # see ``BulkForces.balances``
+            turned = self.acting(self.unbalanced)
+            turning, moments = np.zeros((len(turned), 3)), np.zeros_like(moments)
+            turning[:, :size] = -self.unbalanced[turned]
+        arms = parts.arms[turned] / parts.sizes[parts.of_node[turned], None]
+        carried = parts.sums(np.abs(forces[nodes]).sum(axis=1), nodes)
+        return Balances(
+            resultants,
+            parts.sums(np.cross(arms, turning), turned) + moments,
+            carried + np.abs(reactions).sum(axis=(0, 2)),
+        )
+
+    def at_stabilised(self) -> Array:
+        """Reactions at dofs that a stabilisation holds, of all ranks (force)."""
+        return self._rows.stabilised(self._state)
+
+    def of_stress(self, number: int) -> Array:
+        """∫ σ n over the slave surface of a contact, by its number (force)."""
+        return self._rows.stress(number, self._state, self._shortenings)
+
+    def preload_states(self) -> tuple[PreloadState, ...]:
+        """Preloaded parts, by what the body makes of their shortening."""
+        works, _ = self._of_given
+        states = zip(self.problem.preloads, self._shortenings, strict=True)
+        along = works[2 + len(self._resultants) :]
+        return tuple(
+            preload.state_at(float(force) + preload.bulk.stiffness * float(value), float(value))
+            for force, (preload, value) in zip(along, states, strict=True)
+        )
+
+    def works_since(self, before: NeededForces | None) -> tuple[float, float]:
+        """Of loads and of reactions, by the trapezoidal rule, from another answer on (energy)."""
+        works, _ = self._of_given
+        if before is None:
+            return 0.5 * float(works[0]), 0.5 * (self.given_work - float(works[0]))
+        assert isinstance(before, CondensedForces)
+        given = self._body.rows.given
+        held = [self._prescribed, *self._columns, before._prescribed, *before._columns]
+        shares = given.shares(self._rows.given([self._load, before._load], held))
+        now, then = (given.values(shares, one._state) for one in (self, before))
+        loads = 0.5 * float((now - then)[:2].sum())
+        own, others = (np.array([1.0, *one._resultants]) for one in (self, before))
+        moved = np.concatenate([own, -others])
+        return loads, 0.5 * float(moved @ (now + then)[2 : 2 + len(moved)])
+
+    def _summed(self, values: Array) -> float:
+        """Over the nodes of all ranks; collective."""
+        owned = self.problem.spaces.owned_nodes
+        return float(total(self.problem.comm, np.sum(values[:owned])))

@@ -1,0 +1,167 @@
+"""What the body needs in an answer, for whoever measures or checks it, however the answer is known.
+
+By nodal values of the whole body (``nodal_forces``), or by what its contacts and its supports tell
+alone (``condensed_forces``).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.contact.noise import carries_more_than
+from fenics_contact.evaluate.recovered_pressure import reaction_pressure
+from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.scalar_unknowns import PreloadState
+from fenics_contact.solve.newton.solution import Solution
+
+
+@dataclass(frozen=True, eq=False)
+class Balances:
+    """Loads, reactions and contact forces in each connected part of a body, of all ranks.
+
+    Attributes:
+        resultants: Their sums, (parts, 3) (force).
+        moments: Their moments about the part's centre over its size, likewise.
+        carried: Sums of the sizes of their components, (parts,) (force).
+    """
+
+    resultants: Array
+    moments: Array
+    carried: Array
+
+
+class NeededForces(ABC):
+    """What the bulk needs in an answer, against what loads and contacts give; collective, as all.
+
+    Attributes:
+        problem: The model.
+        solution: Its solution.
+        load: The loads, (nodes, components) (force).
+        contacts: Forces of all contacts on the body, likewise.
+        tells_inside: Whether displacements inside the body are known.
+        unbalanced: What the bulk needs less loads and contacts, likewise. Where supports hold,
+            reactions, or 0 where these are not known node by node.
+    """
+
+    tells_inside: ClassVar[bool]
+    unbalanced: Array
+
+    def __init__(self, problem: Problem, solution: Solution) -> None:
+        self.problem, self.solution = problem, solution
+        self.load = problem.load
+        self._given = solution.contact_force
+        self.contacts = np.zeros_like(problem.load)
+        for contact, force in zip(problem.contacts, self._given, strict=True):
+            self.contacts += contact.kinematics.on_body(contact.trace.at_all_nodes(force))
+        self._pressures: dict[int, Array] = {}
+        self._carries: dict[int, bool] = {}
+
+    @property
+    @abstractmethod
+    def displacement(self) -> Array:
+        """Of contacts and of what is held, at least, (nodes, components) (length)."""
+
+    @property
+    @abstractmethod
+    def imbalance(self) -> float:
+        """What may be out of balance: the imbalance accepted, or what round-off leaves (force)."""
+
+    @property
+    @abstractmethod
+    def strain_energy(self) -> float:
+        """½ a(u, u); in preloaded parts of the strain beyond the one free of stress (energy)."""
+
+    @property
+    @abstractmethod
+    def of_supports(self) -> Array:
+        """Resultant of each applied support, (supports, components) (force).
+
+        Where two meet, each has its part of what is needed there (``shared_reactions``).
+        """
+
+    @property
+    @abstractmethod
+    def of_all_supports(self) -> Array:
+        """Resultant of all of them, (components,) (force)."""
+
+    @property
+    @abstractmethod
+    def given_work(self) -> float:
+        """Of loads and reactions on the displacement, u · (f + r) (energy)."""
+
+    @abstractmethod
+    def at_points(self) -> dict[str, list[float]]:
+        """The displacement at the scene's points, by quantity."""
+
+    @abstractmethod
+    def balances(self) -> Balances:
+        """What adds up to zero in every connected part of the body."""
+
+    @abstractmethod
+    def at_stabilised(self) -> Array:
+        """Reactions at dofs that a stabilisation holds, of this rank at least, (dofs,) (force)."""
+
+    @abstractmethod
+    def of_stress(self, number: int) -> Array:
+        """∫ σ n over the slave surface of a contact, by its number, (components,) (force)."""
+
+    @abstractmethod
+    def preload_states(self) -> tuple[PreloadState, ...]:
+        """Preloaded parts, by the displacement and their shortening."""
+
+    @abstractmethod
+    def works_since(self, before: NeededForces | None) -> tuple[float, float]:
+        """Of loads and of reactions, by the trapezoidal rule, from another answer on (energy).
+
+        Args:
+            before: The other answer, of the same kind; None for the body at rest.
+        """
+
+    def acting(self, nodal: Array) -> Integers:
+        """The nodes of this rank's own at which something is not 0.
+
+        Args:
+            nodal: (nodes, components).
+        """
+        owned, components = self.problem.spaces.owned_nodes, nodal.shape[1]
+        return np.unique(np.flatnonzero(nodal[:owned]) // components)
+
+    def at_contact(self, number: int) -> Array:
+        """Forces that the bulk needs from a contact at its nodes, (nodes, components) (force).
+
+        K u − f, less what other contacts give to a shared node.
+        """
+        return self.unbalanced[self.problem.contacts[number].nodes] + self._given[number]
+
+    def _reactions_at(self, number: int) -> Array | float:
+        """Reactions across a contact's surface at its nodes that ``unbalanced`` has not (force)."""
+        return 0.0
+
+    def pressure(self, number: int) -> Array:
+        """``reaction_pressure`` of a contact, at all nodes of its surface (stress)."""
+        if number not in self._pressures:
+            forces = self.at_contact(number) + self._reactions_at(number)
+            self._pressures[number] = reaction_pressure(self.problem.contacts[number], forces)
+        return self._pressures[number]
+
+    def carries(self, number: int) -> bool:
+        """Whether a contact carries more than what solver and round-off leave."""
+        if number not in self._carries:
+            contact = self.problem.contacts[number]
+            self._carries[number] = carries_more_than(contact, self.imbalance)
+        return self._carries[number]
+
+
+def own_dofs(problem: Problem) -> list[Integers]:
+    """Of each applied support the dofs that none before it holds (local, owned and ghost)."""
+    counted = np.zeros(problem.load.size, dtype=bool)
+    found = []
+    for support in problem.applied_supports:
+        found.append(support.dofs[~counted[support.dofs]])
+        counted[found[-1]] = True
+    return found
