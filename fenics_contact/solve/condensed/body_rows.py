@@ -22,9 +22,9 @@ from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
+from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
+from fenics_contact.solve.condensed.bulk.schur import CondensedBulk
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
-from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
-from fenics_contact.solve.condensed.schur import CondensedBulk
 
 _T = TypeVar("_T")
 

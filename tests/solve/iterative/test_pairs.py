@@ -57,7 +57,9 @@ def pair(coefficient, **changes):
 
 
 def solved(scene, body, solver):
-    prepared = Run(dataclasses.replace(scene, solver=SolverSettings(solver=solver, errors="none")), COMM, body)
+    prepared = Run(
+        dataclasses.replace(scene, solver=SolverSettings(solver=solver, errors="none")), COMM, body
+    )
     result = prepared.solve()
     assert result.passed, result.verdict
     return prepared.solution
