@@ -41,6 +41,7 @@ class Spaces:
     """
 
     def __init__(self, description: BodyDescription, body: Body) -> None:
+        self._nodes: dict[Group, NDArray[np.int32]] = {}
         self.body = body
         self.comm: MPI.Comm = body.mesh.comm
         self.kinematics = description.kinematics
@@ -132,10 +133,11 @@ class Spaces:
 
     def nodes(self, group: Group) -> NDArray[np.int32]:
         """Local indices (owned and ghost) of the nodes on a group; collective."""
-        entities = self.body.entities(group)
-        return np.sort(
-            fem.locate_dofs_topological(self.displacement_space, group.dimension, entities)
-        )
+        if group not in self._nodes:
+            entities, dimension = self.body.entities(group), group.dimension
+            found = fem.locate_dofs_topological(self.displacement_space, dimension, entities)
+            self._nodes[group] = np.sort(found)
+        return self._nodes[group]
 
     def evaluate(self, value: Value, nodes: NDArray[np.int32], key: str) -> Array:
         """A scene's value at nodes, shape (nodes,); collective (see ``evaluate_at``)."""

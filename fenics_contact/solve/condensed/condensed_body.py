@@ -23,7 +23,6 @@ from fenics_contact.solve.condensed.preload_border import CondensedPreloads
 from fenics_contact.solve.condensed.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.schur import BulkWithoutFactor, CondensedBulk
 
-
 # Columns of half-spaces that are kept: an obstacle that moves along the surface makes others.
 _MOST_FAR = 8
 

@@ -161,8 +161,8 @@ class SpringLaw(NormalLaw):
         """Minus the traction on the body, (points, components) (stress)."""
         gap, softness = self.site.kinematics.gap, float(self._softness.value)
         if self._known is not None:  # forces, pressures and bounds are asked for one by one
-            *known, found = self._known
-            if known[2] == softness and np.array_equal(known[0], jump) and known[1] is gap:
+            before, beyond, soft, found = self._known
+            if soft == softness and beyond is gap and np.array_equal(before, jump):
                 return found
         values, points, normals = self._values(jump), self._at_points, self.site.trace.normals
         across = points.slope("depth", **values)[:, None] * normals
