@@ -296,9 +296,7 @@ class CondensedSystem(System):
         for jump in (jump for jump in self._jumps if jump is not None):
             jump.surface.contact.follow()
             parts = gathered_on_root(self.comm, jump.surface.entries())
-            if parts is not None:
-                rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
-                found.append(jump.tangent((rows, columns, values)))
+            found += [jump.tangent(part) for part in parts or ()]
         if self._dense is not None:
             held = np.array([p.held is not None for p in self.problem.preloads], dtype=bool)
             self._dense.border.hold(held)
