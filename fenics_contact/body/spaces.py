@@ -7,6 +7,7 @@ code does not depend on tags: two contacts, or two scenes, share it.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 
 import numpy as np
 import ufl
@@ -130,6 +131,12 @@ class Spaces:
         """(cell, local facet) of this rank's facets of a boundary group, shape (facets, 2)."""
         found = compat.boundary_entities(self.body.mesh.topology, self.body.entities(group))
         return np.asarray(found).reshape(-1, 2)
+
+    @cached_property
+    def size(self) -> float:
+        """Largest extent of the body along an axis (length); collective when first asked for."""
+        columns = self.coordinates.T
+        return max(largest(self.comm, x) - smallest(self.comm, x) for x in columns)
 
     def nodes(self, group: Group) -> NDArray[np.int32]:
         """Local indices (owned and ghost) of the nodes on a group; collective."""
