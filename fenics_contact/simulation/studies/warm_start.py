@@ -109,9 +109,10 @@ class WarmStart:
             self._take_tangents(problem)
             newton.run()
             return newton.solution()
-        self._place(newton, self.without_friction or self.answer)
-        contact_without_friction(newton)
-        self.without_friction = SolvedState.of(newton)
+        if any(contact.friction.finds_scale for contact in problem.coulomb):
+            self._place(newton, self.without_friction or self.answer)
+            contact_without_friction(newton)
+            self.without_friction = SolvedState.of(newton)
         self._place(newton, self.answer)
         self._take_tangents(problem)
         for contact in problem.coulomb:
