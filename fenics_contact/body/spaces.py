@@ -7,6 +7,7 @@ code does not depend on tags: two contacts, or two scenes, share it.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 
 import numpy as np
 import ufl
@@ -41,6 +42,7 @@ class Spaces:
     """
 
     def __init__(self, description: BodyDescription, body: Body) -> None:
+        self._nodes: dict[Group, NDArray[np.int32]] = {}
         self.body = body
         self.comm: MPI.Comm = body.mesh.comm
         self.kinematics = description.kinematics
@@ -130,12 +132,19 @@ class Spaces:
         found = compat.boundary_entities(self.body.mesh.topology, self.body.entities(group))
         return np.asarray(found).reshape(-1, 2)
 
+    @cached_property
+    def size(self) -> float:
+        """Largest extent of the body along an axis (length); collective when first asked for."""
+        columns = self.coordinates.T
+        return max(largest(self.comm, x) - smallest(self.comm, x) for x in columns)
+
     def nodes(self, group: Group) -> NDArray[np.int32]:
         """Local indices (owned and ghost) of the nodes on a group; collective."""
-        entities = self.body.entities(group)
-        return np.sort(
-            fem.locate_dofs_topological(self.displacement_space, group.dimension, entities)
-        )
+        if group not in self._nodes:
+            entities, dimension = self.body.entities(group), group.dimension
+            found = fem.locate_dofs_topological(self.displacement_space, dimension, entities)
+            self._nodes[group] = np.sort(found)
+        return self._nodes[group]
 
     def evaluate(self, value: Value, nodes: NDArray[np.int32], key: str) -> Array:
         """A scene's value at nodes, shape (nodes,); collective (see ``evaluate_at``)."""

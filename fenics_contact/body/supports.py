@@ -96,10 +96,10 @@ class Supports:
         if len(other):
             last = int(other[-1])
             axis = AXES[int(every[last]) % self._spaces.components]
+            on, held_by = self._holder(last), self._holder(int(first[same[last]]))
             error = InputError(
-                f"support on '{self._holder(last)}': displacement.{axis} = {given[last]:g}, but the "
-                f"support on '{self._holder(int(first[same[last]]))}' prescribes "
-                f"{values[same[last]]:g} at a point of both"
+                f"support on '{on}': displacement.{axis} = {given[last]:g}, but the support on "
+                f"'{held_by}' prescribes {values[same[last]]:g} at a point of both"
             )
         raise_together(self._spaces.comm, error)
         return dofs, values

@@ -153,6 +153,13 @@ class ContactSurface:
             return law.force()
         return self.trace.at_all_nodes(self.trace.weights[:, None] * law.at_points())
 
+    def all_forces(self) -> Array:
+        """Forces of both laws at all nodes of its surface; collective."""
+        if not self.by_points:
+            return self.normal.force() + self.friction.force()
+        traction = self.normal.at_points() + self.friction.at_points()
+        return self.trace.at_all_nodes(self.trace.weights[:, None] * traction)
+
     def given_forces(self) -> list[tuple[Array, Callable[[float], float]]]:
         """Nodal forces that are given, in full, with the share that acts at a pseudo-time.
 

@@ -168,8 +168,9 @@ def edge_places(
     if beyond.any():
         found[beyond] = contact.kinematics.end_of_obstacle(inner[beyond], outer[beyond])
     pushed = ~beyond & (distance > 0)
-    stiffness = contact.normal.stiffness(zone.depth)[inner]
-    soft = pushed & (depth > 0) & (stiffness * length < _SOFT * modulus)
+    soft = pushed & (depth > 0)
+    if soft.any():
+        soft &= contact.normal.stiffness(zone.depth)[inner] * length < _SOFT * modulus
     found[soft] = depth[soft] / (depth[soft] + distance[soft])
     stiff = pushed & ~soft
     stress = zone.stress[inner][stiff]

@@ -134,7 +134,9 @@ class Problem:
             ]
             self.unknowns += self.preloads
             self._refuse_held_contacts()
-            self.points = DisplacementPoints(scene.point, self.spaces)
+            self.points = discrete.once(
+                f"points {scene.point}", partial(DisplacementPoints, scene.point, self.spaces)
+            )
             self.loads = given_loads(scene.load, self.spaces)
             if not by_points:
                 for term in self.terms:

@@ -89,7 +89,7 @@ class RigidMotions:
         return bool(np.trace(loose.T @ rough @ loose) > _ROUND_OFF * np.trace(rough))
 
     def _kept_combinations(self) -> Array:
-        """A basis of ``_free_combinations``, worked out once where glue and stabilisation are not."""
+        """A basis of ``_free_combinations``; worked out once, but for glue and stabilisation."""
         problem = self._problem
         held_otherwise = problem.constrained is not problem.discrete.constrained
         if held_otherwise or any(contact.normal.sticks for contact in problem.contacts):

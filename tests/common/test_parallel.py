@@ -24,8 +24,10 @@ from fenics_contact import (
 )
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import (
+    from_root,
     gather_rows,
     largest,
+    of_every_rank,
     on_root,
     raise_together,
     smallest,
@@ -311,6 +313,16 @@ def test_reductions_over_ranks_that_hold_nothing():
     assert total(COMM, mine.sum()) == 2.0 + COMM.size
     rows = gather_rows(COMM, np.full((COMM.rank, 2), float(COMM.rank)))
     assert rows.shape == (COMM.size * (COMM.size - 1) // 2, 2)
+
+
+def test_what_a_rank_gets_is_its_own():
+    """Also of one rank alone, which sends nothing: to write to it changes nothing else."""
+    for comm in (COMM, MPI.COMM_SELF):
+        sent = np.ones(3)
+        for found in (from_root(comm, sent), of_every_rank(comm, sent)[comm.rank]):
+            found[0] = 2.0
+        total(comm, sent)[0] = 2.0
+        assert sent.tolist() == [1.0, 1.0, 1.0]
 
 
 def test_errors_are_raised_on_every_rank():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from fenics_contact.body.forms import Expr, Function
@@ -13,8 +15,7 @@ from fenics_contact.contact.surface.space import SurfaceSpace
 class TraceFunction:
     """A function of values at the nodes, and at the centres of facets where these are points.
 
-    Attributes:
-        ufl: What stands in forms.
+    It is made when forms first ask for it: laws that are evaluated point by point never do.
 
     Args:
         surface: The surface.
@@ -33,22 +34,39 @@ class TraceFunction:
         empty: float = 0.0,
     ) -> None:
         self._surface, self._numbers, self._centres = surface, numbers, centres
-        count = len(surface.coordinates)
-        self._values = np.full((count, surface.components) if is_vector else count, empty)
-        self._nodal = Function(surface.space if is_vector else surface.scalar_space)
+        self._is_vector, self._empty = is_vector, empty
+        self._values = np.zeros(0)
+        self._nodal: Function | None = None
         self._bubble: Function | None = None
-        self.ufl: Expr = self._nodal
+
+    @cached_property
+    def ufl(self) -> Expr:
+        """What stands in forms."""
+        surface, centres = self._surface, self._centres
+        self._nodal = Function(surface.space if self._is_vector else surface.scalar_space)
+        found: Expr = self._nodal
         if centres is not None:
-            self._bubble = Function(centres.vector_space if is_vector else centres.scalar_space)
-            self.ufl = self._nodal + self._bubble
+            space = centres.vector_space if self._is_vector else centres.scalar_space
+            self._bubble = Function(space)
+            found = self._nodal + self._bubble
+        self._fill(self._nodal)
+        return found
 
     def set(self, values: Array) -> None:
         """Give it values at the points."""
-        count = len(self._numbers)
-        self._values[self._numbers] = values[:count]
-        if values.ndim == 2:
-            self._nodal.x.array[:] = self._values.reshape(-1)
+        self._values = values.copy()
+        if self._nodal is not None:
+            self._fill(self._nodal)
+
+    def _fill(self, nodal: Function) -> None:
+        surface, values, count = self._surface, self._values, len(self._numbers)
+        nodes = len(surface.coordinates)
+        at_nodes = np.full((nodes, surface.components) if self._is_vector else nodes, self._empty)
+        at_nodes[self._numbers] = values[:count]
+        if self._is_vector:
+            nodal.x.array[:] = at_nodes.reshape(-1)
         else:
-            self._surface.set_scalars(self._nodal, self._values)
+            surface.set_scalars(nodal, at_nodes)
         if self._centres is not None:
-            self._centres.set_correction(self._nodal, self._bubble, values[count:])
+            assert self._bubble is not None
+            self._centres.set_correction(nodal, self._bubble, values[count:])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
@@ -87,18 +86,25 @@ def convert_texts(scene: Any, units: Units | None, per_unit_thickness: bool) -> 
     if units is not None:
         _require_mm_of_step_files(scene, units)
     conversion = _Conversion(units, per_unit_thickness)
-    for name, dimension in _dimensions(type(scene)):
+    for name, dimension in _dimensions(scene):
         value = getattr(scene, name)
         found = conversion.of(value, [name], dimension)
         if found is not value:
             object.__setattr__(scene, name, found)
 
 
-@cache
-def _dimensions(table: type) -> list[tuple[str, Dimension | None]]:
-    """The keys of a scene class, and what their numbers measure."""
-    fields: dict[str, FieldInfo] = table.__pydantic_fields__  # type: ignore[attr-defined]
-    return [(name, dimension_of(field)) for name, field in fields.items()]
+# Of each scene class: its keys, and what their numbers measure. To look that up takes longer than
+# what else is done with a scene that has no texts.
+_DIMENSIONS: dict[type, list[tuple[str, Dimension | None]]] = {}
+
+
+def _dimensions(table: Any) -> list[tuple[str, Dimension | None]]:
+    """Keys of a table of a scene, and what their numbers measure."""
+    kind = type(table)
+    if kind not in _DIMENSIONS:
+        fields: dict[str, FieldInfo] = table.__pydantic_fields__
+        _DIMENSIONS[kind] = [(name, dimension_of(field)) for name, field in fields.items()]
+    return _DIMENSIONS[kind]
 
 
 def _require_mm_of_step_files(scene: Any, units: Units) -> None:
@@ -158,7 +164,7 @@ class _Conversion:
             outer: What the key measures, for a profile in its place.
         """
         changes = {}
-        for name, dimension in _dimensions(type(table)):
+        for name, dimension in _dimensions(table):
             value = getattr(table, name)
             of_value = dimension.of(table, outer) if dimension is not None else None
             found = self.of(value, [*path, name], of_value)

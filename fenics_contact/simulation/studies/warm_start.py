@@ -34,16 +34,42 @@ class SolvedState:
     Attributes:
         position: Displacements as ``System.position`` gives them (length).
         scalars: Values of the scalar unknowns.
+        opposite: Of each contact, gap and motion of what stands opposite (length).
     """
 
     position: Array
     scalars: Array
+    opposite: list[tuple[Array, Array]]
 
     @classmethod
     def of(cls, newton: Newton) -> SolvedState:
         """The present one; collective."""
         system = newton.system
-        return cls(system.position(), system.scalar_values(system.state))
+        opposite = [_opposite(contact) for contact in newton.problem.contacts]
+        return cls(system.position(), system.scalar_values(system.state), opposite)
+
+    def position_in(self, newton: Newton) -> Array:
+        """The displacements with which points are as deep, and have slipped as far, as they had.
+
+        In what stands opposite now. So the first step of Newton's method has the tangent of the
+        other answer, and goes where that leads to: an obstacle that stood deeper would leave few
+        points in contact with it, at pressures that none of them has. Collective.
+        """
+        problem = newton.problem
+        shift = np.zeros_like(problem.load)
+        for contact, (gap, motion) in zip(problem.contacts, self.opposite, strict=True):
+            present, moved = _opposite(contact)
+            known = np.isfinite(gap) & np.isfinite(present)
+            wider = np.where(known, present, 0.0) - np.where(known, gap, 0.0)
+            shifts = wider[:, None] * contact.trace.normals + (moved - motion)
+            shift[contact.nodes] = shifts[: len(contact.nodes)]
+        return self.position + newton.system.position_of(shift)
+
+
+def _opposite(contact: ContactSurface) -> tuple[Array, Array]:
+    """Gap at the points, and motion besides that of an unknown indentation (length)."""
+    kinematics = contact.kinematics
+    return kinematics.gap, kinematics.displacement if contact.floats else kinematics.motion
 
 
 class WarmStart:
@@ -83,9 +109,10 @@ class WarmStart:
             self._take_tangents(problem)
             newton.run()
             return newton.solution()
-        self._place(newton, self.without_friction or self.answer)
-        contact_without_friction(newton)
-        self.without_friction = SolvedState.of(newton)
+        if any(contact.friction.finds_scale for contact in problem.coulomb):
+            self._place(newton, self.without_friction or self.answer)
+            contact_without_friction(newton)
+            self.without_friction = SolvedState.of(newton)
         self._place(newton, self.answer)
         self._take_tangents(problem)
         for contact in problem.coulomb:
@@ -97,7 +124,7 @@ class WarmStart:
     def _place(self, newton: Newton, state: SolvedState) -> None:
         for preload in newton.problem.preloads:
             preload.keep(None)
-        newton.begin.at(state.position, state.scalars)
+        newton.begin.at(state.position_in(newton), state.scalars)
 
     def _take_tangents(self, problem: Problem) -> None:
         for contact, state in zip(problem.contacts, self._tangents, strict=True):

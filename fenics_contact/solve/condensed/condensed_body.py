@@ -7,6 +7,7 @@ obstacles, loads, values of supports and load steps; a problem that is done with
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from mpi4py import MPI
@@ -23,6 +24,24 @@ from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.preload_border import CondensedPreloads
+
+# Columns of half-spaces that are kept: an obstacle that moves along the surface makes others.
+_MOST_FAR = 8
+
+
+@dataclass(frozen=True, eq=False)
+class FarLoad:
+    """What a unit of a scalar unknown does to the bulk.
+
+    Attributes:
+        load: On this rank's unknowns (force).
+        displacements: At the contact dofs (length).
+        condensed: The load condensed onto them, on rank 0 (force).
+    """
+
+    load: Array
+    displacements: Array
+    condensed: Array
 
 
 class CondensedBody:
@@ -81,6 +100,28 @@ class CondensedBody:
         self.loads = CondensedLoads(self.bulk)
         self.rows = BodyRows(self.stiffness, self.held, self.dofs, self.bulk)
         self._of_schur: OfSchur | None = None
+        self._far: list[tuple[Array, FarLoad]] = []
+
+    def far_load(self, column: Array | None, places: Integers) -> FarLoad:
+        """What a unit of a scalar does to the bulk through displacements that it prescribes.
+
+        Worked out once for each column of a half-space; collective.
+
+        Args:
+            column: The displacements; None where it prescribes none.
+            places: Dofs that they are of (local indices).
+        """
+        found = next((far for known, far in self._far if known is column), None)
+        if found is None:
+            displacements = np.zeros(self.dofs.constrained.shape)
+            if column is not None:
+                displacements[places] = column
+            nodal = displacements.reshape(-1, self.discrete.spaces.components)
+            load = self.stiffness.load(np.zeros_like(nodal), nodal, self.held)
+            found = FarLoad(load, self.dofs.gathered(displacements), self.loads.condense(load))
+            if column is not None:
+                self._far = [*self._far[-_MOST_FAR + 1 :], (column, found)]
+        return found
 
     @property
     def of_schur(self) -> OfSchur | None:

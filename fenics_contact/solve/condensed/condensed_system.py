@@ -71,7 +71,9 @@ class CondensedSystem(System):
         self.dofs, self._preloads = self._body.dofs, self._body.preloads
         self.factorisations = 1
         self._driving = [u for u in problem.unknowns if isinstance(u, ContactScalar)]
-        self._far_loads = [self._far_load(unknown.column) for unknown in self._driving]
+        far_field = problem.far_field
+        places = np.zeros(0, dtype=np.int64) if far_field is None else far_field.dofs
+        self._far = [self._body.far_load(unknown.column, places) for unknown in self._driving]
         self._inner = len(self.dofs.free) + len(self._driving)  # all but the shortenings
         self._size = len(self.dofs.free) + self.scalars
         if self._size > _MANY:
@@ -105,31 +107,20 @@ class CondensedSystem(System):
         found[self.problem.constrained] = at_constrained
         return found.reshape(-1, self.problem.spaces.components)
 
-    def _far_load(self, column: Array | None) -> tuple[Array, Array]:
-        """What a unit resultant does to the bulk, and to the contact dofs that it holds."""
-        displacements = np.zeros(self.dofs.constrained.shape)
-        far_field = self.problem.far_field
-        if column is not None and far_field is not None:
-            displacements[far_field.dofs] = column
-        nodal = displacements.reshape(-1, self.problem.spaces.components)
-        moved = self.stiffness.load(np.zeros_like(nodal), nodal, self.held)
-        return moved, self.dofs.gathered(displacements)
-
     def _jump(self, surface: SurfaceMatrix) -> ContactJump:
         places, variables = self.dofs.places(surface.dofs), self.variables
-        far = [displacements[places] for _, displacements in self._far_loads]
+        far = [far.displacements[places] for far in self._far]
         sizes = variables.count, variables.derived_count
         points = variables.own_unknowns(surface)
         return ContactJump.over(surface, points, sizes, self._driving, far)
 
     def _dense_tangent(self) -> ContactTangent | None:
         """A on rank 0, with what resultants do to the contact dofs through the bulk."""
-        condensed = [self._body.loads.condense(load) for load, _ in self._far_loads]
         once = self._is_own and not self.problem.can_pair_anew
         schur = self._body.take_schur() if once else self._body.bulk.schur
         if schur is None:
             return None
-        condensed = [self.variables.forces(load) for load in condensed]
+        condensed = [self.variables.forces(far.condensed) for far in self._far]
         columns = -np.array(condensed).reshape(len(self._driving), len(self.dofs.free)).T
         own = np.array([unknown.own for unknown in self._driving])
         variables = self.variables
@@ -242,8 +233,8 @@ class CondensedSystem(System):
         """Of all contact dofs."""
         found = self._held_values.copy()
         found[self.dofs.is_free] = self.variables.displacements(values[: len(self.dofs.free)])
-        for value, (_, far) in zip(self._scalars_of(values), self._far_loads, strict=False):
-            found += value * far
+        for value, far in zip(self._scalars_of(values), self._far, strict=False):
+            found += value * far.displacements
         return found
 
     def _scalars_of(self, values: Array) -> Array:
@@ -305,9 +296,7 @@ class CondensedSystem(System):
         for jump in (jump for jump in self._jumps if jump is not None):
             jump.surface.contact.follow()
             parts = gathered_on_root(self.comm, jump.surface.entries())
-            if parts is not None:
-                rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
-                found.append(jump.tangent((rows, columns, values)))
+            found += [jump.tangent(part) for part in parts or ()]
         if self._dense is not None:
             held = np.array([p.held is not None for p in self.problem.preloads], dtype=bool)
             self._dense.border.hold(held)
@@ -334,7 +323,7 @@ class CondensedSystem(System):
         """
         values = self._values(self.state)
         load = self._load.copy()
-        loads = [*(far for far, _ in self._far_loads), *self._preloads.loads]
+        loads = [*(far.load for far in self._far), *self._preloads.loads]
         for value, one in zip(self._scalars_of(values), loads, strict=True):
             load += value * one
         at_contacts = self.variables.displacements(values[: len(self.dofs.free)])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -75,6 +76,13 @@ class ContactJump:
         width = sum(sizes) + len(unknowns)
         return cls(surface, relative, motion, work, own, columns, count, width)
 
+    @cached_property
+    def _place(self) -> Integers:
+        """The unknown of each row, −1 of those that have none."""
+        found = np.full(len(self.relative), -1)
+        found[self.rows] = self.columns
+        return found
+
     @property
     def _scalars(self) -> slice:
         return slice(self.count, self.count + self.work.shape[1])
@@ -112,11 +120,12 @@ class ContactJump:
         Args:
             entries: Of K_c, between the dofs of the surface.
         """
-        place = np.full(len(self.relative), -1)
-        place[self.rows] = self.columns
         rows, columns, values = entries
-        mine, others = place[rows], place[columns]
+        mine, others = self._place[rows], self._place[columns]
         size = self.work.shape[1]
+        if not size:
+            kept = (mine >= 0) & (others >= 0) & (values != 0)
+            return mine[kept], others[kept], values[kept]
         scalars = self.count + np.arange(size)
         moved = values[:, None] * self.motion[columns]
         pushed = values[:, None] * self.work[rows]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fenics_contact.common.parallel import largest, smallest
+from fenics_contact.common.parallel import largest
 from fenics_contact.contact.noise import all_round_off
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
@@ -80,9 +80,7 @@ def runaway(problem: Problem, system: System) -> str | None:
     Returns:
         What to say of one that is; None where none is.
     """
-    comm, columns = problem.comm, problem.spaces.coordinates.T
-    size = max(largest(comm, x) - smallest(comm, x) for x in columns)
-    if system.moved() <= _RUNAWAY * size:
+    if system.moved() <= _RUNAWAY * problem.spaces.size:
         return None
     return (
         "the body runs away: displacements are more than a thousand times its size; is it "

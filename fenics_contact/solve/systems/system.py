@@ -180,8 +180,7 @@ class System(ABC):
 
     def all_contact_forces(self) -> list[Array]:
         """Those of all terms together; remembers their 1-norm; collective."""
-        pairs = zip(self.contact_forces("normal"), self.contact_forces("friction"), strict=True)
-        found = [normal + friction for normal, friction in pairs]
+        found = [contact.all_forces() for contact in self.problem.contacts]
         own = sum(
             np.abs(force[: contact.trace.surface.owned_nodes]).sum()
             for contact, force in zip(self.problem.contacts, found, strict=True)

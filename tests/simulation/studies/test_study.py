@@ -206,6 +206,22 @@ def test_hertz_from_one_body():
     assert study.factorisations == 1
 
 
+def test_an_obstacle_that_has_moved_is_followed_in_a_few_steps():
+    """Depths and slips are kept, so that the first step goes where the last tangent leads to."""
+    study = Study(load_scene(ROOT / "demos" / "sphere.toml"))
+    cold = study.quantities().newton_iterations
+    radius = "contact.0.obstacle.radius"
+    for changes in ({DEPTH: 0.97}, {DEPTH: 1.0}, {radius: 8.1}, {radius: 7.8, DEPTH: 0.99}):
+        found = study.quantities(changes)
+        assert found.start == "warm"
+        assert found.newton_iterations <= 5 < cold / 2
+        force = found.quantities["normal_force"]
+        study.forget_answer()
+        anew = study.quantities(changes)
+        assert anew.start == "cold"
+        assert force == pytest.approx(anew.quantities["normal_force"], rel=1e-9)
+
+
 def lifted_block():
     """Two feet on a floor with much friction: it jams, or lifts off, as it came there."""
     return dataclasses.replace(

@@ -334,6 +334,26 @@ def test_tangent_against_a_plain_solve(free, stiffness, derived, is_large, monke
         assert np.abs(left).max() <= 1e-9 * np.abs(whole + spring).max() * np.abs(found).max()
 
 
+def test_a_compliance_that_an_earlier_answer_found_is_used_at_once():
+    """Also on many contact dofs, where a first answer splits them into stiff and soft."""
+    random = np.random.default_rng(5)
+    root, none = random.normal(size=(450, 450)), np.zeros((0, 450))
+    schur = root @ root.T + 450 * np.eye(450)
+    constant = ConstantTangent(schur.copy(), none.T.copy(), np.zeros(0), none)
+    first = ContactTangent(constant, np.arange(450) // 3)
+    assert constant.of_schur.compliance is None
+    assert first.compliance is not None
+    later = ConstantTangent(constant.schur, none.T.copy(), np.zeros(0), none, constant.of_schur)
+    tangent = ContactTangent(later, np.arange(450) // 3)
+    spring = np.zeros((450, 450))
+    spring[range(9), range(9)] = 1e7
+    tangent.set(*find(spring))
+    right = random.normal(size=450)
+    found = tangent.solve(right)
+    np.testing.assert_allclose(found, np.linalg.solve(schur + spring, right), rtol=1e-8, atol=1e-14)
+    assert not tangent._is_split
+
+
 def test_singular_tangent_is_no_number_instead_of_a_wrong_one():
     none = np.zeros((0, 2))
     constant = ConstantTangent(np.diag([1.0, 0.0]), none.T.copy(), np.zeros(0), none)

@@ -256,7 +256,7 @@ class RegularisedFriction(FrictionLaw):
             bound=self.bound,
             epsilon=self.regularisation_parameter,
             direction=(1 - _LEFT_STIFF) * self._dual,
-            length=self._lengths_and_directions()[0],
+            length=np.maximum(_lengths(self._slip), self.regularisation_parameter),
         )
 
     def stick_all(self) -> None:
@@ -297,7 +297,7 @@ class RegularisedFriction(FrictionLaw):
         lengths, directions = self._lengths_and_directions()
         lengthening = np.einsum("ij,ij->i", directions, slip - self._slip)
         dual = (slip - self._dual * lengthening[:, None]) / lengths[:, None]
-        self._dual = dual / np.maximum(np.linalg.norm(dual, axis=1), 1.0)[:, None]
+        self._dual = dual / np.maximum(_lengths(dual), 1.0)[:, None]
         self._slip = slip
         self._set_tangent_state()
 
@@ -363,14 +363,19 @@ class RegularisedFriction(FrictionLaw):
 
     def _lengths_and_directions(self) -> tuple[Array, Array]:
         """max(|u_T|, ε) and its gradient, u_T/|u_T| where slipping and 0 where sticking."""
-        size = np.linalg.norm(self._slip, axis=1)
-        slips = size > self.regularisation_parameter
+        size, epsilon = _lengths(self._slip), self.regularisation_parameter
+        slips = size > epsilon
         directions = np.where(slips[:, None], self._slip / np.where(slips, size, 1.0)[:, None], 0.0)
-        return np.maximum(size, self.regularisation_parameter), directions
+        return np.maximum(size, epsilon), directions
 
     def _set_tangent_state(self) -> None:
         self._direction.set((1 - _LEFT_STIFF) * self._dual)
-        self._length.set(self._lengths_and_directions()[0])
+        self._length.set(np.maximum(_lengths(self._slip), self.regularisation_parameter))
+
+
+def _lengths(vectors: Array) -> Array:
+    """Of vectors, (points, components): what numpy's norm takes several times as long for."""
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
 
 
 def _density(slip: Expr, bound: Expr, epsilon: Expr) -> Expr:

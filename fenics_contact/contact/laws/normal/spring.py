@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
@@ -35,6 +36,46 @@ def positive(depth: Expr) -> Expr:
     return ufl.conditional(ufl.gt(depth, 0), depth, 0)
 
 
+@dataclass(frozen=True, eq=False)
+class _AtJump:
+    """A density's derivatives at one jump of the points, each found when it is asked for first.
+
+    Attributes:
+        points: The density.
+        values: Of its variables, the jump among them.
+        gap: At which depths were taken (length).
+        normals: Unit normals, (points, components).
+        softness: What it is divided by.
+    """
+
+    points: PointDensity
+    values: dict[str, Array]
+    gap: Array
+    normals: Array
+    softness: float
+
+    def is_of(self, jump: Array, gap: Array, softness: float) -> bool:
+        """Whether they are those of a jump; gaps that change are other arrays."""
+        same = self.softness == softness and self.gap is gap
+        return same and np.array_equal(self.values["jump"], jump)
+
+    @cached_property
+    def slopes(self) -> Array:
+        """In the jump, (points, components) (stress)."""
+        across = self.points.slope("depth", **self.values)[:, None] * self.normals
+        return (across + self.points.slope("jump", **self.values)) / self.softness
+
+    @cached_property
+    def across(self) -> Array:
+        """Second ones in the depth, (points,) (stress/length)."""
+        return self.points.curvature("depth", **self.values) / self.softness
+
+    @cached_property
+    def mixed(self) -> Array:
+        """Those in depth and jump, (points, components) (stress/length)."""
+        return self.points.curvatures("depth", "jump", **self.values)[:, 0] / self.softness
+
+
 class SpringLaw(NormalLaw):
     """A law with an energy density ψ of depth and jump; forces and tangent are its derivatives."""
 
@@ -55,6 +96,7 @@ class SpringLaw(NormalLaw):
         self._softness = fem.Constant(trace.surface.mesh, 1.0)
         self._held: Array | None = None  # pressures
         self._held_force: Array | None = None
+        self._known: _AtJump | None = None
         # Where no obstacle stands, a gap that nothing closes.
         self._far = 1e3 * trace.extent()
         self._gap = trace.function(np.zeros(len(trace.weights)))
@@ -158,9 +200,16 @@ class SpringLaw(NormalLaw):
 
     def _slopes(self, jump: Array) -> Array:
         """Minus the traction on the body, (points, components) (stress)."""
-        values, points, normals = self._values(jump), self._at_points, self.site.trace.normals
-        across = points.slope("depth", **values)[:, None] * normals
-        return (across + points.slope("jump", **values)) / float(self._softness.value)
+        return self._at(jump).slopes
+
+    def _at(self, jump: Array) -> _AtJump:
+        """What the density does at a jump; forces, pressures and tangents ask for it one by one."""
+        known, gap, softness = self._known, self.site.kinematics.gap, float(self._softness.value)
+        if known is None or not known.is_of(jump, gap, softness):
+            normals = self.site.trace.normals
+            known = _AtJump(self._at_points, self._values(jump.copy()), gap, normals, softness)
+            self._known = known
+        return known
 
     def pressure(self, jump: Array) -> Array:
         """Contact pressure at the points at a jump, > 0 in compression (stress)."""
@@ -176,23 +225,17 @@ class SpringLaw(NormalLaw):
         """Second derivative of ψ in the jump, (points, components, components)."""
         if self._held is not None:
             return super().tangent_at_points()
-        values = self._values(self.site.kinematics.jump_at_points())
-        normals, points = self.site.trace.normals, self._at_points
-        across = points.curvature("depth", **values)
-        found = across[:, None, None] * normals[:, :, None] * normals[:, None, :]
-        mixed = points.curvatures("depth", "jump", **values)[:, 0]
-        if mixed.any():
-            product = normals[:, :, None] * mixed[:, None, :]
+        at, normals = self._at(self.site.kinematics.jump_at_points()), self.site.trace.normals
+        found = at.across[:, None, None] * normals[:, :, None] * normals[:, None, :]
+        if at.mixed.any():
+            product = normals[:, :, None] * at.mixed[:, None, :]
             found += product + product.swapaxes(1, 2)
-        found += points.curvatures("jump", "jump", **values)
-        return found / float(self._softness.value)
+        return found + at.points.curvatures("jump", "jump", **at.values) / at.softness
 
     def pressure_slope(self, jump: Array) -> Array:
         """Derivative of ``pressure_ufl`` in the jump, (points, components) (stress/length)."""
-        values, points = self._values(jump), self._at_points
-        found = points.curvature("depth", **values)[:, None] * self.site.trace.normals
-        found = found + points.curvatures("depth", "jump", **values)[:, 0]
-        return found / float(self._softness.value)
+        at = self._at(jump)
+        return at.across[:, None] * self.site.trace.normals + at.mixed
 
     def stiffness(self, depth: Array) -> Array:
         """Derivative of the pressure in the depth, at a depth of the points (stress/length)."""
