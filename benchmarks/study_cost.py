@@ -4,10 +4,10 @@
 
 Each case asks a study for quick answers (``Study.quantities``) at values that differ by a per cent
 each time, with and without checks, and at values of which each is begun anew; and for whole ones
-(``Study.solve``), with fields and all checks. Without ``--quick``, a larger body in space, a thousand points of friction
-coefficient and load on 66,000 unknowns in the plane, and Hertz's force over a hundred indentations
-are added. Times are CPU time of one rank, the median of several; with ``OMP_NUM_THREADS=1``, as
-``./bootstrap`` sets it.
+(``Study.solve``), with fields and all checks. Without ``--quick``, a larger body in space, a
+thousand points of friction coefficient and load on 66,000 unknowns in the plane, and Hertz's force
+over a hundred indentations are added. Times are CPU time of one rank, the median of several; with
+``OMP_NUM_THREADS=1``, as ``./bootstrap`` sets it.
 """
 
 from __future__ import annotations
