@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from fenics_contact.common.parallel import largest
@@ -211,7 +212,7 @@ def frictional_solve(problem: Problem) -> Frictional:
 def seconds_of_errors(problem: Problem) -> float:
     """What a run's error bars take after its last load step, by default settings; collective."""
     timings = Timings()
-    history = StepHistory(problem, timings)
+    history = StepHistory(problem, timings, partial(BulkForces, problem))
     history.begin([])
     taken: list[float] = []
 

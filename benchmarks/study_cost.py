@@ -3,11 +3,11 @@
 ``python benchmarks/study_cost.py [--quick] [--json FILE]``.
 
 Each case asks a study for quick answers (``Study.quantities``) at values that differ by a per cent
-each time, and at values of which each is begun anew; and for whole ones (``Study.solve``), with
-fields and all checks. Without ``--quick``, a larger body in space, a thousand points of friction
-coefficient and load on 66,000 unknowns in the plane, and Hertz's force over a hundred indentations
-are added. Times are CPU time of one rank, the median of several; with ``OMP_NUM_THREADS=1``, as
-``./bootstrap`` sets it.
+each time, with and without checks, and at values of which each is begun anew; and for whole ones
+(``Study.solve``), with fields and all checks. Without ``--quick``, a larger body in space, a
+thousand points of friction coefficient and load on 66,000 unknowns in the plane, and Hertz's force
+over a hundred indentations are added. Times are CPU time of one rank, the median of several; with
+``OMP_NUM_THREADS=1``, as ``./bootstrap`` sets it.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -38,8 +39,9 @@ NO_BARS = "solver.errors=none"
 # Answers that are timed, after those that warm the caches up.
 ANSWERS, FIRST = 9, 2
 PER_CENT = 0.01
-# Of the issue: seconds of a further answer by dimension; a cold one may cost five times as much.
-LIMITS, COLD = {2: 0.005, 3: 0.06}, 5.0
+# Of the issue: seconds of a further answer by dimension; a cold one may cost five times as much,
+# one with checks twice as much.
+LIMITS, COLD, CHECKED = {2: 0.005, 3: 0.06}, 5.0, 2.0
 POINTS, CHECKED_EVERY = 1000, 50
 
 
@@ -116,8 +118,8 @@ def measure(asked: Asked) -> dict[str, Any]:
     starts: set[str] = set()
     newton: list[int] = []
 
-    def quick(value: float) -> None:
-        answer = study.quantities({asked.key: value}, follow=asked.follow)
+    def quick(value: float, checks: bool = False) -> None:
+        answer = study.quantities({asked.key: value}, follow=asked.follow, checks=checks)
         assert answer.converged, answer.said
         starts.add(answer.start)
         newton.append(answer.newton_iterations)
@@ -131,6 +133,7 @@ def measure(asked: Asked) -> dict[str, Any]:
     quick(asked.value)
     newton.clear()
     warm = median(quick, asked.value, PER_CENT)
+    checked = median(partial(quick, checks=True), asked.value, PER_CENT)
     whole = median(lambda value: study.solve({asked.key: value}), asked.value, PER_CENT)
     contacts = study.run.problem.contacts if study.run is not None else []
     limit = LIMITS[scene.dimension]
@@ -142,17 +145,19 @@ def measure(asked: Asked) -> dict[str, Any]:
         "first_seconds": first[0],
         "cold_seconds": begun_anew,
         "warm_seconds": warm,
+        "checked_seconds": checked,
         "warm_start": "/".join(sorted(starts - {"cold"})) or "cold",
         "newton": statistics.median(newton),
         "whole_seconds": whole,
         "limit": limit,
         "cold_limit": COLD * limit,
+        "checked_limit": CHECKED * limit,
         "factorisations": study.factorisations,
     }
 
 
 def thousand_points() -> dict[str, Any]:
-    """A grid of friction coefficient and load; every 50th with fields and all checks."""
+    """A grid of friction coefficient and load, checked; every 50th with fields and all checks."""
     scene, _ = demo("sphere", *FINE)()
     study, seconds, passed = Study(scene), [], True
     with timed(seconds):
@@ -163,7 +168,7 @@ def thousand_points() -> dict[str, Any]:
             changes = {MU: 0.2 + 0.02 * row, DEPTH: 0.6 + 0.01 * column}
             if number % CHECKED_EVERY == 0:
                 passed &= study.solve(changes).passed
-            passed &= study.quantities(changes).converged
+            passed &= study.quantities(changes).passed
     return {
         "case": f"{POINTS} points of friction and indentation",
         "dimension": 2,
@@ -181,7 +186,8 @@ def hertz(depths: int) -> dict[str, Any]:
     study, seconds, worst = Study(scene), [], 0.0
     with timed(seconds):
         for depth in np.linspace(2 / depths, 2, depths):
-            force = study.quantities({DEPTH: float(depth)}).quantities["normal_force"]
+            answer = study.quantities({DEPTH: float(depth)}, checks=False)
+            force = answer.quantities["normal_force"]
             exact = 4 / 3 * 1000 / (1 - 0.3**2) * 8**0.5 * depth**1.5
             if depth >= 0.25:
                 worst = max(worst, abs(force / exact - 1))
@@ -199,7 +205,9 @@ def print_table(rows: list[Mapping[str, Any]]) -> None:
     """Milliseconds beside their limits."""
     table = Table(title="What a further answer costs (milliseconds of CPU time)")
     table.add_column("case")
-    for heading in ("dofs", "contact dofs", "first", "cold", "limit", "warm", "limit", "Newton"):
+    for heading in ("dofs", "contact dofs", "first", "cold", "limit", "warm", "limit"):
+        table.add_column(heading, justify="right")
+    for heading in ("with checks", "limit", "Newton"):
         table.add_column(heading, justify="right")
     table.add_column("begun")
     table.add_column("with fields, checks", justify="right")
@@ -214,6 +222,7 @@ def print_table(rows: list[Mapping[str, Any]]) -> None:
             f"{times['first_seconds']:.0f}",
             *_beside(times["cold_seconds"], times["cold_limit"]),
             *_beside(times["warm_seconds"], times["limit"]),
+            *_beside(times["checked_seconds"], times["checked_limit"]),
             f"{row['newton']:g}",
             row["warm_start"],
             f"{times['whole_seconds']:.0f}",

@@ -1,7 +1,7 @@
 """What the body needs in an answer of which only contacts and supports are known.
 
 Inside the body forces balance, as its displacement follows from what is known. What is linear in it
-has a row (``body_rows``): with these no displacement inside is found.
+has a row (``solve/condensed/rows``): with these no displacement inside is found.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from fenics_contact.evaluate.needed_forces import Balances, NeededForces
 from fenics_contact.evaluate.rows_of_body import RowsOfBody, at_far_field, prescribed
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ContactScalar, PreloadState
-from fenics_contact.solve.condensed.body_rows import GivenState
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
+from fenics_contact.solve.condensed.rows.row import GivenState
 from fenics_contact.solve.newton.solution import Solution
 
 

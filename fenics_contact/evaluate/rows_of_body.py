@@ -13,8 +13,8 @@ from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.evaluate.needed_forces import own_dofs
 from fenics_contact.evaluate.surface_stress import stress_on
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.condensed.body_rows import Functional, GivenState, Key, Wanted
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
+from fenics_contact.solve.condensed.rows.row import Functional, GivenState, Key, Wanted
 
 # Of a normal: squares of components below it are round-off.
 _ACROSS = 1e-9
@@ -55,8 +55,8 @@ class RowsOfBody:
         """Make the rows that an answer of the problem asks for, if they are not there."""
         problem, rows = self._problem, self._rows
         none = np.zeros(len(problem.preloads))
-        held = np.zeros(int(rows.held.sum()))
-        state = GivenState(np.zeros(rows.count), held, np.zeros(len(rows.held)))
+        held = np.zeros(int(rows.maker.held.sum()))
+        state = GivenState(np.zeros(rows.maker.count), held, np.zeros(len(rows.maker.held)))
         self.supports(state, none)
         self.of_parts(state)
         self.points(state)
@@ -185,7 +185,9 @@ class RowsOfBody:
         for number in np.unique(every).tolist():
             here = dofs[[key == (number,) for key in numbers]]
             wanted[(number,)] = partial(self._held, here, 1.0)
-        return self._rows.group(name).values(wanted, state)
+        group = self._rows.group(name)
+        group.is_portable = False
+        return group.values(wanted, state)
 
     def _numbers(self, dofs: Integers) -> list[Key]:
         """Of dofs of this rank, over all ranks."""

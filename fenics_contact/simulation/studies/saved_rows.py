@@ -12,8 +12,9 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import from_root
-from fenics_contact.solve.condensed.body_rows import BodyRows, Functional, Row
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
+from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
+from fenics_contact.solve.condensed.rows.row import Functional, Row, RowMaker
 
 # Of what is given, what a row is of.
 _LOADS, _HELD = "loads", "held"
@@ -36,23 +37,18 @@ def tables(
     made: list[Row] = []
     given: list[Array] = []
     for functional, row in rows.given.made:
-        is_load = functional.forces is not None
-        what.append([_LOADS if is_load else _HELD])
+        what.append([_HELD if functional.forces is None else _LOADS])
         made.append(row)
-        given.append(
-            stiffness.whole(functional.forces)
-            if functional.forces is not None
-            else stiffness.nodal(_values(functional))
-        )
+        given.append(_at_nodes(functional, stiffness))
     for name, group in rows.groups.items():
-        for key, row in group.made.items():
-            what.append([name, list(key)])
-            made.append(row)
+        if group.is_portable:
+            what += [[name, list(key)] for key in group.made]
+            made += group.made.values()
     forces = [stiffness.nodal(row.of_forces) for row in made]
-    held = [_whole(rows, row.of_held) for row in made]
+    held = [_whole(rows.maker, row.of_held) for row in made]
     at_nodes = {"forces of rows": forces, "held of rows": held, "given of rows": given}
     nodal = {name: _beside(parts, own) for name, parts in at_nodes.items()}
-    of_contacts = np.array([row.of_contacts for row in made]).reshape(len(made), rows.count).T
+    of_contacts = np.array([row.of_contacts for row in made]).reshape(len(made), rows.maker.count).T
     return what, nodal, {"rows": of_contacts}
 
 
@@ -61,16 +57,19 @@ def _beside(nodal: Sequence[Array], own: Integers) -> Array:
     return np.concatenate([np.zeros((len(own), 0)), *(values[own] for values in nodal)], axis=1)
 
 
-def _values(functional: Functional) -> Array:
+def _at_nodes(functional: Functional, stiffness: LocalStiffness) -> Array:
+    """Forces or held displacements of a functional, (nodes, components); collective."""
+    if functional.forces is not None:
+        return stiffness.whole(functional.forces)
     assert functional.held is not None
-    return functional.held
+    return stiffness.nodal(functional.held)
 
 
-def _whole(rows: BodyRows, of_held: Array) -> Array:
+def _whole(maker: RowMaker, of_held: Array) -> Array:
     """A share of forces at held unknowns, at the nodes, of all ranks; collective."""
-    share = np.zeros(len(rows.held))
-    share[rows.held] = of_held
-    return rows.stiffness.whole(share)
+    share = np.zeros(len(maker.held))
+    share[maker.held] = of_held
+    return maker.stiffness.whole(share)
 
 
 def give_rows(
@@ -98,7 +97,7 @@ def give_rows(
     for number, of in enumerate(what):
         row = Row(
             np.asarray(from_root(stiffness.comm, at_contacts["rows"][:, number])),
-            stiffness.share(held[number])[rows.held],
+            stiffness.share(held[number])[rows.maker.held],
             stiffness.at_unknowns(forces[number]),
         )
         if of == [_LOADS]:

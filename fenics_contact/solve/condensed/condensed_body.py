@@ -16,7 +16,6 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.discrete_body import DiscreteBody
-from fenics_contact.solve.condensed.body_rows import BodyRows
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.bulk.schur import BulkWithoutFactor, CondensedBulk
@@ -24,6 +23,8 @@ from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.preload_border import CondensedPreloads
+from fenics_contact.solve.condensed.rows.body_rows import BodyRows
+from fenics_contact.solve.condensed.rows.row import RowMaker
 
 # Columns of half-spaces that are kept: an obstacle that moves along the surface makes others.
 _MOST_FAR = 8
@@ -98,7 +99,7 @@ class CondensedBody:
             parts = discrete.elastic.preloaded
             self.preloads = CondensedPreloads(parts, self.stiffness, self.bulk, self.held)
         self.loads = CondensedLoads(self.bulk)
-        self.rows = BodyRows(self.stiffness, self.held, self.dofs, self.bulk)
+        self.rows = BodyRows(RowMaker(self.stiffness, self.held, self.dofs, self.bulk))
         self._of_schur: OfSchur | None = None
         self._far: list[tuple[Array, FarLoad]] = []
 

@@ -7,8 +7,19 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Contact, InputError, Material, Study, Support, load_scene, run
-from tests.scenes import ROOT, slab
+from fenics_contact import (
+    Contact,
+    HalfSpace,
+    InputError,
+    Material,
+    Obstacle,
+    Scene,
+    Study,
+    Support,
+    load_scene,
+    run,
+)
+from tests.scenes import ROOT, box_body, slab
 from tests.simulation.studies.cases import CASES, DEPTH, MU, ON_A_FLOOR, square
 
 COMM = MPI.COMM_WORLD
@@ -85,7 +96,9 @@ def test_each_answer_is_that_of_its_own_run(name):
 )
 def test_the_papers_slab_from_one_body(load, sticks_from, slab_study):
     """Where it sticks last, along a slab of 8: example 1 of Campos, Oden and Kikuchi (1982)."""
-    points = slab_study.solve({"load.0.traction.0": -load}).points
+    answer = slab_study.quantities({"load.0.traction.0": -load})
+    assert answer.passed, answer.verdict
+    points = answer.points
     sticking = points.coordinates[points.status == "STICK", 0]
     assert sticking.max(initial=0.0) == pytest.approx(sticks_from, abs=1e-9)
     assert slab_study.factorisations == 1
@@ -220,6 +233,62 @@ def test_an_obstacle_that_has_moved_is_followed_in_a_few_steps():
         anew = study.quantities(changes)
         assert anew.start == "cold"
         assert force == pytest.approx(anew.quantities["normal_force"], rel=1e-9)
+
+
+def test_cattaneo_from_one_body():
+    """A cylinder pressed on a half-plane and pushed along it: c/a = √(1 − Q/μP), within a cell.
+
+    K. L. Johnson, Contact Mechanics, 1985, Section 7.2. Near ν = ½ pressing alone makes hardly any
+    friction.
+    """
+    cells, width, coefficient = 40, 3.0, 0.6
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.489),
+        half_space=HalfSpace(("x0", "x1", "y0")),
+        contact=(
+            Contact(
+                "y1",
+                friction_coefficient=coefficient,
+                obstacle=Obstacle(
+                    "cylinder", radius=50, position=(1.5, 1.5), force=6, displacement=(1e-4, 0)
+                ),
+            ),
+        ),
+    )
+    study = Study(scene, COMM, box_body((cells, cells // 2), (width, width / 2)))
+    tried = []
+    for push in np.linspace(1e-4, 6e-3, 20):
+        key = "contact.0.obstacle.displacement.0"
+        found = study.quantities({key: push}, checks=False).quantities
+        share = abs(found["friction_force"][0]) / (coefficient * found["normal_force"])
+        half, stick = found["contact_area"] / 2, found["stick_area"] / 2
+        assert abs(stick / half - np.sqrt(1 - share)) < 0.5 * width / cells / half, share
+        tried.append(share)
+    assert min(tried) < 0.1 and max(tried) > 0.9, tried
+    assert study.factorisations == 1
+
+
+def test_what_was_not_checked_has_not_passed(slab_study):
+    answer = slab_study.quantities(checks=False)
+    assert answer.converged and not answer.passed
+    assert (answer.checks, answer.exit_code) == (None, None)
+    assert answer.verdict == "Converged; nothing was checked."
+
+
+def test_a_wrong_compliance_of_the_contacts_is_noticed():
+    """The contacts' own balance says nothing of it: the reactions do, which come from the bulk."""
+    study = Study(ON_A_FLOOR, COMM, square())
+    assert study.quantities().passed
+    study.forget_answer()
+    body = study._kept.condensed
+    if COMM.rank == 0:
+        body.bulk.schur *= 1.001
+        body._of_schur = None
+    answer = study.quantities()
+    assert answer.converged and answer.exit_code == 4
+    assert not answer.checks["equilibrium"].passed
+    assert "do not trust it: failed equilibrium" in answer.verdict
 
 
 def lifted_block():
