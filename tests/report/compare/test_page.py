@@ -15,19 +15,12 @@ from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.words.rounding import rounded
 from fenics_contact.simulation.output import run_folder as files
 from tests.report.page.test_page import Reader
+from tests.report.test_gallery import coarse  # noqa: F401
 from tests.scenes import PULLED_BLOCK, box_body, slab
 from tests.simulation.output.test_run_folder import block, cycled
 
 pytestmark = pytest.mark.serial
 HOSTILE = "<script>alert('1')</script>\x1b[2J $x$"
-
-
-@pytest.fixture(autouse=True)
-def coarse(monkeypatch):
-    """Fewer pixels."""
-    from fenics_contact.report.drawing.style import STYLE
-
-    monkeypatch.setitem(STYLE, "savefig.dpi", 60)
 
 
 def solved(scene, folder, body=None):
