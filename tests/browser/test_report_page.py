@@ -2,6 +2,7 @@
 
 import io
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,10 +20,16 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.report.bodies.view import choose_view
+from fenics_contact.report.contacts.curves import draw_curves
+from fenics_contact.report.contacts.maps import draw_maps
 from fenics_contact.report.drawing.field_files import whole_body
 from fenics_contact.report.drawing.fields import read_series
+from fenics_contact.report.drawing.figures import style
+from fenics_contact.report.gallery import axes_of
+from fenics_contact.report.histories.load_steps import draw_history
 from fenics_contact.report.page.page import Content, page
 from fenics_contact.report.report import write_report
+from fenics_contact.report.view.slider import ContactSteps, followers, slider_html
 from fenics_contact.report.view.view_3d import make_view
 from fenics_contact.report.view.view_page import view_html
 from fenics_contact.results.contact_table import ContactTable
@@ -31,8 +38,9 @@ from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.verification.boxes import Box, boxes
 from tests.browser.conftest import WINDOW
 from tests.report.page.pages import page_of
-from tests.report.test_gallery import pressed
+from tests.report.test_gallery import draw_coarsely, pressed
 from tests.scenes import PULLED_BLOCK, box_body, slab
+from tests.simulation.output.test_run_folder import cycled
 
 pytestmark = pytest.mark.serial
 
@@ -94,8 +102,9 @@ def assembly(tmp_path_factory):
 def view_page(folder, earlier=()):
     """A page with the view of a run, and no pictures."""
     result, table = read_result(folder), ContactTable.read(folder / "contact.csv")
-    view = view_html(make_view(whole_body(folder), result, table, earlier))
-    return page(Content("folder", result, True, [], [], view))
+    shown = make_view(whole_body(folder), result, table, earlier)
+    slider = slider_html(shown.times)
+    return page(Content("folder", result, True, [], [], view_html(shown), slider))
 
 
 def drawn(browser):
@@ -231,6 +240,118 @@ def test_a_slider_goes_through_the_load_steps(assembly, browser):
     pulled(browser, 2)
     assert share(seen(browser), last) < 0.001
     assert browser.errors() == []
+
+
+@pytest.fixture(scope="module")
+def rubbed(tmp_path_factory):
+    """Pages of a block that is rubbed in three load steps, in the plane and in space."""
+    pytest.importorskip("plotly")
+    pytest.importorskip("pyvista")
+    found = []
+    for kinematics, cells in (("plane strain", (8, 2)), ("3D", (4, 2, 1))):
+        body = box_body(cells, (2, 1, 1), comm=MPI.COMM_SELF)
+        folder = tmp_path_factory.mktemp("rubbed")
+        files.solve_and_write(Run(cycled(3, kinematics), MPI.COMM_SELF, body), folder)
+        found.append(folder / "report.html")
+        with pytest.MonkeyPatch.context() as patch:
+            draw_coarsely(patch)
+            found[-1].write_text(page_that_follows(folder), encoding="utf-8")
+    return found
+
+
+def page_that_follows(folder):
+    """The page of a run with its view and the pictures that follow the slider, and one more."""
+    result, table, body = (
+        read_result(folder), ContactTable.read(folder / "contact.csv"), whole_body(folder)
+    )  # fmt: skip
+    (contact,), axes = result.contacts, axes_of(result.model.kinematics)
+    steps = ContactSteps(result, table)
+    shown = make_view(body, result, table, steps.watched(read_series(folder, [0, 1])))
+    rows, path = table.of(contact.name), folder / "contact_0.png"
+    with style():
+        if axes == "xyz":
+            picture = draw_maps(body, rows, contact, path)
+        else:
+            picture = draw_curves(body, rows, contact, axes, path)
+        still = replace(picture, path=path.with_name("deformed.png"))
+        still.path.write_bytes(path.read_bytes())
+        pictures = [still, picture, *draw_history(folder, result)]
+    found = followers(steps.contacts(body), axes, pictures, shown.times, result)
+    slider = slider_html(shown.times, found)
+    return page(Content("folder", result, True, pictures, [], view_html(shown), slider))
+
+
+def shown_at(browser, file, panel, x, y):
+    """Colour of the canvas over a picture, where a panel has a place."""
+    return browser.driver.execute_async_script(
+        """const [file, panel, x, y, done] = arguments;
+        const image = document.querySelector(`img[data-file="${file}"]`);
+        const canvas = image.parentNode.querySelector("canvas");
+        const packed = document.getElementById("steps-data").textContent;
+        const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
+        const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+        new Response(stream).json().then((data) => {
+            const own = data.pictures.find((one) => one.file === file).panels[panel];
+            const [left, top, width, height] = own.box;
+            const across = left + (width * (x - own.x[0])) / (own.x[1] - own.x[0]);
+            const down = top + (height * (own.y[1] - y)) / (own.y[1] - own.y[0]);
+            const place = [across * canvas.width, down * canvas.height].map(Math.round);
+            done([...canvas.getContext("2d").getImageData(...place, 1, 1).data]);
+        });""",
+        file, panel, x, y,
+    )  # fmt: skip
+
+
+def test_the_slider_moves_curves_and_marks(rubbed, browser):
+    page, _ = rubbed
+    browser.open(page)
+    drawn(browser)
+    folder = page.parent
+    result = read_result(folder)
+    still = "return document.querySelector('img[data-file=\"contact_0.png\"]').src.length"
+    before = browser.driver.execute_script(still)
+    for step, (_, body) in enumerate(read_series(folder, [0, 1])):
+        pulled(browser, step)
+        top = np.flatnonzero(np.isclose(body.points[:, 1], 1))
+        node = top[len(top) // 2]
+        x, pressure = body.points[node, 0], body["contact_pressure"][node]
+        colour = shown_at(browser, "contact_0.png", 0, float(x), float(pressure))
+        sticks = body["status"][node] == 1
+        wanted = (8, 48, 107) if sticks else (255, 255, 255)  # what slips is not filled
+        assert colour[3] > 200 and np.abs(np.subtract(colour[:3], wanted)).max() < 60
+        time = result.steps[step].load_factor
+        assert shown_at(browser, "history_forces.png", 0, time, 1.0)[3] > 100
+        assert shown_at(browser, "history_forces.png", 0, time + 0.1, 1.0)[3] == 0
+    assert browser.driver.execute_script(still) != before  # the frame stands for the still picture
+    top = "return document.querySelector('.steps').getBoundingClientRect().top"
+    script = "document.getElementById('reproduce').scrollIntoView({block: 'end'})"
+    browser.driver.execute_script(script)
+    assert browser.driver.execute_script(top) == 0  # it stays in sight
+    badge = (
+        "return getComputedStyle(document.querySelector('img[data-file=\"deformed.png\"]')"
+        ".parentNode, '::before').content"
+    )
+    assert "last load step" in browser.driver.execute_script(badge)
+    pulled(browser, 2)
+    assert browser.driver.execute_script(badge) == "none"
+
+
+def test_the_slider_moves_maps(rubbed, browser):
+    *_, page = rubbed
+    browser.open(page, PHONE)
+    drawn(browser)
+    values = []
+    for step, (_, body) in zip((0, 2), read_series(page.parent, (0, 2)), strict=True):
+        pulled(browser, step)
+        pressure = body["contact_pressure"]
+        node = int(np.argmax(pressure))
+        x, y = body.points[node, :2]
+        inside = (float(x + 0.15 * (1 - x)), float(y + 0.15 * (0.5 - y)))
+        values.append((float(pressure[node]), shown_at(browser, "contact_0.png", 1, *inside)))
+    (first, pale), (last, bright) = sorted(values)
+    assert last > 1.2 * first and pale[3] == bright[3] == 255
+    assert sum(bright[:2]) > sum(pale[:2]) + 20  # from violet to yellow
+    assert browser.driver.execute_script("return document.documentElement.scrollWidth") <= PHONE
 
 
 def test_the_view_begins_on_the_side_of_the_picture(assembly, browser):

@@ -42,6 +42,10 @@ BELOW = {"stress_0.png"}  # and where something touches that is not given
 
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch):
+    draw_coarsely(monkeypatch)
+
+
+def draw_coarsely(monkeypatch):
     """Fewer pixels, and empty PDFs, which take most of the time: test_picture_style has them."""
     from matplotlib.figure import Figure
 

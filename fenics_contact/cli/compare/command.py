@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import logging
 from collections.abc import Sequence
 
 from rich import box
@@ -12,9 +13,14 @@ from rich.table import Table
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import Terminal
-from fenics_contact.report.compare.page import write_comparison
+from fenics_contact.report.compare.page import LIBRARIES, write_comparison
+from fenics_contact.report.gallery import require
 from fenics_contact.results.comparison.comparison import Comparison, Group, QuantityRow
 from fenics_contact.results.comparison.runs import read_runs
+
+logger = logging.getLogger(__name__)
+
+_WIDEST = 32  # letters of a key that are on one line
 
 
 def compare(options: argparse.Namespace) -> int:
@@ -35,6 +41,11 @@ def compare(options: argparse.Namespace) -> int:
     comparison = Comparison(read_runs(options.folders), options.all)
     if not options.quiet:
         _print(comparison)
+    try:
+        require(*LIBRARIES)
+    except InputError as error:  # the tables stand without it
+        logger.warning("no page: %s", error)
+        return 0
     write_comparison(comparison, page)
     if not options.quiet:
         print(f"Curves of all runs: {one_line(str(page))}")
@@ -69,9 +80,10 @@ def _print_rows(
         if otherwise:
             console.print(otherwise)
         return
-    table = _table(title, *names)
-    for row in rows:
-        table.add_row(*(_marked(one_line(cell)) for cell in row))
+    table = _table(title, *names, is_named=True)
+    for key, *values in rows:
+        cells = (_marked(one_line(value)) for value in values)
+        table.add_row(escape(_folded(one_line(key))), *cells)
     console.print(table)
 
 
@@ -104,8 +116,25 @@ def _is_beyond(row: QuantityRow) -> bool:
     return any(found is not None and found.is_beyond_bars for found in row.differences)
 
 
-def _table(*headers: str) -> Table:
+def _table(*headers: str, is_named: bool = False) -> Table:
+    """A table in which nothing is cut off: keys and numbers are to be copied.
+
+    Args:
+        *headers: Of the columns.
+        is_named: Whether names of the first column are not broken.
+    """
     table = Table(box=box.SIMPLE, pad_edge=False)
-    for header in headers:
-        table.add_column(escape(one_line(header)))
+    for number, header in enumerate(headers):
+        is_whole = is_named and number == 0
+        table.add_column(escape(one_line(header)), overflow="fold", no_wrap=is_whole)
     return table
+
+
+def _folded(key: str) -> str:
+    """A key on several lines if it is long, broken behind its dots."""
+    lines = [""]
+    for part in key.split("."):
+        if lines[-1] and len(lines[-1]) + len(part) > _WIDEST:
+            lines.append("")
+        lines[-1] += f"{part}."
+    return "\n".join(lines).removesuffix(".")

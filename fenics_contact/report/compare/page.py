@@ -15,25 +15,26 @@ from fenics_contact.report.compare.histories import draw_histories
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.units import in_units
-from fenics_contact.report.gallery import require
 from fenics_contact.report.page.page import style_sheet
 from fenics_contact.report.page.templates import render, table
 from fenics_contact.results.comparison.comparison import Comparison, Group
 from fenics_contact.results.comparison.runs import units_of
 
+#: That its pictures need.
+LIBRARIES = ("matplotlib", "pyvista")
+
 
 def write_comparison(comparison: Comparison, path: Path) -> None:
-    """Write the page of several runs.
+    """Write the page of several runs; ``LIBRARIES`` are there.
 
     Args:
         comparison: Of these.
         path: Of the page; what is there is replaced.
 
     Raises:
-        InputError: A file of a run cannot be read; a library for pictures is missing.
+        InputError: A file of a run cannot be read.
         MachineError: The page could not be written.
     """
-    require("matplotlib", "pyvista")
     with tempfile.TemporaryDirectory() as pictures:
         text = comparison_page(comparison, _draw(comparison, Path(pictures)))
     make_folder(path.parent)

@@ -111,10 +111,11 @@ def frame_rows(rows: ContactTable, body: UnstructuredGrid, contact: ContactRecor
     """
     rows, nodes = nodes_at(body, rows, contact)
     fields: dict[str, Array] = {}
-    # files of earlier versions have neither gaps nor slips
-    known = [array for array in WRITTEN if array.name in body.point_data]
-    for array in (*known, *contact.own_arrays):
-        values = np.asarray(body[array.name]).reshape(-1, len(array.columns))[nodes]
+    for array in (*WRITTEN, *contact.own_arrays):
+        if array.name in body.point_data:
+            values = np.asarray(body[array.name]).reshape(-1, len(array.columns))[nodes]
+        else:  # gaps and slips in files of earlier versions
+            values = np.full((len(nodes), len(array.columns)), np.nan)
         fields |= dict(zip(array.columns, values.T, strict=True))
     status = _STATUS[np.asarray(body["status"])[nodes].round().astype(int)]
     return replace(rows, status=status, numbers=rows.numbers | fields)

@@ -167,8 +167,10 @@ def slip_arrows(
         contact: The contact's entry in ``result.json``.
     """
     slides = surface.arrows[rows.status[surface.arrows] == "SLIP"]
-    slides = slides if contact.carries_shear else slides[:0]
-    return slides, surface.along(rows.vectors("slip_x", "slip_y", "slip_z"))[slides]
+    slip = surface.along(rows.vectors("slip_x", "slip_y", "slip_z"))
+    is_known = np.isfinite(slip).all(axis=1)  # not in fields of earlier versions
+    slides = slides[is_known[slides]] if contact.carries_shear else slides[:0]
+    return slides, slip[slides]
 
 
 def some_arrows(surface: Surface, vectors: Array, most: float) -> tuple[Integers, Array]:

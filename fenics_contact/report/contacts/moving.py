@@ -177,7 +177,8 @@ def moving_maps(moving: MovingContact, path: Path) -> tuple[Frame, list[Layers]]
     figure, panels = map_figure(surface, [steps[-1] for steps in panels_of])
     draw_status(panels[0], surface, rows[-1].status, contact)
     moved = [*panels[0].lines]
-    handles = [panels[0].plot([], [], **kind.look)[0] for kind in moving.kinds]
+    looks = [status_look(kind, len(surface.points)) for kind in moving.kinds]
+    handles = [panels[0].plot([], [], **look)[0] for look in looks]
     panels[0].legend(handles=handles, **STATUS_LEGEND)
     for panel, steps, ends in zip(panels[1:], panels_of, limits, strict=True):
         moved += draw_map(figure, panel, surface, steps[-1], ends)

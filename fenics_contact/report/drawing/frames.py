@@ -37,7 +37,7 @@ class Panel:
 
     def as_dict(self) -> dict[str, Any]:
         """For a page."""
-        return {"box": self.box, "x": self.x, "y": self.y}
+        return {name: [float(n) for n in getattr(self, name)] for name in ("box", "x", "y")}
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from fenics_contact.report.drawing.facets import nodes_at
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.frames import numbers
 from fenics_contact.report.drawing.picture import Picture
-from fenics_contact.report.drawing.style import COLOUR_MAP, COLOURS
+from fenics_contact.report.drawing.style import COLOUR_MAP
 from fenics_contact.report.page.templates import data_uri, render
 from fenics_contact.report.view.view_page import packed
 from fenics_contact.results.contact_table import ContactTable
@@ -29,6 +29,8 @@ from fenics_contact.results.records.run import Outcome
 if TYPE_CHECKING:
     from pyvista import UnstructuredGrid
 
+# Of the step in pictures over all of them: unlike what they are drawn in.
+_MARKER = "#b03a2e"
 # Pictures of what does not change with the load steps.
 _OF_NO_STEP = ("mesh.png",)
 
@@ -121,7 +123,7 @@ def followers(
         "pictures": found,
         "ofTheEnd": sorted(stills - set(_OF_NO_STEP)),
         "colours": ["#{:02x}{:02x}{:02x}".format(*colour) for colour in colours.tolist()],
-        "marker": COLOURS["SLIP"],
+        "marker": _MARKER,
     }
 
 

@@ -167,7 +167,8 @@ class Comparison:
                 f"{_counted(names)} by more than the sum of both error bars; most of all "
                 f"{name}, {farthest}."
             )
-        apart = [found for _, row in differing for found in row.differences]
+        every = [found for _, row in differing for found in row.differences]
+        apart = [found for found in every if found is None or found.is_there]
         unknown = [found is None or found.count is None for found in apart]
         if all(unknown):
             return f"{_counted(len(differing))}; by how many error bars is not known."
@@ -254,7 +255,7 @@ class Comparison:
             ]
             unit = units.of(measured_by_parameter(key))
             rows.append([f"{key.replace('_', ' ')}{f' ({unit})' if unit else ''}", *values])
-        return [row for row in rows if set(row[1:]) != {"none"}]
+        return [row for row in rows if not set(row[1:]) <= {"none", NOT_THERE}]
 
     def _supports(self) -> Group:
         """Reactions of the supports of each name."""

@@ -8,26 +8,20 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Run, main
+from fenics_contact import InputError, Run, main
+from fenics_contact.cli.compare import command
 from fenics_contact.report.compare import contacts as drawn_contacts
 from fenics_contact.report.compare import page as compare_page
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.words.rounding import rounded
 from fenics_contact.simulation.output import run_folder as files
 from tests.report.page.test_page import Reader
+from tests.report.test_gallery import coarse  # noqa: F401
 from tests.scenes import PULLED_BLOCK, box_body, slab
 from tests.simulation.output.test_run_folder import block, cycled
 
 pytestmark = pytest.mark.serial
 HOSTILE = "<script>alert('1')</script>\x1b[2J $x$"
-
-
-@pytest.fixture(autouse=True)
-def coarse(monkeypatch):
-    """Fewer pixels."""
-    from fenics_contact.report.drawing.style import STYLE
-
-    monkeypatch.setitem(STYLE, "savefig.dpi", 60)
 
 
 def solved(scene, folder, body=None):
@@ -157,3 +151,14 @@ def test_bad_input_ends_with_2_and_leaves_no_page(tmp_path, capsys):
     code, _, wrong = compared(capsys, folder, other, "--out", page)
     assert code == 2 and "contact.csv: damaged" in wrong
     assert not page.exists()
+
+
+def test_the_tables_stand_without_libraries_for_pictures(tmp_path, capsys, monkeypatch):
+    def missing(*libraries):
+        raise InputError("pictures need matplotlib")
+
+    monkeypatch.setattr(command, "require", missing)
+    folders = [solved(slab(cells=(n, 1)), tmp_path / f"run{n}") for n in (4, 5)]
+    code, said, wrong = compared(capsys, *folders, "--out", tmp_path / "c.html")
+    assert code == 0 and re.search(r"cells +4 +5", said)
+    assert "no page: pictures need matplotlib" in wrong and not (tmp_path / "c.html").exists()
