@@ -30,7 +30,6 @@ NOT_OF_SCENES = {
     "explore/exploration.py",
     "explore/keys.py",
     "explore/numbers.py",
-    "explore/server.py",
     "report/drawing/display.py",
     "report/drawing/field_files.py",
     "report/gallery.py",
