@@ -29,7 +29,7 @@ pytestmark = pytest.mark.serial
 
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PAGES = [page for page in PAGES if not {"_build", "gallery"} & set(page.parts)]
-COMMANDS = ("run", "look", "check", "report", "verify", "new", "schema", "completion")
+COMMANDS = ("run", "look", "check", "report", "verify", "new", "schema", "completion", "explore")
 # Programs of others, whose words are not looked at.
 OTHERS = {
     "alias",
