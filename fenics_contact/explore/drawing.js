@@ -1,5 +1,5 @@
 "use strict";
-// Draws answers: flat bodies on a canvas, which follows fastest; curves, and what is in space, by plotly.
+// Draws answers: of flat models on canvases, which follow fastest; what is in space by plotly.
 window.exploreDrawing = function (data) {
   const STATUS = ["open", "stick", "slip"];
   const MAPS = [
@@ -9,6 +9,7 @@ window.exploreDrawing = function (data) {
   const VIRIDIS = ["#440154", "#482878", "#3e4989", "#31688e", "#26828e", "#1f9e89", "#35b779",
     "#6ece58", "#b5de2b", "#fde725"];
   const GREY = "rgba(128,128,128,0.25)", OBSTACLE = "#7b868f";
+  const PRESSURE = "#3b78b8", FRICTION = "#e07b00";
   const options = { responsive: true, displaylogo: false, displayModeBar: false };
 
   function unit(measured) {
@@ -66,81 +67,100 @@ window.exploreDrawing = function (data) {
     document.getElementById("flat").hidden = shape.dimension !== 2;
     return draw(shape, moved, obstacles, box, now, chosen);
   }
-  function ticks(low, high) {
-    const rough = (high - low) / 5, power = 10 ** Math.floor(Math.log10(rough));
+  function ticks(low, high, count) {
+    const rough = (high - low) / Math.max(count, 2), power = 10 ** Math.floor(Math.log10(rough));
     const step = power * [1, 2, 5, 10].find((one) => one * power >= rough);
     const found = [];
     for (let n = Math.ceil(low / step); n * step <= high; n++) found.push(Number((n * step).toPrecision(12)));
     return found;
   }
-  function flat(shape, moved, obstacles, box, now) {
-    const canvas = document.getElementById("flat"), place = canvas.parentElement;
+  // A canvas as large as its place, and what draws on it.
+  function sheet(id) {
+    const canvas = document.getElementById(id), place = canvas.parentElement;
     const [wide, high] = [place.clientWidth, place.clientHeight], ratio = window.devicePixelRatio || 1;
     if (canvas.width !== Math.round(wide * ratio) || canvas.height !== Math.round(high * ratio)) {
       [canvas.width, canvas.height] = [Math.round(wide * ratio), Math.round(high * ratio)];
     }
-    const pen = canvas.getContext("2d");
+    // by the processor: sent through a graphics driver, small pieces wait for it
+    const pen = canvas.getContext("2d", { willReadFrequently: true });
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, wide, high);
-    const [left, right, top, bottom] = [62, 96, 10, 42];
-    const [width, height] = [wide - left - right, high - top - bottom];
-    const scale = Math.min(width / (box[0][1] - box[0][0]), height / (box[1][1] - box[1][0]));
-    const middle = box.map(([a, b]) => (a + b) / 2);
-    const X = (x) => left + width / 2 + scale * (x - middle[0]);
-    const Y = (y) => top + height / 2 - scale * (y - middle[1]);
-    const text = ink();
     pen.font = "12px system-ui, sans-serif";
+    pen.lineJoin = "round";
+    return { pen, wide, high };
+  }
+  // Grid, numbers and titles of a panel; what takes numbers to pixels.
+  function frame(pen, [left, top, width, height], [x0, x1], [y0, y1], titles) {
+    const X = (x) => left + (width * (x - x0)) / (x1 - x0);
+    const Y = (y) => top + (height * (y1 - y)) / (y1 - y0);
     pen.strokeStyle = GREY;
-    pen.fillStyle = text;
+    pen.fillStyle = ink();
     pen.lineWidth = 1;
-    const [x0, x1] = [-width / 2, width / 2].map((end) => middle[0] + end / scale);
-    const [y0, y1] = [-height / 2, height / 2].map((end) => middle[1] + end / scale);
-    pen.textAlign = "center";
     pen.beginPath();
-    ticks(x0, x1).forEach((x) => {
+    pen.textAlign = "center";
+    ticks(x0, x1, 6).forEach((x) => {
       pen.moveTo(X(x), top);
       pen.lineTo(X(x), top + height);
-      pen.fillText(String(x), X(x), top + height + 16);
+      if (titles[0]) pen.fillText(written(x), X(x), top + height + 16);
     });
-    pen.fillText("x" + unit("length"), left + width / 2, top + height + 34);
+    pen.fillText(titles[0], left + width / 2, top + height + 34);
     pen.textAlign = "right";
-    ticks(y0, y1).forEach((y) => {
+    ticks(y0, y1, height / 32).forEach((y) => {
       pen.moveTo(left, Y(y));
       pen.lineTo(left + width, Y(y));
-      pen.fillText(String(y), left - 6, Y(y) + 4);
+      pen.fillText(written(y), left - 6, Y(y) + 4);
     });
     pen.stroke();
     pen.save();
-    pen.translate(14, top + height / 2);
+    pen.translate(13, top + height / 2);
     pen.rotate(-Math.PI / 2);
     pen.textAlign = "center";
-    pen.fillText("y" + unit("length"), 0, 0);
+    pen.fillText(titles[1], 0, 0);
     pen.restore();
+    return [X, Y];
+  }
+  function written(value) {
+    const plain = Number(value.toPrecision(6));
+    return plain !== 0 && (Math.abs(plain) < 1e-4 || Math.abs(plain) >= 1e6) ? plain.toExponential() : String(plain);
+  }
+  function clipped(pen, [left, top, width, height], draw) {
     pen.save();
     pen.beginPath();
     pen.rect(left, top, width, height);
     pen.clip();
+    draw();
+    pen.restore();
+  }
+  function flat(shape, moved, obstacles, box, now) {
+    const { pen, wide, high } = sheet("flat");
+    const panel = [66, 10, wide - 162, high - 52], [left, top, width, height] = panel;
+    const scale = Math.min(width / (box[0][1] - box[0][0]), height / (box[1][1] - box[1][0]));
+    const spans = [width, height].map((pixels, axis) => {
+      const middle = (box[axis][0] + box[axis][1]) / 2;
+      return [middle - pixels / scale / 2, middle + pixels / scale / 2];
+    });
+    const [X, Y] = frame(pen, panel, ...spans, ["x" + unit("length"), "y" + unit("length")]);
     const places = movedBy(shape.arrays.points, moved, now), size = sizes(moved);
     const count = size.length, px = new Float32Array(count), py = new Float32Array(count);
     for (let n = 0; n < count; n++) { px[n] = X(places[3 * n]); py[n] = Y(places[3 * n + 1]); }
-    const most = Math.max(ends(size)[1], 1e-300);
-    paint(pen, shape.arrays.triangles, px, py, size, most, wide, high);
-    const lines = shape.arrays.lines;
-    if (scale * shape.size < 60 * Math.sqrt(lines.length)) {
-      pen.beginPath();
-      for (let n = 0; n < lines.length; n += 2) {
-        pen.moveTo(px[lines[n]], py[lines[n]]);
-        pen.lineTo(px[lines[n + 1]], py[lines[n + 1]]);
-      }
-      pen.strokeStyle = "rgba(255,255,255,0.22)";
-      pen.stroke();
+    const most = Math.max(ends(size)[1], 1e-300), lines = shape.arrays.lines;
+    clipped(pen, panel, () => {
+      paint(pen, shape.arrays.triangles, px, py, size, most, wide, high);
+      if (scale * shape.size > 6 * Math.sqrt(lines.length)) mesh(pen, lines, px, py);
+      pen.strokeStyle = OBSTACLE;
+      pen.lineWidth = 3;
+      shape.contacts.forEach((contact, n) => obstacle(pen, contact, obstacles[n], now, X, Y));
+    });
+    bar(pen, left + width + 24, top + 10, height - 20, most);
+  }
+  function mesh(pen, lines, px, py) {
+    pen.beginPath();
+    for (let n = 0; n < lines.length; n += 2) {
+      pen.moveTo(px[lines[n]], py[lines[n]]);
+      pen.lineTo(px[lines[n + 1]], py[lines[n + 1]]);
     }
-    pen.strokeStyle = OBSTACLE;
-    pen.lineWidth = 3;
-    shape.contacts.forEach((contact, n) => obstacle(pen, contact, obstacles[n], now, X, Y));
-    pen.restore();
-    bar(pen, left + width + 24, top + 10, height - 20, most, text);
-    return Promise.resolve();
+    pen.strokeStyle = "rgba(255,255,255,0.22)";
+    pen.stroke();
   }
   // Triangles of about one colour are filled together.
   function paint(pen, triangles, px, py, size, most, wide, high) {
@@ -185,14 +205,14 @@ window.exploreDrawing = function (data) {
     }
     pen.stroke();
   }
-  function bar(pen, left, top, height, most, text) {
+  function bar(pen, left, top, height, most) {
     const colours = pen.createLinearGradient(0, top + height, 0, top);
     VIRIDIS.forEach((colour, n) => colours.addColorStop(n / (VIRIDIS.length - 1), colour));
     pen.fillStyle = colours;
     pen.fillRect(left, top, 12, height);
-    pen.fillStyle = text;
+    pen.fillStyle = ink();
     pen.textAlign = "left";
-    ticks(0, most).forEach((value) => pen.fillText(String(value), left + 17, top + height * (1 - value / most) + 4));
+    ticks(0, most, 5).forEach((value) => pen.fillText(written(value), left + 17, top + height * (1 - value / most) + 4));
     pen.fillText("|u|" + unit("length"), left - 4, top + height + 24);
   }
   function solid(shape, moved, obstacles, box, now, chosen) {
@@ -259,6 +279,7 @@ window.exploreDrawing = function (data) {
   function contact(shape, answer, chosen) {
     const one = shape.contacts[chosen.contact];
     const of = (name) => answer.arrays[chosen.contact + "." + name];
+    document.getElementById("curves").hidden = shape.dimension !== 2;
     return shape.dimension === 2 ? curves(one, of) : map(one, of, chosen.map);
   }
   // Along the line, from where it touches as far again to both sides.
@@ -276,50 +297,69 @@ window.exploreDrawing = function (data) {
   }
   function curves(one, of) {
     const [status, pressure, friction, slip, gap] = ["status", "pressure", "friction", "slip", "gap"].map(of);
-    const along = alongRange(one, status), shown = [];
+    const along = alongRange(one, status), isRough = friction.some((value) => value !== 0);
+    const shown = [];
     one.at.forEach((at, n) => { if (at >= along[0] && at <= along[1]) shown.push(n); });
-    const inView = (list) => shown.map((n) => list[n]);
-    const broken = (list) => shown.flatMap((n) => {
-      const value = Number.isFinite(list[n]) ? list[n] : null;
-      return one.breaks.has(n) ? [value, null] : [value];
-    });
-    const x = broken(one.at), isRough = friction.some((value) => value !== 0);
-    const line = (name, list, yaxis, color) => ({
-      type: "scatter", mode: "lines", x, y: broken(list), name, xaxis: "x", yaxis,
-      line: { color, width: 2 }, hoverinfo: "x+y", showlegend: yaxis === "y",
-    });
-    const traces = [
-      line("contact pressure", pressure, "y", "#3b78b8"),
-      line("friction traction", isRough ? friction : [], "y", "#e07b00"),
-      line("slip", slip, "y2", "#9e4f96"),
-      line("gap", gap, "y3", "#1b7f5c"),
+    const { pen, wide, high } = sheet("curves");
+    const width = wide - 82, room = high - 34 - 52, legend = [["contact pressure", PRESSURE]];
+    if (isRough) legend.push(["friction traction", FRICTION]);
+    const panels = [
+      ["stress", "stress", 0, 0.5, [[pressure, PRESSURE], ...(isRough ? [[friction, FRICTION]] : [])]],
+      ["slip", "length", 0.56, 0.74, [[slip, "#9e4f96"]]],
+      ["gap", "length", 0.81, 1, [[gap, "#1b7f5c"]]],
     ];
-    traces[1].showlegend = isRough;
-    [["open", [0], 0], [isRough ? "stick" : "in contact", isRough ? [1] : [1, 2], 1], ["slip", isRough ? [2] : [], 2]]
-      .forEach(([name, kinds, colour]) => {
-        const there = shown.filter((n) => kinds.includes(status[n]));
-        traces.push({
-          type: "scatter", mode: "markers", x: there.map((n) => one.at[n]), name, xaxis: "x", yaxis: "y",
-          y: there.map((n) => pressure[n]), hoverinfo: "x+y+name", showlegend: kinds.length > 0,
-          marker: { color: data.colours[colour], size: 6, symbol: colour === 2 ? "square" : "circle",
-            line: { color: "#ffffff", width: 0.7 } },
-        });
+    panels.forEach(([name, measured, from, to, series], number) => {
+      const panel = [70, 34 + room * from, width, room * (to - from)];
+      const values = series.flatMap(([list]) => shown.map((n) => list[n]));
+      const range = steady(one.ranges, name, ends(values, 0, 0));
+      const titles = [number === 2 ? one.axes[0] + unit("length") : "", name + unit(measured)];
+      const [X, Y] = frame(pen, panel, along, range, titles);
+      clipped(pen, panel, () => {
+        series.forEach(([list, colour]) => line(pen, one, shown, list, colour, X, Y));
+        if (number === 0) marks(pen, one, shown, status, pressure, X, Y);
       });
-    const axis = (title, domain, name, list) => ({
-      title: { text: title }, domain, range: steady(one.ranges, name, ends(list, 0, 0)), nticks: 5,
-      zerolinecolor: "rgba(128,128,128,0.6)", gridcolor: GREY, exponentformat: "power",
     });
-    const layout = {
-      margin: { l: 74, r: 12, t: 34, b: 44 }, paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
-      font: { color: ink() }, legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom" },
-      hovermode: "closest",
-      xaxis: { title: { text: one.axes[0] + unit("length") }, range: along, anchor: "y3",
-        gridcolor: GREY, zeroline: false },
-      yaxis: axis("stress" + unit("stress"), [0.52, 1], "stress", [...inView(pressure), ...inView(friction)]),
-      yaxis2: axis("slip" + unit("length"), [0.27, 0.46], "slip", inView(slip)),
-      yaxis3: axis("gap" + unit("length"), [0, 0.2], "gap", inView(gap)),
-    };
-    return Plotly.react("contact", traces, layout, options);
+    const kinds = isRough ? [["stick", 1], ["slip", 2], ["open", 0]] : [["in contact", 1], ["open", 0]];
+    keyOf(pen, [...legend, ...kinds.map(([words, kind]) => [words, data.colours[kind], kind])]);
+  }
+  function line(pen, one, shown, list, colour, X, Y) {
+    pen.beginPath();
+    let isOn = false;
+    shown.forEach((n) => {
+      if (!Number.isFinite(list[n])) { isOn = false; return; }
+      if (isOn) pen.lineTo(X(one.at[n]), Y(list[n]));
+      else pen.moveTo(X(one.at[n]), Y(list[n]));
+      isOn = !one.breaks.has(n);
+    });
+    pen.strokeStyle = colour;
+    pen.lineWidth = 2;
+    pen.stroke();
+  }
+  function marks(pen, one, shown, status, pressure, X, Y) {
+    shown.forEach((n) => mark(pen, status[n], data.colours[status[n]], X(one.at[n]), Y(pressure[n])));
+  }
+  // Slip is a square, what else there is a disc.
+  function mark(pen, kind, colour, x, y) {
+    pen.beginPath();
+    if (kind === 2) pen.rect(x - 3, y - 3, 6, 6);
+    else pen.arc(x, y, 3, 0, 2 * Math.PI);
+    pen.fillStyle = colour;
+    pen.fill();
+    pen.strokeStyle = "rgba(255,255,255,0.8)";
+    pen.lineWidth = 0.7;
+    pen.stroke();
+  }
+  function keyOf(pen, entries) {
+    let x = 74;
+    pen.textAlign = "left";
+    entries.forEach(([words, colour, kind]) => {
+      pen.strokeStyle = pen.fillStyle = colour;
+      if (kind === undefined) pen.fillRect(x, 12, 18, 3);
+      else mark(pen, kind, colour, x + 9, 13);
+      pen.fillStyle = ink();
+      pen.fillText(words, x + 24, 18);
+      x += 40 + pen.measureText(words).width;
+    });
   }
   function map(one, of, name) {
     const [, words, measured] = MAPS.find(([each]) => each === name);

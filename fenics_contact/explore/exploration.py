@@ -20,7 +20,6 @@ from fenics_contact.explore.messages import Message, said
 from fenics_contact.explore.page import files_of
 from fenics_contact.explore.requests import Exchange, Request, read_request
 from fenics_contact.explore.server import Server, Site
-from fenics_contact.report.gallery import require
 from fenics_contact.scene.writing import text_beside
 from fenics_contact.simulation.studies.study import Study
 
@@ -49,8 +48,8 @@ class Exploration:
         in_frames: Whether the page may be shown inside other pages.
 
     Raises:
-        InputError: There are several ranks, plotly is missing, a key or a range is none, or nothing
-            can listen there.
+        InputError: There are several ranks, a key or a range is none, nothing can listen there, or
+            plotly is missing for a model in space.
     """
 
     def __init__(
@@ -67,7 +66,6 @@ class Exploration:
                 f"explore answers on one rank, and there are {study.comm.size}: start it without "
                 "mpirun"
             )
-        require("plotly")
         self.keys = moved_keys(study, vary)
         self._study, self._beside = study, (beside or Path.cwd()).resolve()
         self._explorer = Explorer(study)

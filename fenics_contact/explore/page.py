@@ -14,6 +14,7 @@ from fenics_contact.explore.keys import MovedKey
 from fenics_contact.explore.server import File
 from fenics_contact.report import page as report_page
 from fenics_contact.report.drawing.style import COLOURS
+from fenics_contact.report.gallery import require
 from fenics_contact.report.page.templates import render
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.table import names_of
@@ -27,18 +28,24 @@ def files_of(scene: Scene, keys: Sequence[MovedKey]) -> dict[str, File]:
     Args:
         scene: What is explored.
         keys: What is moved.
-    """
-    from plotly.offline import get_plotlyjs
 
+    Raises:
+        InputError: The model is in space, and plotly is missing.
+    """
     own, report = resources.files(__package__), resources.files(report_page.__name__)
-    return {
+    found = {
         "": File(_page(scene, keys).encode(), "text/html; charset=utf-8"),
-        "plotly.js": File(get_plotlyjs().encode(), _SCRIPT),
         "drawing.js": File(own.joinpath("drawing.js").read_bytes(), _SCRIPT),
         "explore.js": File(own.joinpath("explore.js").read_bytes(), _SCRIPT),
         "explore.css": File(own.joinpath("explore.css").read_bytes(), _STYLE),
         "report.css": File(report.joinpath("report.css").read_bytes(), _STYLE),
     }
+    if scene.dimension == 3:  # what is flat is drawn without it
+        require("plotly")
+        from plotly.offline import get_plotlyjs
+
+        found["plotly.js"] = File(get_plotlyjs().encode(), _SCRIPT)
+    return found
 
 
 def _page(scene: Scene, keys: Sequence[MovedKey]) -> str:
@@ -64,6 +71,7 @@ def _page(scene: Scene, keys: Sequence[MovedKey]) -> str:
         groups=[(group, list(found)) for group, found in grouped],
         units={one.key: one.number.unit(scene) for one in keys},
         notes=_notes(scene, keys),
+        in_space=scene.dimension == 3,
         data=Markup(text),
     )
 

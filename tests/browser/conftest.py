@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 WINDOW = (1280, 900)
-# Of the window's own, without the machine's graphics, and with no address that can be reached.
+# Of the window's own, without the machine's graphics, and with no address that can be reached but
+# that of this machine.
 _OPTIONS = (
     "--headless=new",
     "--no-sandbox",
@@ -24,7 +25,7 @@ _OPTIONS = (
     "--disable-sync",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
-    "--host-resolver-rules=MAP * ~NOTFOUND",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
     f"--window-size={WINDOW[0]},{WINDOW[1]}",
 )
 _WORTH_KNOWING = ("WARNING", "SEVERE")

@@ -11,7 +11,7 @@ from fenics_contact.cli.options import is_first_rank, parse
 from tests.scenes import ROOT
 
 COMM = MPI.COMM_WORLD
-COMMANDS = ("new", "look", "check", "run", "report", "verify", "schema", "completion")
+COMMANDS = ("new", "look", "check", "run", "explore", "report", "verify", "schema", "completion")
 OF_TEXTS = ("schema", "completion")  # which say nothing but what they print
 
 
@@ -65,7 +65,7 @@ def test_help_is_as_wide_as_the_terminal(capsys, monkeypatch, columns):
         (["rnu", "x.toml"], "there is no command 'rnu'; did you mean run?"),
         (
             ["fly"],
-            "there is no command 'fly'; there are new, look, check, run, report, compare, verify, ",
+            "there is no command 'fly'; there are new, look, check, run, sweep, ",
         ),
         (["run"], "the following arguments are required: SCENE.toml; see fenics-contact run --he"),
         (["run", "a.toml", "b.toml"], "run: 'b.toml' is one too many; see"),

@@ -114,8 +114,11 @@ def test_files_of_the_machine_cannot_be_had(served, name):
 
 @pytest.mark.parametrize(
     "host",
-    ["evil.example", "evil.example:{port}", "127.0.0.1.evil.example", "192.168.0.1:{port}", ""]
-    + ["localhost.evil:{port}", "user@127.0.0.1:{port}", "127.0.0.1:99999999", "[::1", "127.1/x"],
+    [
+        *("evil.example", "evil.example:{port}", "127.0.0.1.evil.example", "192.168.0.1:{port}"),
+        *("", "localhost.evil:{port}", "user@127.0.0.1:{port}", "127.0.0.1:99999999"),
+        *("[::1", "127.1/x"),
+    ],
 )
 def test_another_name_of_this_address_is_refused(served, host):
     """As by a page that has had its own name point here (DNS rebinding)."""
