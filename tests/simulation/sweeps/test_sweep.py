@@ -363,7 +363,7 @@ def test_each_point_of_a_scene_with_an_accuracy_has_meshes_of_its_own(scene, tmp
         scene.read_text().replace('errors = "none"', "").replace("title", "accuracy = 0.05\ntitle")
     )
     scene.write_text(text)
-    swept(scene, [f"{MU}=0.2,0.3"], tmp_path / "out")
+    swept(scene, [f"{MU}=0.2"], tmp_path / "out")
     for row in rows_of(tmp_path / "out"):
         expected = run(load_scene(scene, [f"{MU}={row[MU]}"]))
         assert int(row["exit_code"]) == expected.exit_code
@@ -381,6 +381,11 @@ def test_the_command_says_what_came_out(scene, tmp_path, capsys):
     assert "2 points: 1 passed, 1 refused" in said.out
     assert "row 0, exit code 2: " in said.out
     assert "1 body, up to 1 process" in said.err
+    page = (out / "sweep.html").read_text(encoding="utf-8")
+    assert MU in page
+    (out / "sweep.html").unlink()
+    assert main(["report", str(out), "--quiet"]) == 0
+    assert (out / "sweep.html").read_text(encoding="utf-8") == page
     assert main([*words, "--quiet", "--set", "title=other"]) == 3
     assert main([*words[:3], f"{MU}=0.2", *words[4:], "--quiet"]) == 0
     assert capsys.readouterr().err == ""
