@@ -144,6 +144,19 @@ def test_what_fails_is_a_row_and_not_the_end(scene, tmp_path):
     assert states_of(tmp_path / "out")["point"].min() == 3
 
 
+def test_without_any_answer_there_are_all_files(scene, tmp_path, capsys):
+    """Newton's method may take one step, which is not enough where points slip."""
+    out = tmp_path / "out"
+    words = ["sweep", str(scene), "--vary", f"{LOAD}=-600,-700", "--set", "solver.max_iterations=1"]
+    assert main([*words, "--out", str(out), "--jobs", "1"]) == 3
+    assert "2 points: 2 not converged" in capsys.readouterr().out
+    assert [row["exit_code"] for row in rows_of(out)] == ["3", "3"]
+    assert summary_of(out)["answered"] == 0
+    assert summary_of(out)["failures"]["0"].startswith("No answer")
+    assert len(states_of(out)["point"]) == 0
+    assert (out / "sweep.html").exists()
+
+
 @pytest.mark.parametrize(
     ("codes", "code"),
     [
