@@ -79,6 +79,7 @@ def _solve(made: Sweep, jobs: int | None, quiet: bool) -> None:
             nonlocal failed
             failed += done.exit_code != 0
             count(len(made.done), _so_far(len(made.done), total, failed))
+            logger.debug("point %d: exit code %d", number, done.exit_code)
             for words in done.warnings:
                 if words not in heard:
                     heard.add(words)
@@ -87,7 +88,7 @@ def _solve(made: Sweep, jobs: int | None, quiet: bool) -> None:
         try:
             made.solve(jobs, announce, interrupts.requested)
         except StoppedError:
-            if not made.done:
+            if not made.has_files:
                 raise
 
 

@@ -5,6 +5,7 @@ import json
 import logging
 import os
 import re
+import signal
 
 import numpy as np
 import pytest
@@ -225,6 +226,22 @@ def test_an_interrupted_sweep_goes_on_where_it_was(scene, tmp_path, monkeypatch)
     again, solved = swept(scene, GRID, out, resume=True)
     assert solved == [] and rows_of(out) == resumed
     assert again.factorisations == 2
+
+
+def test_interrupted_before_the_first_point_it_has_written_nothing(scene, tmp_path, capsys):
+    """By a signal that comes while a process is started."""
+    out = tmp_path / "out"
+
+    def interrupting(folder):
+        os.kill(os.getpid(), signal.SIGINT)
+        return InlineProcess(folder)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(leader, "WorkerProcess", interrupting)
+        words = ["sweep", str(scene), "--vary", f"{MU}=-1,0.2,0.3", "--jobs", "1"]
+        assert main([*words, "--out", str(out)]) == 130
+    assert capsys.readouterr().err.endswith("fenics-contact: interrupted\n")
+    assert not out.exists()
 
 
 def test_a_longer_range_goes_on_from_a_shorter_one(scene, tmp_path):
