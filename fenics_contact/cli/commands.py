@@ -180,8 +180,13 @@ def _draw(folder: Path, quiet: bool) -> None:
 
 def _report(folder: Path, quiet: bool) -> int:
     from fenics_contact.report.report import PAGE, write_report
+    from fenics_contact.report.sweep.files import RECORD
+    from fenics_contact.report.sweep.page import write_sweep_page
 
-    written = [*(picture.path for picture in write_report(folder)), folder / PAGE]
+    if (folder / RECORD).exists():
+        written = [write_sweep_page(folder)]
+    else:
+        written = [*(picture.path for picture in write_report(folder)), folder / PAGE]
     for path in [] if quiet else written:
         print(f"  {one_line(str(path))}")
     return 0

@@ -70,8 +70,8 @@ Examples:
   fenics-contact check scene.toml --set mesh.size=0.1"""
 
 _REPORT = """\
-Makes pictures and a page, report.html, of what a run has left in its folder. It needs the extra
-`pictures` (pyvista, matplotlib), but no mesh, no scene and no MPI.
+Makes pictures and a page, report.html, of what a run has left in its folder; of a sweep its page,
+sweep.html. It needs the extra `pictures` (pyvista, matplotlib), but no mesh, no scene and no MPI.
 
 Example:
   fenics-contact report results/hertz"""
@@ -274,7 +274,12 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
             "SCENE.toml [options]",
             explore.DESCRIPTION,
         ),
-        ("report", "pictures and a page from the files of a run", "DIR [options]", _REPORT),
+        (
+            "report",
+            "pictures and a page from the files of a run or sweep",
+            "DIR [options]",
+            _REPORT,
+        ),
         ("compare", "two runs or more side by side", "DIR DIR ... [options]", compare.DESCRIPTION),
         ("verify", "run analytic and published benchmarks", "[NAME ...] [options]", _VERIFY),
         ("schema", "print the JSON schema of a scene, for editors", "", _SCHEMA),
@@ -295,7 +300,9 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
     look.describe(made["look"])
     _add_scene(made["sweep"])
     sweep.describe(made["sweep"])
-    made["report"].add_argument("folder", metavar="DIR", type=Path, help="results of a run")
+    made["report"].add_argument(
+        "folder", metavar="DIR", type=Path, help="results of a run or a sweep"
+    )
     compare.describe(made["compare"])
     _describe_verify(made["verify"])
     made["completion"].add_argument("shell", choices=SHELLS, help="for which it is")

@@ -15,11 +15,12 @@ from fenics_contact.common.errors import InputError, StoppedError
 from fenics_contact.common.interrupts import Interrupts
 from fenics_contact.common.memory import cores
 from fenics_contact.common.plain_text import one_line
+from fenics_contact.report.sweep.page import write_sweep_page
 from fenics_contact.scene.reading import SceneFile
 from fenics_contact.simulation.output.run_folder import require_writable
 from fenics_contact.simulation.sweeps.journal import NAME, Done
 from fenics_contact.simulation.sweeps.sweep import Sweep
-from fenics_contact.simulation.sweeps.tables import STATES_FILE, SUMMARY, TABLE
+from fenics_contact.simulation.sweeps.tables import PAGE, STATES_FILE, SUMMARY, TABLE
 
 logger = logging.getLogger(__name__)
 
@@ -57,6 +58,7 @@ def sweep(options: argparse.Namespace) -> int:
     file = SceneFile(options.scene)
     made = Sweep(file, options.overrides, options.vary, folder, options.resume)
     _solve(made, options.jobs, options.quiet)
+    _draw(folder)
     code = made.exit_code
     if not options.quiet or code:
         print("\n".join(_said(made, folder)))
@@ -77,6 +79,7 @@ def _solve(made: Sweep, jobs: int | None, quiet: bool) -> None:
             nonlocal failed
             failed += done.exit_code != 0
             count(len(made.done), _so_far(len(made.done), total, failed))
+            logger.debug("point %d: exit code %d", number, done.exit_code)
             for words in done.warnings:
                 if words not in heard:
                     heard.add(words)
@@ -85,8 +88,16 @@ def _solve(made: Sweep, jobs: int | None, quiet: bool) -> None:
         try:
             made.solve(jobs, announce, interrupts.requested)
         except StoppedError:
-            if not made.done:
+            if not made.has_files:
                 raise
+
+
+def _draw(folder: Path) -> None:
+    """The page: the table stands without it."""
+    try:
+        write_sweep_page(folder)
+    except InputError as error:
+        logger.warning("no page: %s", error)
 
 
 def _plan(total: int, left: int, bodies: int, jobs: int) -> str:
@@ -115,7 +126,9 @@ def _said(made: Sweep, folder: Path) -> Sequence[str]:
     if len(failed) > _SHOWN:
         lines.append(f"  … and {len(failed) - _SHOWN} more, in {SUMMARY}")
     lines.append(f"{_count(made.factorisations, 'factorisation')} of bodies")
-    lines.append(f"Wrote {', '.join((TABLE, SUMMARY, STATES_FILE, NAME))} in {folder}")
+    names = (TABLE, SUMMARY, STATES_FILE, PAGE, NAME)
+    written = [name for name in names if (folder / name).exists()]
+    lines.append(f"Wrote {', '.join(written)} in {folder}")
     return [one_line(line) for line in lines]
 
 

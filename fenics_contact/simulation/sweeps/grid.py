@@ -16,7 +16,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.scene.reading import keys_of, value_of
 
 #: Points that a sweep may have.
-MOST = 100_000
+MOST = 50_000
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _RANGE = re.compile(rf"\s*({_NUMBER})\s*:\s*({_NUMBER})\s*:\s*(\d+)\s*")
 _LIKE_RANGE = re.compile(rf"\s*{_NUMBER}\s*:")

@@ -68,6 +68,11 @@ class Sweep:
         """How many points are to be solved."""
         return len(self.points) - len(self.done)
 
+    @property
+    def has_files(self) -> bool:
+        """Whether there is something of it in its folder."""
+        return self._journal.is_there
+
     def solve(self, jobs: int | None, announce: Announce, stopped: Callable[[], bool]) -> None:
         """Solve the points that are left, and write the files; of those that are done if stopped.
 
@@ -89,9 +94,9 @@ class Sweep:
         try:
             Leader(self.points, self._journal, note, stopped).solve(self.groups, jobs)
         finally:
-            if self._journal.is_there:
+            if self.has_files:
                 self._write()
-        if not self._journal.is_there:
+        if not self.has_files:
             raise InputError(self.done[min(self.done)].said)
 
     @property

@@ -90,6 +90,15 @@ def test_each_answer_is_that_of_its_own_run(name):
     assert study.factorisations == 1
 
 
+def test_a_whole_scene_may_stand_for_its_changes():
+    study = Study(ON_A_FLOOR, COMM, square())
+    found, expected = study.solve(study.changed({MU: 0.35})), study.solve({MU: 0.35})
+    require_same(found, expected)
+    assert study.factorisations == 1
+    with pytest.raises(InputError, match="a study keeps one mesh"):
+        study.solve(dataclasses.replace(ON_A_FLOOR, accuracy=0.01))
+
+
 @pytest.mark.parametrize(
     ("load", "sticks_from"),
     [(100, 8), (200, 7.75), (300, 6.25), (400, 5.25), (600, 3), (700, 1.75)],

@@ -5,6 +5,7 @@ import json
 import logging
 import os
 import re
+import signal
 
 import numpy as np
 import pytest
@@ -144,6 +145,19 @@ def test_what_fails_is_a_row_and_not_the_end(scene, tmp_path):
     assert states_of(tmp_path / "out")["point"].min() == 3
 
 
+def test_without_any_answer_there_are_all_files(scene, tmp_path, capsys):
+    """Newton's method may take one step, which is not enough where points slip."""
+    out = tmp_path / "out"
+    words = ["sweep", str(scene), "--vary", f"{LOAD}=-600,-700", "--set", "solver.max_iterations=1"]
+    assert main([*words, "--out", str(out), "--jobs", "1"]) == 3
+    assert "2 points: 2 not converged" in capsys.readouterr().out
+    assert [row["exit_code"] for row in rows_of(out)] == ["3", "3"]
+    assert summary_of(out)["answered"] == 0
+    assert summary_of(out)["failures"]["0"].startswith("No answer")
+    assert len(states_of(out)["point"]) == 0
+    assert (out / "sweep.html").exists()
+
+
 @pytest.mark.parametrize(
     ("codes", "code"),
     [
@@ -212,6 +226,22 @@ def test_an_interrupted_sweep_goes_on_where_it_was(scene, tmp_path, monkeypatch)
     again, solved = swept(scene, GRID, out, resume=True)
     assert solved == [] and rows_of(out) == resumed
     assert again.factorisations == 2
+
+
+def test_interrupted_before_the_first_point_it_has_written_nothing(scene, tmp_path, capsys):
+    """By a signal that comes while a process is started."""
+    out = tmp_path / "out"
+
+    def interrupting(folder):
+        os.kill(os.getpid(), signal.SIGINT)
+        return InlineProcess(folder)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(leader, "WorkerProcess", interrupting)
+        words = ["sweep", str(scene), "--vary", f"{MU}=-1,0.2,0.3", "--jobs", "1"]
+        assert main([*words, "--out", str(out)]) == 130
+    assert capsys.readouterr().err.endswith("fenics-contact: interrupted\n")
+    assert not out.exists()
 
 
 def test_a_longer_range_goes_on_from_a_shorter_one(scene, tmp_path):
@@ -363,7 +393,7 @@ def test_each_point_of_a_scene_with_an_accuracy_has_meshes_of_its_own(scene, tmp
         scene.read_text().replace('errors = "none"', "").replace("title", "accuracy = 0.05\ntitle")
     )
     scene.write_text(text)
-    swept(scene, [f"{MU}=0.2,0.3"], tmp_path / "out")
+    swept(scene, [f"{MU}=0.2"], tmp_path / "out")
     for row in rows_of(tmp_path / "out"):
         expected = run(load_scene(scene, [f"{MU}={row[MU]}"]))
         assert int(row["exit_code"]) == expected.exit_code
@@ -381,6 +411,11 @@ def test_the_command_says_what_came_out(scene, tmp_path, capsys):
     assert "2 points: 1 passed, 1 refused" in said.out
     assert "row 0, exit code 2: " in said.out
     assert "1 body, up to 1 process" in said.err
+    page = (out / "sweep.html").read_text(encoding="utf-8")
+    assert MU in page
+    (out / "sweep.html").unlink()
+    assert main(["report", str(out), "--quiet"]) == 0
+    assert (out / "sweep.html").read_text(encoding="utf-8") == page
     assert main([*words, "--quiet", "--set", "title=other"]) == 3
     assert main([*words[:3], f"{MU}=0.2", *words[4:], "--quiet"]) == 0
     assert capsys.readouterr().err == ""
