@@ -108,12 +108,13 @@ function makeCurves(sweep) {
     const { label, values, said } = data.keys[key];
     const axis = { title: { text: sweep.plain(label) }, automargin: true, zeroline: false };
     if (values && !asCells) return Object.assign(axis, { type: isLog(values) ? "log" : "linear" });
-    const widest = Math.max(...said.map((text) => short(text).length));
+    const text = (n) => (values ? String(Number(values[n].toPrecision(4))) : short(said[n]));
+    const widest = said.reduce((most, _, n) => Math.max(most, text(n).length), 0);
     const room = key === keys.across ? Math.max(3, place.clientWidth / (8 * widest + 20)) : 20;
     const step = Math.ceil(said.length / room);
     const kept = said.map((_, n) => n).filter((n) => n % step === 0);
     return Object.assign(axis, {
-      type: "linear", tickvals: kept, ticktext: kept.map((n) => sweep.plain(short(said[n]))),
+      type: "linear", tickvals: kept, ticktext: kept.map((n) => sweep.plain(text(n))),
       range: [-0.5, said.length - 0.5], showgrid: false,
     });
   }

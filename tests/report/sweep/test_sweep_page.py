@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from html.parser import HTMLParser
 
 import numpy as np
@@ -212,6 +213,35 @@ def test_states_over_a_surface_have_lengths_of_vectors(tmp_path):
     exact = 1.25 * hertz(1.0, at=disc()).arrays["traction_x"]
     assert numbers_of(data, 2, "friction traction") == pytest.approx(exact, abs=2e-5 * exact.max())
     assert np.isnan(numbers_of(data, 2, "gap")).any()
+
+
+def test_states_of_several_contacts_that_stand_in_any_order(tmp_path):
+    def answer(depth):
+        found, other = hertz(depth), hertz(2 * depth, at=line(11))
+        other.arrays["contact"] = other.arrays["contact"] + 1
+        both = {name: np.concatenate([a, other.arrays[name]]) for name, a in found.arrays.items()}
+        mixed = np.random.default_rng(5).permutation(len(both["x"]))
+        return Answered(found.columns, {name: array[mixed] for name, array in both.items()})
+
+    write_sweep(tmp_path, {INDENTATION: DEPTHS}, answer, contacts=["top", "side"])
+    data = data_of(write_sweep_page(tmp_path))
+    assert [state[:2] for state in data["states"]] == [[row, n] for row in range(4) for n in (0, 1)]
+    for row, depth in enumerate(DEPTHS):
+        for contact, one in enumerate([hertz(depth), hertz(2 * depth, at=line(11))]):
+            exact = one.arrays["contact_pressure"]
+            found = numbers_of(data, 2 * row + contact, "contact pressure")
+            assert found == pytest.approx(exact, abs=1e-4 * exact.max())
+
+
+def test_the_page_is_valid_html(tmp_path):
+    html5lib = pytest.importorskip("html5lib")
+    vary = {COEFFICIENT: [0.2, 0.4], INDENTATION: DEPTHS, "contact.0.law": ["static"]}
+    write_sweep(tmp_path, vary, lambda m, d, law: HOSTILE if d > 1 else hertz(d, m))
+    text = write_sweep_page(tmp_path).read_text(encoding="utf-8")
+    without = re.sub("(<script[^>]*>).*?(</script>)", r"\1\2", text, flags=re.DOTALL)
+    parser = html5lib.HTMLParser(strict=False)
+    parser.parse(without)
+    assert parser.errors == []
 
 
 def test_words_and_lists_are_values_of_keys(tmp_path):
