@@ -191,7 +191,7 @@ class Study:
 
     def quantities(
         self,
-        changes: Mapping[str, Any] | None = None,
+        changes: Changes = None,
         follow: bool = False,
         checks: bool = True,
     ) -> Answer:

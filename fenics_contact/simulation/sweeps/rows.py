@@ -10,9 +10,11 @@ import numpy as np
 
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.quantities import MEASURED_BY_PRELOADS, reactions_by_name
+from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.result import Result
 from fenics_contact.scene.values import AXES
+from fenics_contact.simulation.studies.quick_answers import Answer
 
 #: What the name of an error bar ends in.
 BAR = "_error"
@@ -36,24 +38,55 @@ def row_of(answer: Result) -> Row:
     Args:
         answer: That converged.
     """
+    supports = {name: together.errors for name, together in answer.reactions.items()}
+    return _row(
+        [
+            ("", answer.quantities, answer.errors),
+            *((f"{each.name}.", each.quantities, each.errors) for each in answer.contacts),
+            *_of_supports(answer.supports, supports),
+            *((f"{name}.", _measured(one), one.errors) for name, one in answer.preloads.items()),
+        ]
+    )
+
+
+def row_of_quick(answer: Answer, names: Sequence[str]) -> Row:
+    """The same of a quick answer, which has no bars.
+
+    Args:
+        answer: That converged.
+        names: Of the contacts.
+    """
+    return _row(
+        [
+            ("", answer.quantities, {}),
+            *((f"{name}.", one, {}) for name, one in zip(names, answer.contacts, strict=True)),
+            *_of_supports(answer.supports, {}),
+            *((f"{name}.", _measured(one), {}) for name, one in answer.preloads.items()),
+        ]
+    )
+
+
+# What stands before the names of quantities, the quantities and their errors.
+_Part = tuple[str, Mapping[str, Any], Errors]
+
+
+def _row(parts: Iterable[_Part]) -> Row:
     row: Row = {}
-    for owner, quantities, errors in _parts(answer):
+    for owner, quantities, errors in parts:
         for name, value in quantities.items():
             row |= _numbers(f"{owner}{name}", value, errors.get(name))
     return row
 
 
-def _parts(answer: Result) -> Iterator[tuple[str, Mapping[str, Any], Errors]]:
-    """What stands before the names of quantities, the quantities and their errors."""
-    yield "", answer.quantities, answer.errors
-    for contact in answer.contacts:
-        yield f"{contact.name}.", contact.quantities, contact.errors
-    for name, reaction in reactions_by_name(answer.supports).items():
-        together = answer.reactions.get(name)
-        errors = {} if together is None else together.errors
-        yield f"{name}.", {"reaction": reaction}, errors
-    for name, preload in answer.preloads.items():
-        yield f"{name}.", {one: preload[one] for one in MEASURED_BY_PRELOADS}, preload.errors
+def _of_supports(
+    supports: Sequence[SupportRecord], errors: Mapping[str, Errors]
+) -> Iterator[_Part]:
+    for name, reaction in reactions_by_name(supports).items():
+        yield f"{name}.", {"reaction": reaction}, errors.get(name, {})
+
+
+def _measured(preload: PreloadRecord) -> dict[str, Any]:
+    return {name: preload[name] for name in MEASURED_BY_PRELOADS}
 
 
 def _numbers(name: str, value: Any, error: Mapping[str, float | None] | None) -> Row:
