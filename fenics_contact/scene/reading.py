@@ -58,12 +58,13 @@ class SceneFile:
         path: TOML file.
 
     Raises:
-        InputError: It cannot be read, or is no TOML.
+        InputError: It cannot be read, is no TOML, or holds numbers or tables beyond all measure.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self._data = _parsed(_read(path), path)
+        _refuse_extremes(self._data, path)  # tables too deep cannot be copied
 
     def data(self, overrides: Sequence[str], varied: Sequence[str] = ()) -> dict[str, Any]:
         """What it says, with other values.
