@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene, SolverSettings
 from fenics_contact.simulation.studies.quick_answers import Answer
 
 # Every so many is a whole run, so that fields are looked at now and then.
 _WHOLE_EVERY = 50
-# Strains follow the root of the strain energy; of points in between the last whole run and this
-# one they may be so much larger.
-_STRAIN_MARGIN = 3.0
-_NEEDS_FIELDS = "linear_range"
+# The check that takes fields asks whether anything is turned inside out or pushed through, which
+# needs strains or rotations of this size at least. They follow the root of the strain energy; from
+# the last whole run on they may grow by a margin more.
+_LARGE, _MARGIN = 0.3, 3.0
 
 
 class Shortcut:
@@ -22,7 +20,7 @@ class Shortcut:
     def __init__(self) -> None:
         self._settings: SolverSettings | None = None
         self._since = 0
-        self._share, self._energy = 0.0, 0.0
+        self._largest, self._energy = 0.0, 0.0  # strain or rotation, and strain energy
 
     def learn(self, scene: Scene, result: Result) -> None:
         """Take a whole run into account.
@@ -36,8 +34,8 @@ class Shortcut:
         self._settings = scene.solver if is_whole else None
         self._since = 0
         if is_whole:
-            check = result.checks.get(_NEEDS_FIELDS)
-            self._share = 0.0 if check is None else check.value / check.limit
+            sizes = result.steps[-1]["linear_range"]
+            self._largest = max(sizes[name].value for name in ("strain", "rotation"))
             self._energy = result.quantities["strain_energy"]
 
     def is_open(self, scene: Scene) -> bool:
@@ -49,6 +47,5 @@ class Shortcut:
         """Whether a run would pass as well: all checks do, and strains stay small."""
         if not answer.passed:
             return False
-        grown = max(answer.quantities["strain_energy"], 0.0)
-        allowed = self._energy / max(_STRAIN_MARGIN * self._share, np.finfo(float).tiny) ** 2
-        return bool(self._share == 0 or grown <= allowed)
+        grown = answer.quantities["strain_energy"] * (_MARGIN * self._largest) ** 2
+        return bool(grown <= self._energy * _LARGE**2)
