@@ -258,12 +258,7 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
         ),
         ("check", "say what would be modelled, without solving", "SCENE.toml [options]", _CHECK),
         ("run", "solve a scene", "SCENE.toml [options] [-- PETSc options]", ""),
-        (
-            "explore",
-            "move numbers of a scene on a page, and see its answer follow",
-            "SCENE.toml [options]",
-            explore.DESCRIPTION,
-        ),
+        explore.COMMAND,
         ("report", "pictures and a page from the files of a run", "DIR [options]", _REPORT),
         ("verify", "run analytic and published benchmarks", "[NAME ...] [options]", _VERIFY),
         ("schema", "print the JSON schema of a scene, for editors", "", _SCHEMA),

@@ -65,7 +65,7 @@ def test_help_is_as_wide_as_the_terminal(capsys, monkeypatch, columns):
         (["rnu", "x.toml"], "there is no command 'rnu'; did you mean run?"),
         (
             ["fly"],
-            "there is no command 'fly'; there are new, look, check, run, explore, report, verify, schema",
+            "there is no command 'fly'; there are new, look, check, run, explore, report, verify",
         ),
         (["run"], "the following arguments are required: SCENE.toml; see fenics-contact run --he"),
         (["run", "a.toml", "b.toml"], "run: 'b.toml' is one too many; see"),
