@@ -38,6 +38,7 @@ class Exploration:
     Attributes:
         address: The page's link, with a token that nobody else knows.
         keys: What is moved on it.
+        is_local: Whether it can be reached from this machine only.
 
     Args:
         study: What is explored; on one rank. Nothing else may ask it meanwhile from another thread.

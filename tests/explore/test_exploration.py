@@ -77,7 +77,8 @@ def test_answers_follow_equilibrium_and_come_with_bars_when_one_lets_go(own, alo
         count = shape["arrays"]["points"].size
         assert answer["arrays"]["displacement"].shape == (count,)
         x, pressure = shape["arrays"]["0.at"], answer["arrays"]["0.pressure"]
-        assert np.trapezoid(pressure, x) == pytest.approx(24, rel=0.02)
+        mean = 0.5 * (pressure[1:] + pressure[:-1])
+        assert mean @ np.diff(x) == pytest.approx(24, rel=0.02)
         assert set(answer["arrays"]["0.status"]) <= {0, 1, 2}
     assert not quick["whole"] and all(cells[2] == "" for cells in quick["rows"])
     assert whole["whole"] and whole["passed"] and "Converged; all" in whole["said"][0]

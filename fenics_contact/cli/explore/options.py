@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-DESCRIPTION = """\
+_DESCRIPTION = """\
 Opens a page of this machine on which numbers of a scene are moved, and its answer follows:
 pressure, friction, stick and slip, gaps and the deformed body. When one lets go, quantities come
 with error bars and checks. The link has a token that is new each time; nothing leaves the machine,
@@ -14,6 +14,14 @@ Examples:
   fenics-contact explore scene.toml
   fenics-contact explore scene.toml --vary contact.0.friction_coefficient=0:0.6
   fenics-contact explore scene.toml --host 0.0.0.0 --port 8000 --no-browser   # in a container"""
+
+# Its name, what it does, how it is written, and its help.
+COMMAND = (
+    "explore",
+    "move numbers of a scene on a page, and see its answer follow",
+    "SCENE.toml [options]",
+    _DESCRIPTION,
+)
 
 
 def describe(command: argparse.ArgumentParser) -> None:

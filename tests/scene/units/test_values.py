@@ -13,7 +13,7 @@ from mpi4py import MPI
 from fenics_contact import InputError, Load, Material, MeshSource, Obstacle, Scene, Units
 from fenics_contact.scene.reading import load_scene, scene_of_text
 from fenics_contact.scene.reference import keys_of
-from fenics_contact.scene.units.dimensions import LENGTH, dimension_of
+from fenics_contact.scene.units.dimensions import LENGTH, PLACE, dimension_of
 from fenics_contact.scene.units.registry import factor
 from fenics_contact.scene.writing import scene_text
 from tests.scene.test_schema import errors
@@ -243,5 +243,6 @@ def test_what_a_key_measures_is_said_by_its_mark_alone(table):
 
 def test_a_mark_inside_lists_and_tables_is_found():
     fields = Obstacle.__pydantic_fields__
-    assert dimension_of(fields["position"]) is LENGTH
+    assert dimension_of(fields["position"]) is PLACE
+    assert dimension_of(fields["displacement"]) is LENGTH
     assert dimension_of(fields["normal"]) is None
