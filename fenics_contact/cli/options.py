@@ -254,33 +254,18 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
     made = {}
     for name, words, usage, description in (
         ("new", "write a scene to start from", "NAME [options]", _NEW),
-        (
-            "look",
-            "show a CAD or mesh file, and write a scene for it",
-            "FILE [options]",
-            look.DESCRIPTION,
-        ),
+        look.COMMAND,
         ("check", "say what would be modelled, without solving", "SCENE.toml [options]", _CHECK),
         ("run", "solve a scene", "SCENE.toml [options] [-- PETSc options]", ""),
-        (
-            "sweep",
-            "solve a scene for all combinations of values of its keys",
-            "SCENE.toml --vary KEY=VALUES [options]",
-            sweep.DESCRIPTION,
-        ),
-        (
-            "explore",
-            "move numbers of a scene on a page, and see its answer follow",
-            "SCENE.toml [options]",
-            explore.DESCRIPTION,
-        ),
+        sweep.COMMAND,
+        explore.COMMAND,
         (
             "report",
             "pictures and a page from the files of a run or sweep",
             "DIR [options]",
             _REPORT,
         ),
-        ("compare", "two runs or more side by side", "DIR DIR ... [options]", compare.DESCRIPTION),
+        compare.COMMAND,
         ("verify", "run analytic and published benchmarks", "[NAME ...] [options]", _VERIFY),
         ("schema", "print the JSON schema of a scene, for editors", "", _SCHEMA),
         ("completion", "print a completion script, for shells", "bash|zsh|fish", _COMPLETION),

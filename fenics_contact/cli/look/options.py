@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-DESCRIPTION = """\
+_DESCRIPTION = """\
 Shows a CAD file, a geometry or a mesh as a page, look.html, that needs no network: bodies and
 surfaces by number, what they are and where. It finds surfaces of different bodies that face each
 other, and writes scene.toml beside the page with a contact for each pair, an example material and
@@ -14,6 +14,14 @@ an example support, which `check` accepts as it is.
 Examples:
   fenics-contact look joint.step
   fenics-contact look joint.step --out joint --tolerance 0.2"""
+
+# Its name, what it does, how it is written, and its help.
+COMMAND = (
+    "look",
+    "show a CAD or mesh file, and write a scene for it",
+    "FILE [options]",
+    _DESCRIPTION,
+)
 
 
 def describe(command: argparse.ArgumentParser) -> None:

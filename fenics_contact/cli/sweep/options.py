@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-DESCRIPTION = """\
+_DESCRIPTION = """\
 Solves a scene for all combinations of values of some of its keys, on all cores, and writes a table,
 sweep.csv, with a row for each. A row is what `run --set` of the same values gives. A body is
 factorised only where something changes that it depends on. What fails is a row, too, with its exit
@@ -19,6 +19,14 @@ Examples:
   fenics-contact sweep scene.toml --vary load.0.pressure=0:10:11 --vary contact.0.law=static,none
   fenics-contact sweep scene.toml --vary "load.0.traction=[1, 0],[2, 0]" --jobs 2 --out here
   fenics-contact sweep scene.toml --vary load.0.pressure=0:10:11 --resume"""
+
+# Its name, what it does, how it is written, and its help.
+COMMAND = (
+    "sweep",
+    "solve a scene for all combinations of values of its keys",
+    "SCENE.toml --vary KEY=VALUES [options]",
+    _DESCRIPTION,
+)
 
 EPILOG = """\
 Exit codes: 0 if that of every row is; else the first of 5, 130, 3 and 4 that stands for a row,
