@@ -37,7 +37,6 @@ NOT_OF_SCENES = {
     "report/gallery.py",
     "results/comparison/runs.py",
     "results/comparison/scenes.py",
-    "report/report.py",
     "report/sweep/files.py",
     "results/contact_table.py",
     "results/result_file.py",
