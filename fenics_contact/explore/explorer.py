@@ -59,7 +59,7 @@ class Explorer:
         """
         start = time.perf_counter()
         try:
-            answer = self._study.quantities(changes, follow=True)
+            answer = self._study.quantities(changes, follow=True, checks=False)
             if answer.converged and answer.points is not None:
                 yield from self._quick(answer, answer.points, changes, start)
             else:

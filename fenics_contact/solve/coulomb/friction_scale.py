@@ -18,12 +18,12 @@ def follow_pressure(contact: ContactSurface, imbalance: float, accuracy: float =
         contact: Any; one whose ε is given keeps it.
         imbalance: That was accepted (force).
         accuracy: To which the pressures are to be known. Of those that are known less well than
-            usual ε takes two digits: more would differ with the number of ranks.
+            usual ε takes three digits: more would differ with the number of ranks.
     """
     if not contact.friction.finds_scale or not carries_more_than(contact, imbalance, accuracy):
         return
     needed = _needed(contact)
-    contact.friction.set_scale(needed if accuracy <= TELLING else float(f"{needed:.1e}"))
+    contact.friction.set_scale(needed if accuracy <= TELLING else float(f"{needed:.2e}"))
 
 
 def fits(contact: ContactSurface, too_large: float, too_small: float) -> bool:
