@@ -21,7 +21,7 @@ INSIDE = {
     "contact": ("surface", "mortar", "kinematics", "laws"),
     "report": (*("drawing", "formulas", "page", "histories", "contacts", "bodies", "view"),),
     "solve": ("systems", "condensed", "iterative", "newton", "coulomb", "load_steps"),
-    "simulation": ("restart", "studies", "adaptive", "output"),
+    "simulation": ("restart", "sensitivities", "studies", "adaptive", "output"),
 }
 # These are read where there is no FEniCSx and no MPI, or before it is loaded.
 WITHOUT_FENICSX = ("analytic", "scene", "results", "report")

@@ -110,6 +110,18 @@ class ComplianceSolver:
         found[self._active] = active  # no difference of long numbers under a stiff penalty
         return np.asarray(found[:size])
 
+    def solve_transposed(self, right: Array) -> Array:
+        """M⁻ᵀ r = (A⁻¹ − A⁻¹ Qᵀ W (1 + G W)⁻¹ Q A⁻¹)ᵀ r, G = Q A⁻¹ Qᵀ; as of ``solve``."""
+        size = len(right)
+        free = right @ self._inverse[:size]
+        if self._factor is None:
+            return np.asarray(free[:size])
+        factor, pivots, singular = self._factor
+        if singular:
+            return np.full(len(right), np.nan)
+        forces, _ = lapack.dgetrs(factor, pivots, self._extra.T @ free[self._active], trans=1)
+        return np.asarray((free - forces @ self._inverse[self._active])[:size])
+
 
 def _mirror(lower: Array) -> None:
     """Write the lower triangle of a square matrix into the upper one, without a copy of all."""

@@ -102,6 +102,13 @@ class ContactTangent:
             self.compliance.factorise(self._added)
         return self.compliance.solve(right)
 
+    def solve_transposed(self, right: Array) -> Array:
+        """With the transpose, of all unknowns; not a number where it is singular."""
+        if self._is_split:
+            self._is_split = False
+            self.compliance.factorise(self._added)
+        return self.border.solve_transposed(right, self.compliance.solve_transposed)
+
     def multiply(self, values: Array) -> Array:
         """The tangent times all unknowns."""
         inner, shortenings = values[: self.constant.size], values[self.constant.size :]

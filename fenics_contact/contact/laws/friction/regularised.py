@@ -21,7 +21,7 @@ from fenics_contact.contact.laws.energies import (
     smoothed_norm,
     traction_work,
 )
-from fenics_contact.contact.laws.friction.law import FrictionLaw
+from fenics_contact.contact.laws.friction.law import FrictionGradient, FrictionLaw
 from fenics_contact.contact.laws.friction.tangent_at_points import PrimalDual
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
@@ -346,6 +346,25 @@ class RegularisedFriction(FrictionLaw):
             "slip", slip=self.counted(slip), bound=self.bound, epsilon=epsilon
         )
         return 0.0 - slope
+
+    def pulled_back(self, slip: Array, pressure: Array, of_traction: Array) -> FrictionGradient:
+        """By the second derivatives of g φ_ε; g follows the coefficient and the pressure."""
+        epsilon = self.regularisation_parameter
+        values = {"slip": self.counted(slip), "bound": self.bound, "epsilon": epsilon}
+
+        def of(name: str) -> Array:
+            found = self._at_points.curvatures("slip", name, **values)
+            return 0.0 - np.einsum("ijk,ij->ik", found, of_traction)
+
+        of_slip, of_bound = of("slip"), of("bound")[:, 0]
+        share = float(self._share.value)
+        return FrictionGradient(
+            slip=of_slip,
+            reference=0.0 - of_slip,
+            pressure=share * self.coefficient * of_bound,
+            coefficient=share * pressure * of_bound,
+            regularisation_parameter=float(of("epsilon")[self._trace.owned].sum()),
+        )
 
     @cached_property
     def _at_points(self) -> PointDensity:

@@ -1,0 +1,139 @@
+"""A quantity's derivatives in all that a problem is given, from one adjoint solve."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from fenics_contact.body.modulus_slopes import ModulusSlopes
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import total
+from fenics_contact.contact.point_gradients import along, pulled_back
+from fenics_contact.simulation.sensitivities.scene_changes import Change
+from fenics_contact.simulation.sensitivities.state_gradients import StateGradient
+from fenics_contact.solve.condensed.adjoint import BodyGradient, CondensedAdjoint
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.newton.solution import Solution
+
+
+def adjoint_of(system: CondensedSystem) -> CondensedAdjoint:
+    """Of the true tangent of an answer, in whose state a system is; collective.
+
+    There friction's bound follows the pressure, and the direction of slip is that of the answer:
+    taken twice, as the first step of the primal-dual tangent still sees the slip before.
+    """
+    for contact in system.problem.coulomb:
+        contact.friction.mode = "coupled"
+        contact.follow_pressure()
+        contact.follow()
+    system.linearise(system.state)
+    return system.adjoint()
+
+
+class QuantityGradient:
+    """Derivatives of a quantity in what a problem is given; collective.
+
+    Attributes:
+        contacts: In what each contact is given.
+
+    Args:
+        adjoint: Of the answer's tangent, in whose state the problem is.
+        solution: The answer.
+        scalars: Values of the scalar unknowns in it.
+        state: Derivatives in what happens.
+    """
+
+    def __init__(
+        self, adjoint: CondensedAdjoint, solution: Solution, scalars: Array, state: StateGradient
+    ) -> None:
+        self._problem = problem = adjoint.problem
+        self._solution, self._scalars = solution, scalars
+        self._adjoint, self._energy = adjoint, state.energy
+        numbered = list(enumerate(problem.contacts))
+        jumps, body = [], state.body
+        for number, contact in numbered:
+            held = contact.trace.at_points(adjoint.held_jump(number, body))
+            traction = contact.trace.weights[:, None] * held
+            answers = state.contacts[number].with_traction(contact, traction)
+            jumps.append(contact.trace.onto_nodes(pulled_back(contact, answers).jump))
+        self._body = body = self._with_untouched(body, jumps)
+        self._multipliers = adjoint.solve(jumps, state.scalars, body)
+        self.contacts = []
+        for number, contact in numbered:
+            virtual = contact.trace.at_points(self._multipliers.jump(number))
+            traction = contact.trace.weights[:, None] * virtual
+            answers = state.contacts[number].with_traction(contact, traction)
+            self.contacts.append(pulled_back(contact, answers))
+
+    def _with_untouched(self, body: BodyGradient | None, jumps: list[Array]) -> BodyGradient | None:
+        """With the jumps of contacts that exert no forces, which are displacements; collective."""
+        problem = self._problem
+        for number, (contact, jump) in enumerate(zip(problem.contacts, jumps, strict=True)):
+            moves = total(problem.comm, float(np.abs(jump).sum())) > 0
+            if self._adjoint.jumps[number] is not None or not moves:
+                continue
+            more = contact.kinematics.on_body(jump)
+            reactions = np.zeros_like(more) if body is None else body.reactions
+            body = BodyGradient(more if body is None else body.displacement + more, reactions)
+        return body
+
+    def along(self, change: Change) -> float:
+        """Derivative of the quantity in a number of the scene; collective.
+
+        Args:
+            change: What the number changes.
+        """
+        problem = self._problem
+        owned = slice(0, problem.spaces.owned_nodes)
+        found = sum(
+            along(problem.contacts[number], self.contacts[number], given)
+            for number, given in change.contacts.items()
+        )
+        if change.load is not None:
+            found += float(np.sum(self._multipliers.displacement[owned] * change.load[owned]))
+        if change.prescribed is not None:
+            found += float(self._at_constrained @ change.prescribed)
+        if change.columns:
+            found += self._along_columns(change)
+        if change.modulus is not None:
+            found += self._along_modulus(*change.modulus)
+        if problem.comm.rank == 0:
+            scalars = self._multipliers.scalars
+            found += sum(float(scalars[place] * by) for place, by in change.scalars.items())
+        return float(total(problem.comm, found))
+
+    @cached_property
+    def _at_constrained(self) -> Array:
+        """In the displacements that are prescribed, 0 where another rank counts; collective."""
+        problem = self._problem
+        nodal = self._multipliers.at_supports.copy()
+        for number, contact in enumerate(problem.contacts):
+            if self._adjoint.jumps[number] is not None:
+                jump = contact.trace.onto_nodes(self.contacts[number].jump)
+                nodal += contact.kinematics.on_body(jump)
+        mine = problem.constrained < problem.spaces.owned_nodes * problem.spaces.components
+        return np.where(mine, nodal.reshape(-1)[problem.constrained], 0.0)
+
+    def _along_columns(self, change: Change) -> float:
+        """The far field of resultants moves as its columns change."""
+        problem = self._problem
+        assert problem.far_field is not None
+        outer = np.searchsorted(problem.constrained, problem.far_field.dofs)
+        moved = sum(self._scalars[place] * column for place, column in change.columns.items())
+        return float(self._at_constrained[outer] @ moved)
+
+    def _along_modulus(self, number: int, name: str) -> float:
+        """(e/2 u − ψ) · K_θ u of a quantity that has e times the strain energy in it."""
+        problem, virtual, factor = self._problem, self._multipliers, 0.5 * self._energy
+        mixed = problem.elastic.mixed
+        displacement = factor * self._solution.displacement - virtual.displacement
+        stress = np.zeros(0)
+        if mixed is not None:
+            stress = factor * mixed.mean_stress.x.array - virtual.mean_stress
+        slopes = problem.discrete.once(
+            "modulus slopes",
+            lambda: ModulusSlopes(problem.elastic, problem.spaces, problem.displacement),
+        )
+        on = problem.scene.material[number].on
+        return slopes.work(name, on, displacement, stress)
