@@ -52,6 +52,13 @@ class AnswerGradient:
         friction, slip, jump = vectors
         return cls(pressure, friction, slip, depth, energy, jump)
 
+    def traction(self, contact: ContactSurface) -> Array:
+        """The part of it that is one in the traction that follows the jump, (points, components)."""
+        found = contact.kinematics.tangential(self.friction)
+        if contact.normal.follows_jump:
+            found = found - self.pressure[:, None] * contact.trace.normals
+        return found
+
     def with_traction(self, contact: ContactSurface, of_traction: Array) -> Self:
         """With derivatives in the traction that follows the jump besides, (points, components)."""
         pressure = self.pressure

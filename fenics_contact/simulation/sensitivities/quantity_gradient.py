@@ -9,7 +9,8 @@ import numpy as np
 from fenics_contact.body.modulus_slopes import ModulusSlopes
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
-from fenics_contact.contact.point_gradients import along, pulled_back
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.point_gradients import AnswerGradient, along, pulled_back
 from fenics_contact.simulation.sensitivities.scene_changes import Change
 from fenics_contact.simulation.sensitivities.state_gradients import StateGradient
 from fenics_contact.solve.condensed.adjoint import BodyGradient, CondensedAdjoint
@@ -51,20 +52,42 @@ class QuantityGradient:
         self._solution, self._scalars = solution, scalars
         self._adjoint, self._energy = adjoint, state.energy
         numbered = list(enumerate(problem.contacts))
-        jumps, body = [], state.body
+        tractions = [self._traction(number, state) for number, _ in numbered]
+        start = adjoint.opposing(tractions)
+        known, jumps = [], []
         for number, contact in numbered:
-            held = contact.trace.at_points(adjoint.held_jump(number, body))
-            traction = contact.trace.weights[:, None] * held
-            answers = state.contacts[number].with_traction(contact, traction)
-            jumps.append(contact.trace.onto_nodes(pulled_back(contact, answers).jump))
-        self._body = body = self._with_untouched(body, jumps)
-        self._multipliers = adjoint.solve(jumps, state.scalars, body)
+            virtual = adjoint.jump(number, start) + adjoint.held_jump(number, state.body)
+            answers, traction = state.contacts[number], tractions[number]
+            if traction is not None:
+                answers = answers.with_traction(contact, -answers.traction(contact))
+                virtual += traction
+            known.append(self._with_work(contact, answers, virtual))
+            jumps.append(contact.trace.onto_nodes(pulled_back(contact, known[-1]).jump))
+        body = self._with_untouched(state.body, jumps)
+        self._multipliers = adjoint.solve(jumps, state.scalars, body, start)
         self.contacts = []
         for number, contact in numbered:
-            virtual = contact.trace.at_points(self._multipliers.jump(number))
-            traction = contact.trace.weights[:, None] * virtual
-            answers = state.contacts[number].with_traction(contact, traction)
-            self.contacts.append(pulled_back(contact, answers))
+            virtual = self._multipliers.other_jump(number)
+            self.contacts.append(
+                pulled_back(contact, self._with_work(contact, known[number], virtual))
+            )
+
+    def _traction(self, number: int, state: StateGradient) -> Array | None:
+        """The virtual jump whose work on a contact's tractions is in a quantity, at all nodes.
+
+        None where not all points are nodes, or nothing follows the jump.
+        """
+        contact = self._problem.contacts[number]
+        if not contact.trace.nodal or self._adjoint.jumps[number] is None:
+            return None
+        of_traction = state.contacts[number].traction(contact)
+        return contact.trace.onto_nodes(of_traction / contact.trace.weights[:, None])
+
+    @staticmethod
+    def _with_work(contact: ContactSurface, answers: AnswerGradient, jump: Array) -> AnswerGradient:
+        """With the work of a contact's tractions on a virtual jump at its nodes."""
+        weights = contact.trace.weights[:, None]
+        return answers.with_traction(contact, weights * contact.trace.at_points(jump))
 
     def _with_untouched(self, body: BodyGradient | None, jumps: list[Array]) -> BodyGradient | None:
         """With the jumps of contacts that exert no forces, which are displacements; collective."""

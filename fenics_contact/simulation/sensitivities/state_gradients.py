@@ -18,6 +18,7 @@ from fenics_contact.contact.state import OPEN
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import Indentation
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, VECTORS, QuantityName
+from fenics_contact.scene.values import AXES
 from fenics_contact.solve.condensed.adjoint import BodyGradient
 from fenics_contact.solve.newton.solution import Solution
 
@@ -262,7 +263,7 @@ class Quantities:
     def _add_reaction(self, found: StateGradient, name: QuantityName) -> None:
         assert name.axis is not None
         problem = self.problem
-        dofs = self._dofs_of(name.owner) if name.owner else problem.constrained
+        dofs = self._dofs_of(name.owner, name.axis) if name.owner else problem.constrained
         reactions = np.zeros_like(problem.load)
         is_radial = problem.spaces.kinematics == "axisymmetric" and name.axis == 0
         if not is_radial:  # over a revolution they cancel
@@ -270,13 +271,14 @@ class Quantities:
             reactions.reshape(-1)[mine] = 1.0
         found.body = BodyGradient(np.zeros_like(reactions), reactions)
 
-    def _dofs_of(self, owner: str) -> Array:
-        """Dofs whose forces count to the supports of a name."""
+    def _dofs_of(self, owner: str, axis: int) -> Array:
+        """Dofs whose forces along an axis count to the supports of a name."""
         problem = self.problem
-        if not problem.shared_reactions.are_none:
+        numbers = [n for n, one in enumerate(problem.applied_supports) if one.label == owner]
+        if problem.shared_reactions.are_shared(numbers, axis):
             raise InputError(
-                f"of: '{owner}.reaction' has no derivatives where supports share facets' edges; "
-                "the reaction of all supports has"
+                f"of: '{owner}.reaction_{AXES[axis]}' has no derivatives, as other supports hold "
+                "some of its points along that axis too; the reaction of all supports has"
             )
         counted = np.zeros(problem.load.size, dtype=bool)
         found = [np.zeros(0, dtype=np.int64)]

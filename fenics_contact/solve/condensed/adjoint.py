@@ -61,15 +61,42 @@ class CondensedAdjoint:
         self.jumps, self._dense = jumps, dense
         self._driving = [u for u in problem.unknowns if isinstance(u, ContactScalar)]
 
+    def opposing(self, tractions: Sequence[Array | None]) -> Array:
+        """Λ whose virtual jumps are minus given ones, wherever these are unknowns; collective.
+
+        The virtual work of a traction is then taken off what a quantity has of it itself, and what
+        is left is seen without the stiffness of contacts, of which it would be a small difference.
+
+        Args:
+            tractions: At all nodes of each surface, (nodes, components); None for none.
+        """
+        found = np.zeros(self.variables.count + len(self.problem.unknowns))
+        taken = np.zeros(len(found), dtype=bool)
+        for jump, traction in zip(self.jumps, tractions, strict=True):
+            if jump is None or traction is None:
+                continue
+            rows = from_root(self.problem.comm, self._gathered(jump, traction))
+            entries = jump.work[:, : self.variables.count].tocoo()
+            mine = ~taken[entries.col]
+            found[entries.col[mine]] = -rows[entries.row[mine]]
+            taken[entries.col] = True
+        return found
+
     def solve(
-        self, jumps: Sequence[Array], scalars: Array, body: BodyGradient | None
+        self,
+        jumps: Sequence[Array],
+        scalars: Array,
+        body: BodyGradient | None,
+        start: Array,
     ) -> Multipliers:
         """Λ of a quantity; collective.
 
         Args:
-            jumps: Its derivatives in the jump at all nodes of each surface, (nodes, components).
+            jumps: Its derivatives in the jump at all nodes of each surface, (nodes, components),
+                with those of the virtual work of tractions on the jumps of ``start``.
             scalars: In the scalar unknowns, beside what these do to jumps and displacements.
             body: In the body, beside the contacts; None where there are none.
+            start: Part of Λ that is known.
         """
         free = None if body is None else self._without_contacts(body)
         right = self._of_unknowns(free)
@@ -81,8 +108,26 @@ class CondensedAdjoint:
             if self._dense is not None:
                 onto = self._dense.constant.onto_unknowns(jump.motion.T @ rows)
                 right[: len(onto)] += onto
-        found = None if self._dense is None else self._dense.solve_transposed(right)
-        return Multipliers(self, np.asarray(from_root(self.problem.comm, found)), body, free)
+        found = None
+        if self._dense is not None:
+            found = self._dense.solve_transposed(right - self._dense.times_transposed(start))
+        rest = np.asarray(from_root(self.problem.comm, found))
+        return Multipliers(self, start, rest, body, free)
+
+    def jump(self, number: int, values: Array) -> Array:
+        """Virtual jump of a contact at all nodes of its surface of this rank.
+
+        Args:
+            number: Of the contact.
+            values: Λ, on every rank.
+        """
+        jump, surface = self.jumps[number], self.problem.contacts[number].trace.surface
+        if jump is None:
+            return np.zeros((len(surface.coordinates), surface.components))
+        inner = len(values) - len(self.problem.preloads)
+        derived = self.variables.derived_jumps(values[: self.variables.count])
+        found = jump.work @ np.concatenate([values[:inner], derived])
+        return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
 
     def held_jump(self, number: int, body: BodyGradient | None) -> Array:
         """Virtual jump at the nodes of a surface of dofs whose reactions count; collective."""
@@ -152,7 +197,8 @@ class Multipliers:
 
     Args:
         adjoint: That found it.
-        values: Of the unknowns, on every rank.
+        start: Part of it that was known.
+        rest: The other part.
         body: Of the quantity.
         free: The same without contacts.
     """
@@ -160,11 +206,12 @@ class Multipliers:
     def __init__(
         self,
         adjoint: CondensedAdjoint,
-        values: Array,
+        start: Array,
+        rest: Array,
         body: BodyGradient | None,
         free: _FreeBody | None,
     ) -> None:
-        self._adjoint, self._values = adjoint, values
+        self._adjoint, self._rest, self._values = adjoint, rest, start + rest
         self._body, self._free = body, free
         self._problem = adjoint.problem
 
@@ -173,17 +220,9 @@ class Multipliers:
         """Of the scalar unknowns: dJ over the right-hand sides of their equations."""
         return self._values[self._adjoint.variables.count :]
 
-    def jump(self, number: int) -> Array:
-        """Virtual jump of a contact that its forces work on, at all nodes of its surface."""
-        adjoint, jump = self._adjoint, self._adjoint.jumps[number]
-        surface = self._problem.contacts[number].trace.surface
-        if jump is None:
-            return np.zeros((len(surface.coordinates), surface.components))
-        count, inner = adjoint.variables.count, len(self._values) - len(self._problem.preloads)
-        derived = adjoint.variables.derived_jumps(self._values[:count])
-        found = jump.work @ np.concatenate([self._values[:inner], derived])
-        free = found.reshape(-1, surface.components)[surface.numbers]
-        return np.asarray(free + adjoint.held_jump(number, self._body))
+    def other_jump(self, number: int) -> Array:
+        """Virtual jump of a contact beyond that of the known part, at all nodes of its surface."""
+        return self._adjoint.jump(number, self._rest)
 
     @cached_property
     def unknowns(self) -> Array:

@@ -19,6 +19,9 @@ _BLOCK = 256  # rows that are mirrored at a time
 # not, the spring that it gets is taken out again just as exactly.
 _SINGULAR = 1e-9
 
+# As LAPACK gives it: LU, pivots, and whether it is singular.
+_Factor = tuple[Array, Integers, int]
+
 
 class ComplianceSolver:
     """M = A + Qᵀ W Q by A⁻¹, which with what Q adds is found once.
@@ -91,36 +94,55 @@ class ComplianceSolver:
         place = np.cumsum(acts) - 1
         shape = (len(self._active), len(self._active))
         self._extra = csr_matrix((values, (place[rows], place[columns])), shape=shape)
-        inverse = self._inverse[np.ix_(self._active, self._active)]
-        matrix = np.eye(len(self._active)) + (self._extra.T @ inverse.T).T
+        self._factor = self._factored(self._between.T, self._extra.T)
+        self._transposed: _Factor | None = None
+
+    @property
+    def _between(self) -> Array:
+        """The inverse between the unknowns at which contacts act."""
+        return self._inverse[np.ix_(self._active, self._active)]
+
+    def _factored(self, compliance: Array, stiffness: csr_matrix) -> _Factor | None:
+        """Of 1 + (K C)ᵀ; None where no contact acts."""
+        if not len(self._active):
+            return None
         # By LAPACK itself: a singular tangent shall end the solve in our words.
-        self._factor = lapack.dgetrf(matrix) if len(self._active) else None
+        found: _Factor = lapack.dgetrf(np.eye(len(self._active)) + (stiffness @ compliance).T)
+        return found
 
     def solve(self, right: Array) -> Array:
         """M⁻¹ r; not a number where M is singular."""
-        size = len(right)
-        free = self._inverse[:, :size] @ right
-        if self._factor is None:
-            return np.asarray(free[:size])
-        factor, pivots, singular = self._factor
-        if singular:
-            return np.full(len(right), np.nan)
-        active, _ = lapack.dgetrs(factor, pivots, free[self._active])
-        found = free - self._inverse[:, self._active] @ (self._extra @ active)
-        found[self._active] = active  # no difference of long numbers under a stiff penalty
-        return np.asarray(found[:size])
+        free = self._inverse[:, : len(right)] @ right
+        return self._with_contacts(free, self._factor, self._inverse.T, self._extra)
 
     def solve_transposed(self, right: Array) -> Array:
-        """M⁻ᵀ r = (A⁻¹ − A⁻¹ Qᵀ W (1 + G W)⁻¹ Q A⁻¹)ᵀ r, G = Q A⁻¹ Qᵀ; as of ``solve``."""
-        size = len(right)
-        free = right @ self._inverse[:size]
-        if self._factor is None:
+        """M⁻ᵀ r; not a number where M is singular."""
+        if self._transposed is None:
+            self._transposed = self._factored(self._between, self._extra)
+        free = right @ self._inverse[: len(right)]
+        return self._with_contacts(free, self._transposed, self._inverse, self._extra.T)
+
+    def _with_contacts(
+        self, free: Array, factor: _Factor | None, rows: Array, stiffness: csr_matrix
+    ) -> Array:
+        """What forces of contacts make of an answer without them.
+
+        Args:
+            free: That, of all of Q y.
+            factor: Of what these move.
+            rows: The transpose of what moves by forces.
+            stiffness: Forces over what moves, of the unknowns at which contacts act.
+        """
+        size = self._constant.size
+        if factor is None:
             return np.asarray(free[:size])
-        factor, pivots, singular = self._factor
+        *pivoted, singular = factor
         if singular:
-            return np.full(len(right), np.nan)
-        forces, _ = lapack.dgetrs(factor, pivots, self._extra.T @ free[self._active], trans=1)
-        return np.asarray((free - forces @ self._inverse[self._active])[:size])
+            return np.full(size, np.nan)
+        active, _ = lapack.dgetrs(*pivoted, free[self._active])
+        found = free - (stiffness @ active) @ rows[self._active]
+        found[self._active] = active  # no difference of long numbers under a stiff penalty
+        return np.asarray(found[:size])
 
 
 def _mirror(lower: Array) -> None:

@@ -86,6 +86,12 @@ class ConstantTangent:
         forces = self.bulk_forces(displacements) + self.columns @ scalars
         return np.concatenate([forces, self.corner * scalars])
 
+    def times_transposed(self, values: Array) -> Array:
+        """Aᵀ y."""
+        displacements, scalars = values[: self.count], values[self.count :]
+        own = displacements @ self.columns + self.corner * scalars
+        return np.concatenate([self.bulk_forces(displacements), own])
+
     def every(self, values: Array) -> Array:
         """Q y: the unknowns, and the derived jumps after them."""
         return np.concatenate([values, self.derived @ values[: self.count]])

@@ -121,6 +121,12 @@ class ContactTangent:
         forces, own = self.border.times(inner, shortenings)
         return np.concatenate([self.constant.times(inner) + forces, own])
 
+    def times_transposed(self, values: Array) -> Array:
+        """The transpose, without contacts, times all unknowns."""
+        inner, shortenings = values[: self.constant.size], values[self.constant.size :]
+        forces, own = self.border.times(inner, shortenings)
+        return np.concatenate([self.constant.times_transposed(inner) + forces, own])
+
     def magnitude(self, values: Array) -> float:
         """Σ |M| |y| over all rows, of all unknowns."""
         constant, sizes = self.constant, np.abs(values[: self.constant.size])
