@@ -132,9 +132,7 @@ class FarField:
         found.columns, found.sideways = {}, {}
         for number in self.columns:
             found.columns[number] = next(slopes)
-            found.sideways[number] = [
-                (along, next(slopes)) for along, _ in self.sideways[number]
-            ]
+            found.sideways[number] = [(along, next(slopes)) for along, _ in self.sideways[number]]
         return found
 
     def _unit_field(self, arms: Array, inward: Array, along: Array | None, reach: float) -> Array:

@@ -21,13 +21,14 @@ from fenics_contact.solve.newton.solution import Solution
 def adjoint_of(system: CondensedSystem) -> CondensedAdjoint:
     """Of the true tangent of an answer, in whose state a system is; collective.
 
-    There friction's bound follows the pressure, and the direction of slip is that of the answer:
-    taken twice, as the first step of the primal-dual tangent still sees the slip before.
+    There friction's bound follows the pressure, and tractions turn with the slip as the law has it.
     """
-    for contact in system.problem.coulomb:
-        contact.friction.mode = "coupled"
-        contact.follow_pressure()
-        contact.follow()
+    for contact in system.problem.frictional:
+        if contact.is_coulomb:
+            contact.friction.mode = "coupled"
+            contact.follow_pressure()
+        kinematics = contact.kinematics
+        contact.friction.take_true_tangent(kinematics.tangential(kinematics.jump_at_points()))
     system.linearise(system.state)
     return system.adjoint()
 

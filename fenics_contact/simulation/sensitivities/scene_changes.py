@@ -96,7 +96,11 @@ class SceneChanges:
         unit = unit_of(value[component] if is_vector else value, inner)
         if unit is None:
             raise _refused(key, "only the values of a profile have")
-        units = tuple(unit if place == component else 0.0 for place in range(len(value))) if is_vector else unit
+        units = (
+            tuple(unit if place == component else 0.0 for place in range(len(value)))
+            if is_vector
+            else unit
+        )
         (found,) = given_loads((replace(load, **{load.kind: units}),), problem.spaces)
         nodal = found.nodal_of_units(problem.discrete.found.setdefault("loads", {}))
         return Change(load=found.path(self.time) * nodal)
@@ -122,9 +126,7 @@ class SceneChanges:
         if rest != ["force"]:
             raise _refused(key, "the body depends on it")
         preload = problem.preloads[number]
-        return Change(
-            scalars={problem.unknowns.index(preload): preload.force_factor(self.time)}
-        )
+        return Change(scalars={problem.unknowns.index(preload): preload.force_factor(self.time)})
 
     def _of_material(self, key: str, number: int, rest: list[str]) -> Change:
         if len(rest) != 1 or rest[0] not in _MODULI:

@@ -21,7 +21,9 @@ def found_in(scene: Scene, key: str) -> Any:
     for name in key.split("."):
         if dataclasses.is_dataclass(part) and name in {f.name for f in dataclasses.fields(part)}:
             part = getattr(part, name)
-        elif isinstance(part, tuple) and name.isascii() and name.isdigit() and int(name) < len(part):
+        elif (
+            isinstance(part, tuple) and name.isascii() and name.isdigit() and int(name) < len(part)
+        ):
             part = part[int(name)]
         elif isinstance(part, Mapping) and name in part:
             part = part[name]

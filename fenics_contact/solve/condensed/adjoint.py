@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import from_root, gathered_on_root, total
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ContactScalar
@@ -112,6 +113,10 @@ class CondensedAdjoint:
         if self._dense is not None:
             found = self._dense.solve_transposed(right - self._dense.times_transposed(start))
         rest = np.asarray(from_root(self.problem.comm, found))
+        if not np.isfinite(rest).all():
+            raise NotConvergedError(
+                "derivatives: the answer is at a limit, where it does not follow what is given"
+            )
         return Multipliers(self, start, rest, body, free)
 
     def jump(self, number: int, values: Array) -> Array:

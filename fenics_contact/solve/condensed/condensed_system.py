@@ -314,9 +314,7 @@ class CondensedSystem(System):
 
     def adjoint(self) -> CondensedAdjoint:
         """Of the tangent that was set last; collective."""
-        return CondensedAdjoint(
-            self.problem, self._body, self.variables, self._dense, self._jumps
-        )
+        return CondensedAdjoint(self.problem, self._body, self.variables, self._dense, self._jumps)
 
     def imbalance(self) -> float:
         """1-norm of the last residual (force); collective."""

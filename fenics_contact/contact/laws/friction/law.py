@@ -145,6 +145,13 @@ class FrictionLaw(ContactLaw):
             slip: w_T since the start at the points, (points, components) (length).
         """
 
+    def take_true_tangent(self, slip: Array) -> None:
+        """Set the tangent to the law's own derivative at a state that is an answer.
+
+        Args:
+            slip: As of ``follow``.
+        """
+
     def accept(self, slip: Array) -> None:
         """A load step is done at a slip since the start."""
 

@@ -66,6 +66,7 @@ class RegularisedFriction(FrictionLaw):
         # Not 0 anywhere: it divides, also where the weight is 0.
         self._length = trace.function(np.ones(count), empty=1.0)
         self._held = np.zeros_like(self._slip)
+        self._left_stiff = _LEFT_STIFF
         self.stick_all()
         given = site.contact.regularisation_parameter
         if given != "auto":
@@ -254,7 +255,7 @@ class RegularisedFriction(FrictionLaw):
             normal=self._trace.normals,
             bound=self.bound,
             epsilon=self.regularisation_parameter,
-            direction=(1 - _LEFT_STIFF) * self._dual,
+            direction=(1 - self._left_stiff) * self._dual,
             length=self._lengths_and_directions()[0],
         )
 
@@ -298,6 +299,13 @@ class RegularisedFriction(FrictionLaw):
         dual = (slip - self._dual * lengthening[:, None]) / lengths[:, None]
         self._dual = dual / np.maximum(np.linalg.norm(dual, axis=1), 1.0)[:, None]
         self._slip = slip
+        self._set_tangent_state()
+
+    def take_true_tangent(self, slip: Array) -> None:
+        """Set the tangent to the law's own derivative, from now on with nothing left stiff."""
+        self._left_stiff = 0.0
+        self._slip = self.counted(slip)
+        self._dual = self._slip / self._lengths_and_directions()[0][:, None]
         self._set_tangent_state()
 
     def accept(self, slip: Array) -> None:
@@ -387,7 +395,7 @@ class RegularisedFriction(FrictionLaw):
         return np.maximum(size, self.regularisation_parameter), directions
 
     def _set_tangent_state(self) -> None:
-        self._direction.set((1 - _LEFT_STIFF) * self._dual)
+        self._direction.set((1 - self._left_stiff) * self._dual)
         self._length.set(self._lengths_and_directions()[0])
 
 

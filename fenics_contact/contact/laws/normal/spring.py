@@ -219,7 +219,9 @@ class SpringLaw(NormalLaw):
         def of(name: str) -> Array:
             points = self._at_points
             found = points.curvatures(name, "depth", **values)[:, :, 0] * across[:, None]
-            found = found + np.einsum("ijk,ik->ij", points.curvatures(name, "jump", **values), along)
+            found = found + np.einsum(
+                "ijk,ik->ij", points.curvatures(name, "jump", **values), along
+            )
             slopes = points.slope(name, **values).reshape(found.shape)
             return np.where(acts[:, None], found + slopes * energy[:, None], 0.0)
 
