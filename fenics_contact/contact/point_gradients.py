@@ -53,7 +53,7 @@ class AnswerGradient:
         return cls(pressure, friction, slip, depth, energy, jump)
 
     def traction(self, contact: ContactSurface) -> Array:
-        """The part of it that is one in the traction that follows the jump, (points, components)."""
+        """Its part in the traction that follows the jump, (points, components)."""
         found = contact.kinematics.tangential(self.friction)
         if contact.normal.follows_jump:
             found = found - self.pressure[:, None] * contact.trace.normals

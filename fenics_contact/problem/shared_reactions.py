@@ -114,7 +114,7 @@ class SharedReactions:
         """
         own = np.isin(np.arange(len(self._holds)), list(supports))
         found = self._holds[own].any(axis=0) & (self._axes == axis)
-        return total(self._spaces.comm, int(found.sum())) > 0
+        return bool(total(self._spaces.comm, int(found.sum())) > 0)
 
     def moved(self, needed: Array, displacement: Array) -> Array:
         """What each support's reaction is beyond that of dofs which count to the first.

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 import ufl
@@ -87,12 +86,13 @@ class RigidObstacle:
             axis: Of the latter.
             value: Of the number (length).
         """
-        found: Any = copy.copy(self)
+        found = copy.copy(self)
         if name == "radius":
-            found._radius = value
+            found._radius = value  # type: ignore[assignment]
         else:
-            found._apex = self._apex.astype(complex)
-            found._apex[axis] = value
+            apex = self._apex.astype(complex)
+            apex[axis] = value
+            found._apex = apex
         return found
 
     def gap(self, points: Array, normals: Array, position: Expr) -> Array:

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from fenics_contact.body.elasticity import Isotropic
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
@@ -22,6 +23,7 @@ from fenics_contact.problem.loads import given_loads
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import Indentation, Resultant
 from fenics_contact.scene.contact import Obstacle
+from fenics_contact.scene.values import Value
 from fenics_contact.simulation.sensitivities.values import found_in, unit_of
 
 _MODULI = ("youngs_modulus", "poissons_ratio")
@@ -90,17 +92,12 @@ class SceneChanges:
         problem, load = self.problem, self.problem.scene.load[number]
         if rest[0] != load.kind:
             raise _refused(key, "it is part of a path")
-        value = getattr(load, load.kind)
-        is_vector = isinstance(value, tuple)
-        component, inner = (int(rest[1]), rest[2:]) if is_vector else (0, rest[1:])
-        unit = unit_of(value[component] if is_vector else value, inner)
-        if unit is None:
-            raise _refused(key, "only the values of a profile have")
-        units = (
-            tuple(unit if place == component else 0.0 for place in range(len(value)))
-            if is_vector
-            else unit
-        )
+        value: Value | tuple[Value, ...] = getattr(load, load.kind)
+        if isinstance(value, tuple):
+            units: Any = [0.0] * len(value)
+            units[int(rest[1])] = _unit(key, value[int(rest[1])], rest[2:])
+        else:
+            units = _unit(key, value, rest[1:])
         (found,) = given_loads((replace(load, **{load.kind: units}),), problem.spaces)
         nodal = found.nodal_of_units(problem.discrete.found.setdefault("loads", {}))
         return Change(load=found.path(self.time) * nodal)
@@ -109,13 +106,12 @@ class SceneChanges:
         problem, support = self.problem, self.problem.scene.support[number]
         if rest[0] != "displacement":
             raise _refused(key, "it is part of a path")
-        unit = unit_of(support.displacement[rest[1]], rest[2:])  # type: ignore[index]
-        if unit is None:
-            raise _refused(key, "only the values of a profile have")
-        found = problem.supports.slopes(number, rest[1], unit, self.time)
+        axis = next(axis for axis in support.displacement if axis == rest[1])
+        unit = _unit(key, support.displacement[axis], rest[2:])
+        found = problem.supports.slopes(number, axis, unit, self.time)
         return Change(prescribed=self._at_constrained(problem.supports.dofs, found))
 
-    def _at_constrained(self, dofs: Array, values: Array) -> Array:
+    def _at_constrained(self, dofs: Integers, values: Array) -> Array:
         """Values at all dofs that are constrained, 0 at others."""
         found = np.zeros(len(self.problem.constrained))
         found[np.searchsorted(self.problem.constrained, dofs)] = values
@@ -170,8 +166,9 @@ class SceneChanges:
             coefficient = self._at_points(contact, key, scene.friction_coefficient, rest[1:])
             return Change(contacts={number: GivenChange(coefficient=coefficient)})
         if rest[0] == "pressure" and scene.pressure is not None:
-            unit = self._at_points(contact, key, scene.pressure, rest[1:])
-            return self._of_pressure(number, contact, unit)
+            return self._of_pressure(
+                number, contact, self._at_points(contact, key, scene.pressure, rest[1:])
+            )
         place = 2 if rest[0] == "normal_law" else 1
         value = found_in(self.problem.scene, ".".join(key.split(".")[: 2 + place]))
         unit = unit_of(value, rest[place:])
@@ -180,14 +177,9 @@ class SceneChanges:
             raise _refused(key, "the law does not follow it smoothly")
         return Change(contacts={number: GivenChange(fields=fields)})
 
-    def _at_points(
-        self, contact: ContactSurface, key: str, value: object, rest: list[str]
-    ) -> Array:
+    def _at_points(self, contact: ContactSurface, key: str, value: Value, rest: list[str]) -> Array:
         """What a number changes of a value at the points."""
-        unit = unit_of(value, rest)  # type: ignore[arg-type]
-        if unit is None:
-            raise _refused(key, "only the values of a profile have")
-        return contact.spaces.evaluate_at(unit, contact.trace.coordinates.T, key)
+        return contact.spaces.evaluate_at(_unit(key, value, rest), contact.trace.coordinates.T, key)
 
     def _of_pressure(self, number: int, contact: ContactSurface, unit: Array) -> Change:
         """A pressure that is given loads the body, and bounds friction."""
@@ -247,6 +239,18 @@ def _is_smooth(obstacle: Obstacle, name: str) -> bool:
     """Whether gaps follow its size or place without jumps: not at the edges of punches."""
     has_edges = obstacle.shape in ("flat punch", "annular punch")
     return obstacle.shape is not None and not (has_edges and name == "radius")
+
+
+def _unit(key: str, value: Value, rest: list[str]) -> Value:
+    """Derivative of a value in one of its numbers.
+
+    Raises:
+        InputError: It has none.
+    """
+    unit = unit_of(value, rest)
+    if unit is None:
+        raise _refused(key, "of a profile, only the values have")
+    return unit
 
 
 def _refused(key: str, why: str) -> InputError:

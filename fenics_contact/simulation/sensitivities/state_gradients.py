@@ -158,7 +158,7 @@ class Quantities:
 
     def _axis(self, name: QuantityName) -> Array:
         assert name.axis is not None
-        return np.eye(self.problem.spaces.components)[name.axis]
+        return np.asarray(np.eye(self.problem.spaces.components)[name.axis])
 
     def _add_pressure_integral(self, found: StateGradient, number: int, name: QuantityName) -> None:
         found.contacts[number].pressure += self.problem.contacts[number].trace.weights

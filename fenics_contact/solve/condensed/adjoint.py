@@ -251,7 +251,7 @@ class Multipliers:
 
     @cached_property
     def at_supports(self) -> Array:
-        """dJ over the displacements at each dof that is held, but for contacts' part; collective.
+        """Derivatives in displacements of dofs that are held, but for contacts' part; collective.
 
         At the nodes of this rank, (nodes, components).
         """

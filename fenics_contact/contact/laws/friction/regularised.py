@@ -358,11 +358,12 @@ class RegularisedFriction(FrictionLaw):
     def pulled_back(self, slip: Array, pressure: Array, of_traction: Array) -> FrictionGradient:
         """By the second derivatives of g φ_ε; g follows the coefficient and the pressure."""
         epsilon = self.regularisation_parameter
-        values = {"slip": self.counted(slip), "bound": self.bound, "epsilon": epsilon}
+        values: dict[str, Array | float] = {"slip": self.counted(slip), "bound": self.bound}
+        values["epsilon"] = epsilon
 
         def of(name: str) -> Array:
             found = self._at_points.curvatures("slip", name, **values)
-            return 0.0 - np.einsum("ijk,ij->ik", found, of_traction)
+            return np.asarray(0.0 - np.einsum("ijk,ij->ik", found, of_traction))
 
         of_slip, of_bound = of("slip"), of("bound")[:, 0]
         share = float(self._share.value)
