@@ -15,7 +15,7 @@ from fenics_contact.simulation.sensitivities.scene_changes import Change
 from fenics_contact.simulation.sensitivities.state_gradients import StateGradient
 from fenics_contact.solve.condensed.adjoint import BodyGradient, CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
 
 
 def adjoint_of(system: CondensedSystem) -> CondensedAdjoint:
@@ -41,16 +41,13 @@ class QuantityGradient:
 
     Args:
         adjoint: Of the answer's tangent, in whose state the problem is.
-        solution: The answer.
-        scalars: Values of the scalar unknowns in it.
+        step: The answer.
         state: Derivatives in what happens.
     """
 
-    def __init__(
-        self, adjoint: CondensedAdjoint, solution: Solution, scalars: Array, state: StateGradient
-    ) -> None:
+    def __init__(self, adjoint: CondensedAdjoint, step: AcceptedStep, state: StateGradient) -> None:
         self._problem = problem = adjoint.problem
-        self._solution, self._scalars = solution, scalars
+        self._step = step
         self._adjoint, self._energy = adjoint, state.energy
         numbered = list(enumerate(problem.contacts))
         tractions = [self._traction(number, state) for number, _ in numbered]
@@ -144,20 +141,20 @@ class QuantityGradient:
         problem = self._problem
         assert problem.far_field is not None
         outer = np.searchsorted(problem.constrained, problem.far_field.dofs)
-        moved = sum(self._scalars[place] * column for place, column in change.columns.items())
+        scalars = self._step.unknowns.scalars
+        moved = sum(scalars[place] * column for place, column in change.columns.items())
         return float(self._at_constrained[outer] @ moved)
 
     def _along_modulus(self, number: int, name: str) -> float:
         """(e/2 u − ψ) · K_θ u of a quantity that has e times the strain energy in it."""
         problem, virtual, factor = self._problem, self._multipliers, 0.5 * self._energy
-        mixed = problem.elastic.mixed
-        displacement = factor * self._solution.displacement - virtual.displacement
-        stress = np.zeros(0)
-        if mixed is not None:
-            stress = factor * mixed.mean_stress.x.array - virtual.mean_stress
+        present, present_stress = self._step.solution.displacement, self._step.unknowns.mean_stress
+        displacement = factor * present - virtual.displacement
+        stress = factor * present_stress - virtual.mean_stress
         slopes = problem.discrete.once(
             "modulus slopes",
-            lambda: ModulusSlopes(problem.elastic, problem.spaces, problem.displacement),
+            lambda: ModulusSlopes(problem.elastic, problem.spaces),
         )
         on = problem.scene.material[number].on
-        return slopes.work(name, on, displacement, stress)
+        state, virtual_state = (present, present_stress), (displacement, stress)
+        return slopes.work(name, on, state, virtual_state)

@@ -11,8 +11,10 @@ from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.sensitivities.derivatives import Derivatives, derivatives
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.newton import Newton
+from fenics_contact.solve.newton.solution import Solution
 
 
 def solved_derivatives(
@@ -35,8 +37,15 @@ def solved_derivatives(
     require_equilibrium(problem)
     system = CondensedSystem(problem, timings, kept.condense(problem, timings))
     try:
-        load_steps = LoadSteps(Newton(problem, system, timings))
+        steps: list[AcceptedStep] = []
+
+        def accepted(time: float, solution: Solution) -> None:
+            assert load_steps.last is not None
+            steps.append(load_steps.last)
+
+        load_steps = LoadSteps(Newton(problem, system, timings), accepted)
         load_steps.finds_body = False
-        return derivatives(system, load_steps.solve(), of, by)
+        load_steps.solve()
+        return derivatives(load_steps, system, steps, of, by)
     finally:
         system.destroy()
