@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from fenics_contact.analytic.complex_step import slope
 from fenics_contact.analytic.half_space import boussinesq, cerruti, flamant, flamant_along
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.analytic.complex_step import slope
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import gather_rows, largest, smallest
 from fenics_contact.contact.contact_surface import ContactSurface

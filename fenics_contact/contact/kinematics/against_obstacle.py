@@ -6,8 +6,8 @@ import copy
 
 import numpy as np
 
-from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.analytic.complex_step import slope
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import FenicsContactError, InputError
 from fenics_contact.common.parallel import gather_rows, raise_together, smallest
 from fenics_contact.contact.kinematics.jump import ContactKinematics

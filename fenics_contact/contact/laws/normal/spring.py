@@ -15,10 +15,10 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
+from fenics_contact.analytic.complex_step import slope
 from fenics_contact.body.forms import CompiledForm, Expr, Form
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
-from fenics_contact.analytic.complex_step import slope
 from fenics_contact.contact.laws.energies import prescribed_pressure_energy
 from fenics_contact.contact.laws.normal.law import NormalGradient, NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
