@@ -104,10 +104,17 @@ class ContactTangent:
 
     def solve_transposed(self, right: Array) -> Array:
         """With the transpose, of all unknowns; not a number where it is singular."""
-        if self._is_split:
+        return self.border.solve_transposed(right, self._solve_transposed)
+
+    def _solve_transposed(self, right: Array) -> Array:
+        """M⁻ᵀ r; not a number where M is singular."""
+        if self._is_split and self._split is not None:
+            found = self._split.solve_transposed(right)
+            if found is not None:
+                return found
             self._is_split = False
             self.compliance.factorise(self._added)
-        return self.border.solve_transposed(right, self.compliance.solve_transposed)
+        return self.compliance.solve_transposed(right)
 
     def multiply(self, values: Array) -> Array:
         """The tangent times all unknowns."""
@@ -125,7 +132,7 @@ class ContactTangent:
         """The transpose, without contacts, times all unknowns."""
         inner, shortenings = values[: self.constant.size], values[self.constant.size :]
         forces, own = self.border.times(inner, shortenings)
-        return np.concatenate([self.constant.times_transposed(inner) + forces, own])
+        return np.concatenate([self.constant.transposed.times(inner) + forces, own])
 
     def magnitude(self, values: Array) -> float:
         """Σ |M| |y| over all rows, of all unknowns."""

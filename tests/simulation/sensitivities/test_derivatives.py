@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from dolfinx.mesh import CellType
 
 from fenics_contact import (
     Contact,
@@ -22,8 +23,12 @@ from fenics_contact.contact.laws.friction.tangent_at_points import PrimalDual
 from fenics_contact.simulation.sensitivities.values import found_in
 from fenics_contact.simulation.studies.changes import with_changes
 from tests.scenes import box_body
-from tests.simulation.studies.cases import BALL, CASES, DEPTH, FORCE, MU, ON_A_FLOOR, square
+from tests.simulation.studies.cases import BALL, CASES, DEPTH, FORCE, MU, ON_A_FLOOR, PAD, square
+from tests.solve.condensed.stiff_and_soft import Split
 
+EVERY = CASES | {
+    "tetrahedra": (PAD, lambda: box_body((2, 2, 1), cell=CellType.tetrahedron), []),
+}
 AT_ONCE = Path((0, 1), (0, 1))
 OBSTACLE = "contact.0.obstacle"
 E, NU = "material.0.youngs_modulus", "material.0.poissons_ratio"
@@ -78,6 +83,11 @@ TABLE = {
         "friction_force_x contact_force_x strain_energy indentation max_contact_pressure",
         [MU, FORCE, "load.0.traction.0", f"{OBSTACLE}.radius", f"{OBSTACLE}.position.0", E],
     ),
+    "tetrahedra": (
+        {f"{OBSTACLE}.shape": "sphere", f"{OBSTACLE}.radius": 4.0},
+        "normal_force friction_force_x strain_energy reaction_x",
+        [MU, "load.0.traction.0", f"{OBSTACLE}.radius"],
+    ),
     "two bodies": (
         {
             "steps": Steps(),
@@ -105,7 +115,7 @@ TABLE = {
 
 def study_of(name, changes):
     """Of a case with its automatic parameters given as they are chosen."""
-    scene, make, _ = CASES[name]
+    scene, make, _ = EVERY[name]
     scene = with_changes(scene, changes)
     solver = dataclasses.replace(scene.solver, errors="none", tolerance=1e-13)
     scene = dataclasses.replace(scene, solver=solver)
@@ -165,6 +175,21 @@ def test_derivatives_are_central_differences_of_runs(name):
     changes, of, by = TABLE[name]
     found = errors(study_of(name, changes), of.split(), by)
     assert {pair: error for pair, error in found.items() if error > 1} == {}
+
+
+@pytest.mark.parametrize("name", ["in space", "two bodies"])
+def test_the_same_with_stiff_and_soft_apart(name, monkeypatch):
+    changes, of, by = TABLE[name]
+    study = study_of(name, changes)
+    expected = study.derivatives(of.split(), by)
+    split = Split(monkeypatch)
+    found = study.derivatives(of.split(), by)
+    split.require_used()
+    for quantity, slopes in expected.items():
+        size = max(abs(slopes[key] * found_in(study.scene, key)) for key in by)
+        for key in by:
+            off = found[quantity][key] - slopes[key]
+            assert abs(off * found_in(study.scene, key)) <= 1e-7 * size, (quantity, key)
 
 
 def test_the_tangent_with_the_bound_held_is_not_the_true_one(monkeypatch):
