@@ -27,7 +27,7 @@ from tests.simulation.studies.cases import BALL, CASES, DEPTH, FORCE, MU, ON_A_F
 from tests.solve.condensed.stiff_and_soft import Split
 
 EVERY = CASES | {
-    "tetrahedra": (PAD, lambda: box_body((2, 2, 1), cell=CellType.tetrahedron), []),
+    "tetrahedra": (PAD, lambda: box_body((3, 3, 2), cell=CellType.tetrahedron), []),
 }
 AT_ONCE = Path((0, 1), (0, 1))
 OBSTACLE = "contact.0.obstacle"
@@ -84,7 +84,11 @@ TABLE = {
         [MU, FORCE, "load.0.traction.0", f"{OBSTACLE}.radius", f"{OBSTACLE}.position.0", E],
     ),
     "tetrahedra": (
-        {f"{OBSTACLE}.shape": "sphere", f"{OBSTACLE}.radius": 4.0},
+        {
+            f"{OBSTACLE}.shape": "sphere",
+            f"{OBSTACLE}.radius": 4.0,
+            f"{OBSTACLE}.position": (0.4, 0.45, 0),
+        },
         "normal_force friction_force_x strain_energy reaction_x",
         [MU, "load.0.traction.0", f"{OBSTACLE}.radius"],
     ),
