@@ -46,6 +46,7 @@ def derivatives(
         InputError: A quantity or a key has no derivative.
     """
     problem, last = system.problem, steps[-1]
+    _require_laws(problem)
     quantities = Quantities(problem, last.solution)
     states = {name: quantities.gradient(name) for name in of}
     keys = keys_of(problem, last.unknowns.time, by)
@@ -61,6 +62,16 @@ def derivatives(
                 found[name][key] += gradient.along(change)
             states[name] = _of_step_before(problem, gradient)
     return found
+
+
+def _require_laws(problem: Problem) -> None:
+    """Refuse laws that do not say their own derivatives."""
+    for contact in problem.contacts:
+        for law in (contact.normal, contact.friction):
+            if not law.has_derivatives:
+                raise InputError(
+                    f"derivatives: the law '{law.kind}' of '{contact.label}' has none of its own"
+                )
 
 
 def keys_of(problem: Problem, time: float, by: Sequence[str] | None) -> list[str]:

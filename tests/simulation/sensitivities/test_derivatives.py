@@ -19,6 +19,8 @@ from fenics_contact import (
     Study,
     Support,
 )
+from fenics_contact.contact.laws import friction
+from fenics_contact.contact.laws.friction.static import Static
 from fenics_contact.contact.laws.friction.tangent_at_points import PrimalDual
 from fenics_contact.simulation.sensitivities.values import found_in
 from fenics_contact.simulation.studies.changes import with_changes
@@ -303,3 +305,16 @@ def test_what_has_no_derivative_is_refused_in_a_sentence(of, by, said):
     study = Study(ON_A_FLOOR, body=square())
     with pytest.raises(InputError, match=said.replace("(", r"\(")):
         study.derivatives([of], [by])
+
+
+class Reversed(Static):
+    """A law with forces of its own, which says nothing of their derivatives."""
+
+    def force(self):
+        return super().force()
+
+
+def test_a_law_that_does_not_say_its_derivatives_is_refused(monkeypatch):
+    monkeypatch.setattr(friction, "LAWS", (Reversed,))
+    with pytest.raises(InputError, match="the law 'static' of 'y0' has none of its own"):
+        Study(ON_A_FLOOR, body=square()).derivatives(["normal_force"], [MU])
