@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.body import materials as material
 from fenics_contact.body.description import BodyDescription
-from fenics_contact.body.elasticity import Isotropic, strain, strain_energy
+from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.forms import Expr
 from fenics_contact.body.materials import Elasticities
 from fenics_contact.body.preloaded_part import PreloadedPart, PreloadForces
@@ -150,6 +150,33 @@ class ElasticBody:
             found -= part.present_strain
         return found
 
+    def virtual_work(
+        self, law: Law, state: tuple[Expr, Expr | None], virtual: tuple[Expr, Expr | None]
+    ) -> Expr:
+        """Of the body's stresses over volume, weighted: the density of the stiffness.
+
+        Args:
+            law: In place of the body's own, such as one with variables for moduli.
+            state: Displacement (length), and mean stress where that is an unknown (stress).
+            virtual: The same of what it works on.
+        """
+        spaces, (u, s), (v, t) = self._spaces, state, virtual
+        e, f = (strain(one, spaces.kinematics, spaces.position, law) for one in (u, v))
+        if self.mixed is None:
+            return spaces.weight * ufl.inner(law.stress(e), f)
+        assert isinstance(law, Isotropic) and s is not None and t is not None
+        found = ufl.inner(law.deviatoric_stress(e), f) + s * ufl.tr(f) + t * ufl.tr(e)
+        found -= s * t / law.bulk_modulus
+        if self._is_stabilised:
+            difference = _cell_covariance(spaces.body.mesh, s, t)
+            found -= difference / law.shear_modulus
+        return spaces.weight * found
+
+    @property
+    def _is_stabilised(self) -> bool:
+        """Whether a mean stress differs from its mean in each cell at a cost."""
+        return not compat.is_tensor_cell(self._spaces.body.mesh) and self._spaces.degree == 1
+
     def stress(self) -> Expr:
         """Cauchy stress of the solution as a UFL expression, shape (3, 3)."""
         e = self.elastic_strain(self.displacement)
@@ -170,7 +197,7 @@ class ElasticBody:
         v = ufl.TestFunction(spaces.displacement_space)
         weight, bulk = spaces.weight, spaces.bulk
         compressibility = weight / law.bulk_modulus * s * t * bulk
-        if not tensor and spaces.degree == 1:
+        if self._is_stabilised:
             difference = _cell_covariance(spaces.body.mesh, s, t)
             compressibility += weight / law.shear_modulus * difference * bulk
         return MixedForms(

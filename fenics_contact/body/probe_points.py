@@ -42,7 +42,7 @@ class DisplacementPoints:
     """
 
     def __init__(self, points: Sequence[Point], spaces: Spaces) -> None:
-        self._comm = spaces.comm
+        self._comm, self._spaces = spaces.comm, spaces
         self._names = [f"displacement_{point.name}" for point in points]
         self._shape = len(points), spaces.components
         self._count = len(spaces.coordinates)
@@ -86,6 +86,21 @@ class DisplacementPoints:
     def named(self, displacements: Array) -> dict[str, list[float]]:
         """Displacements of all points, (points, components), by quantity."""
         return dict(zip(self._names, displacements.tolist(), strict=True))
+
+    def gradient(self, quantity: str, axis: int) -> Array:
+        """Derivatives of a component of one of them in the displacement; collective.
+
+        Args:
+            quantity: Its name.
+            axis: The component.
+
+        Returns:
+            At the body's nodes of this rank, (nodes, components).
+        """
+        found = np.zeros((len(self._spaces.coordinates), self._shape[1]))
+        mine = self._points == self._names.index(quantity)
+        np.add.at(found[:, axis], self._nodes[mine], self._weights[mine])
+        return self._spaces.summed(found)
 
     def of_function(self, function: fem.Function) -> dict[str, list[float]]:
         """A function of vectors at every point, in the cell that the point counts to."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from fenics_contact.common.parallel import largest, raise_together
 from fenics_contact.scene.conditions import Support
 from fenics_contact.scene.load_paths import KeyedPath
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.values import AXES, RAMP
+from fenics_contact.scene.values import AXES, RAMP, AxisName, Value
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,29 @@ class Supports:
 
     def at(self, time: float) -> Array:
         """Prescribed displacements of ``dofs`` at a pseudo-time (length)."""
+        return self._first_to_hold(self.applied, time)
+
+    def slopes(self, number: int, axis: AxisName, unit: Value, time: float) -> Array:
+        """Derivatives of the same in what a support of the scene prescribes; collective.
+
+        Args:
+            number: Of the support.
+            axis: Along which.
+            unit: Derivative of the displacement that the scene gives.
+            time: The pseudo-time.
+        """
+        support, components = self.applied[number], self._spaces.components
+        mine = support.dofs % components == AXES.index(axis)
+        nodes = (support.dofs[mine] // components).astype(np.int32)
+        values = np.zeros(len(support.dofs))
+        values[mine] = self._spaces.evaluate(unit, nodes, f"support[{number}].displacement.{axis}")
+        others = [replace(one, values=np.zeros(len(one.dofs))) for one in self.applied]
+        others[number] = replace(support, values=values)
+        return self._first_to_hold(others, time)
+
+    def _first_to_hold(self, supports: Sequence[AppliedSupport], time: float) -> Array:
+        """Displacements of ``dofs`` by supports: the first to hold a dof counts."""
         values = np.zeros(self.dofs.max(initial=-1) + 1)
-        for support in reversed(self.applied):  # the first to hold a dof counts
+        for support in reversed(supports):
             values[support.dofs] = support.values * support.path(time)
         return values[self.dofs]

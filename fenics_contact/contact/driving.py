@@ -47,6 +47,18 @@ class ContactPaths:
         """By how much the two sides overlap, beside what their meshes do; < 0 a gap (length)."""
         return self._interference * self._fit(time) if self._interference else 0.0
 
+    def interference_factor(self, time: float) -> float:
+        """Share of an interference that acts."""
+        return self._fit(time)
+
+    def drive_factor(self, time: float) -> float:
+        """Share of indentation or force that an obstacle is driven by."""
+        return self._drive(time)
+
+    def displacement_factor(self, time: float) -> float:
+        """Share of the obstacle's displacement."""
+        return self._displacement(time)
+
     def indentation(self, time: float) -> float:
         """How far the obstacle is driven where no force drives it (length)."""
         return (self._obstacle.indentation or 0.0) * self._drive(time)

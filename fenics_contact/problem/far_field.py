@@ -8,11 +8,14 @@ unknown of the problem, in which this is linear.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator
 from itertools import product
+from typing import Any
 
 import numpy as np
 
+from fenics_contact.analytic.complex_step import slope
 from fenics_contact.analytic.half_space import boussinesq, cerruti, flamant, flamant_along
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
@@ -100,8 +103,38 @@ class FarField:
         column = np.zeros_like(points)
         for image, signs in self._images(foot):
             turned = None if along is None else signs * along
-            column += self._unit_field(points - image, inward, turned, reach)
+            column = column + self._unit_field(points - image, inward, turned, reach)
         return self._at_dofs(column)
+
+    def slopes(self, name: str) -> FarField:
+        """The same with the derivatives of all columns in a modulus in their place.
+
+        Args:
+            name: ``youngs_modulus`` or ``poissons_ratio``.
+        """
+        found, moved = copy.copy(self), copy.copy(self)
+        is_modulus = name == "youngs_modulus"
+        present = self._modulus if is_modulus else self._ratio
+
+        def columns(number: int) -> list[Array]:
+            foot, inward = self._feet[number], self._inward[number]
+            ways = [None, *(_three(along) for along, _ in self.sideways[number])]
+            return [moved._new_column(foot, inward, way) for way in ways]
+
+        def every(value: complex) -> list[Array]:
+            moved_to: Any = moved
+            if is_modulus:
+                moved_to._modulus = value
+            else:
+                moved_to._ratio = value
+            return [column for number in self.columns for column in columns(number)]
+
+        slopes = iter(slope(every, present))
+        found.columns, found.sideways = {}, {}
+        for number in self.columns:
+            found.columns[number] = next(slopes)
+            found.sideways[number] = [(along, next(slopes)) for along, _ in self.sideways[number]]
+        return found
 
     def _unit_field(self, arms: Array, inward: Array, along: Array | None, reach: float) -> Array:
         """Displacement over a force, into the half-space or along its surface, (points, 3)."""
@@ -257,6 +290,11 @@ class FarField:
                 f"{key}.obstacle.position: its force on the half_space would act at ({where}), "
                 "which must lie on the contact surface and well inside the outer boundary"
             )
+
+
+def _three(vector: Array) -> Array:
+    """A vector padded to three components."""
+    return np.concatenate([vector, np.zeros(3 - len(vector))])
 
 
 def _around(places: Array, forces: Array) -> tuple[Array, Array]:

@@ -219,6 +219,10 @@ class Shortening(ScalarUnknown):
         self.is_locked = locked is not None and time > locked * (1 + _LATER)
         self._force = 0.0 if self.is_locked else self.scene.force * self._path(time) + more * time
 
+    def force_factor(self, time: float) -> float:
+        """Share of the scene's force that it is tightened to; 0 where it is locked."""
+        return 0.0 if self.is_locked else self._path(time)
+
     def reach(self, value: float) -> None:
         """Take the value that a load step ended with; one that is locked is held there."""
         self._reached = value

@@ -107,6 +107,17 @@ class SharedReactions:
         """Whether no rank has such dofs."""
         return all(form is None for form in self._forms)
 
+    def are_shared(self, supports: Collection[int], axis: int) -> bool:
+        """Whether some supports share dofs along an axis with others, or with each other.
+
+        Args:
+            supports: Their numbers.
+            axis: The axis.
+        """
+        own = np.isin(np.arange(len(self._holds)), list(supports))
+        found = self._holds[own].any(axis=0) & (self._axes == axis)
+        return bool(total(self._spaces.comm, int(found.sum())) > 0)
+
     def moved(self, needed: Array, displacement: Array) -> Array:
         """What each support's reaction is beyond that of dofs which count to the first.
 

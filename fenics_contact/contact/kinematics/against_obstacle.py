@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 
+from fenics_contact.analytic.complex_step import slope
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import FenicsContactError, InputError
 from fenics_contact.common.parallel import gather_rows, raise_together, smallest
@@ -83,9 +86,41 @@ class ObstacleKinematics(ContactKinematics):
 
     def _gap(self, points: Array, normals: Array) -> Array:
         aside = self.displacement - (normals @ self.displacement)[:, None] * normals
-        moved = points.copy()
+        moved = points.astype(aside.dtype)
         moved[:, : normals.shape[1]] -= aside
         return self._obstacle.gap(moved, normals, self._spaces.position)
+
+    def gap_slopes(self, name: str, axis: int) -> Array:
+        """Derivatives of the gap in a number of the obstacle, by a complex step, (points,).
+
+        Args:
+            name: ``radius``, ``position`` or ``displacement``.
+            axis: Of the latter two.
+        """
+        obstacle, moved = self._obstacle, copy.copy(self)
+
+        def gap(value: complex) -> Array:
+            if name == "displacement":
+                moved.displacement = self.displacement.astype(complex)
+                moved.displacement[axis] = value
+            else:
+                moved._obstacle = obstacle.with_number(name, axis, value)
+            return moved._gap(self.trace.coordinates, self.trace.normals)
+
+        present = self.displacement[axis] if name == "displacement" else obstacle.number(name, axis)
+        return np.where(self._left_out, 0.0, slope(gap, present))
+
+    def brought_up_slope(self, of_gap: Array) -> float:
+        """By how much more the obstacle was brought up, of gaps that change; collective.
+
+        Args:
+            of_gap: Their derivatives before it was brought up, (points,).
+        """
+        gap = self._obstacle.gap(self.trace.coordinates, self.trace.normals, self._spaces.position)
+        ahead = np.isfinite(gap) & (self.facing > 0) & ~self._left_out
+        rows = np.column_stack([gap, of_gap])[ahead] / self.facing[ahead, None]
+        rows = gather_rows(self._spaces.comm, rows)
+        return float(rows[np.argmin(rows[:, 0]), 1])
 
     def depths_of_slid(self, distance: float) -> Array:
         """How deep points that slid farther than a distance are in an obstacle with a shape.

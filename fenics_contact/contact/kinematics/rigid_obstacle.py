@@ -6,6 +6,7 @@ the undeformed surface. Points whose normal misses the obstacle have an infinite
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -62,6 +63,7 @@ class RigidObstacle:
         if self._along is not None and abs(self._along @ self._normal) > _FLAT:
             raise InputError(f"{key}.along: must be at a right angle to the normal")
         self._apex = _three(obstacle.position or (0.0,))
+        self._radius = obstacle.radius
         direction = self._unit(obstacle.direction)
         direction = self._normal if direction is None else direction
         self.direction: Array = direction[: surface_normals.shape[1]]
@@ -71,6 +73,27 @@ class RigidObstacle:
     def size(self) -> float:
         """Largest of the lengths that place it (length)."""
         return float(np.linalg.norm(self._apex)) + (self._obstacle.radius or 0.0)
+
+    def number(self, name: str, axis: int) -> float:
+        """Its radius, or a coordinate of its position (length)."""
+        return float(self._radius or 0.0) if name == "radius" else float(self._apex[axis])
+
+    def with_number(self, name: str, axis: int, value: complex) -> RigidObstacle:
+        """The same with another one, which may be complex: for derivatives of the gap.
+
+        Args:
+            name: ``radius`` or ``position``.
+            axis: Of the latter.
+            value: Of the number (length).
+        """
+        found = copy.copy(self)
+        if name == "radius":
+            found._radius = value  # type: ignore[assignment]
+        else:
+            apex = self._apex.astype(complex)
+            apex[axis] = value
+            found._apex = apex
+        return found
 
     def gap(self, points: Array, normals: Array, position: Expr) -> Array:
         """Gap s along the normals, before the obstacle is driven, shape (points,) (length).
@@ -104,7 +127,7 @@ class RigidObstacle:
 
     def _to_plane(self, offsets: Array, rays: Array) -> Array:
         facing = -rays @ self._normal
-        gap = np.full(len(rays), np.inf)
+        gap = np.full(len(rays), np.inf, offsets.dtype)
         towards = facing > 1e-9
         gap[towards] = (offsets @ self._normal)[towards] / facing[towards]
         radius = self._obstacle.radius
@@ -119,7 +142,7 @@ class RigidObstacle:
 
     def _to_paraboloid(self, offsets: Array, rays: Array) -> Array:
         """First entry into height ≤ −ρ²/2R: smaller root of A s² + B s + C."""
-        radius = self._obstacle.radius
+        radius = self._radius
         assert radius is not None
         height, rise = offsets @ self._normal, rays @ self._normal
         across = np.einsum("ij,ij->i", offsets, rays) - height * rise
@@ -134,7 +157,7 @@ class RigidObstacle:
 
     def _to_sphere(self, offsets: Array, rays: Array) -> Array:
         """First entry into |x − centre| ≤ R; overlaps deeper than R are no contact."""
-        radius = self._obstacle.radius
+        radius = self._radius
         assert radius is not None
         to_centre = -radius * self._normal - offsets
         along = np.einsum("ij,ij->i", to_centre, rays)

@@ -68,6 +68,13 @@ class ContactLaw:
         """
         return all(self._owner(one) is self._owner(other) for one, other in _TOGETHER)
 
+    @property
+    def has_derivatives(self) -> bool:
+        """Whether ``pulled_back`` is of its own numbers, and nothing else is kept between steps."""
+        keeps = {array.name for array in self.state} - {"reference", "bound"}
+        own = self._owner("pulled_back") is self._owner("at_points")
+        return not keeps and (not self.follows_jump or (own and self.says_it_at_points))
+
     def _owner(self, name: str) -> type | None:
         """The class that says what an attribute is; None where there is none."""
         return next((one for one in type(self).__mro__ if name in vars(one)), None)

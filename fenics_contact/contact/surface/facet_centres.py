@@ -85,6 +85,12 @@ class FacetCentres:
         """Values at the centres of a function given at all nodes."""
         return np.tensordot(nodal[self.nodes], _AT_CENTRE, axes=(1, 0))
 
+    def collected(self, values: Array) -> Array:
+        """Σ N_i × vectors (centres, components), at all nodes of this rank; collective."""
+        nodal = np.zeros((len(self._surface.coordinates), values.shape[1]))
+        np.add.at(nodal, self.nodes, values[:, None, :] * _AT_CENTRE[:, None])
+        return self._surface.summed(nodal)
+
     def spread(self, values: Array) -> Array:
         """Σ |N_i| × values over the centres, at all nodes of this rank; collective."""
         nodal = np.zeros(len(self._surface.coordinates))

@@ -156,6 +156,19 @@ class Trace:
             return values
         return np.concatenate([values, self._centres.interpolate(nodal)])
 
+    def onto_nodes(self, values: Array) -> Array:
+        """What ``at_points`` is transposed: Σ N_i × vectors over the points, at all nodes.
+
+        Collective.
+
+        Args:
+            values: At the points, (points, components).
+        """
+        found = self.at_all_nodes(values[: len(self.nodes)])
+        if self._centres is not None:
+            found += self._centres.collected(values[len(self.nodes) :])
+        return found
+
     def to_nodes(self, values: Array) -> Array:
         """Σ |N_i| × values over the points, at ``nodes``: what points give to nodes at most."""
         if self._centres is None:

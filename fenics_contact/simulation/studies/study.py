@@ -21,10 +21,12 @@ from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.writing import scene_text
 from fenics_contact.simulation.scene_run import Run, mesh_of
+from fenics_contact.simulation.sensitivities.derivatives import Derivatives
 from fenics_contact.simulation.studies.changes import with_changes
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
 from fenics_contact.simulation.studies.saved_body import SavedBody, save_body
+from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 
 if TYPE_CHECKING:
@@ -253,6 +255,36 @@ class Study:
         from fenics_contact import Exploration
 
         return Exploration(self, vary, host, port, in_frames=True)
+
+    def derivatives(
+        self,
+        of: Sequence[str],
+        by: Sequence[str] | None = None,
+        changes: Mapping[str, Any] | None = None,
+    ) -> Derivatives:
+        """Exact derivatives of the discrete answer, by its adjoint; collective.
+
+        Of the answer of a separate run, with automatic ε and ε₁, load steps, and what faces what
+        of two bodies held. From cell to cell of the edge of contact, or of stick, they jump by some
+        per cent: a finer mesh makes these jumps smaller.
+
+        Args:
+            of: Names of quantities: ``normal_force``, ``NAME.quantity``, components as
+                ``friction_force_x``.
+            by: Keys of numbers of the scene, as of ``solve``; None for all that have a derivative.
+            changes: As of ``solve``: of the answer, not of what it is differentiated by.
+
+        Returns:
+            Quantity → key → derivative (unit of the quantity over that of the number).
+
+        Raises:
+            InputError: A quantity or a key has no derivative; or as of ``solve``.
+            NotConvergedError: There is no answer.
+            MachineError: As of ``solve``.
+        """
+        scene, timings = self.changed(changes), Timings()
+        with failing_together(self._comm):
+            return solved_derivatives(self._body_of(scene, timings), scene, of, by)
 
     def forget_answer(self) -> None:
         """Begin the next quick answer as a separate run does, not at the last one."""

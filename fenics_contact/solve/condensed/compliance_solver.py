@@ -20,6 +20,9 @@ _BLOCK = 256  # rows that are mirrored at a time
 # not, the spring that it gets is taken out again just as exactly.
 _SINGULAR = 1e-9
 
+# As LAPACK gives it: LU, pivots, and whether it is singular.
+_Factor = tuple[Array, Integers, int]
+
 
 class ComplianceSolver:
     """M = A + Qᵀ W Q by A⁻¹, which with what Q adds is found once.
@@ -95,7 +98,10 @@ class ComplianceSolver:
         matrix = self._product()
         matrix[np.diag_indices(len(matrix))] += 1.0
         # By LAPACK itself: a singular tangent shall end the solve in our words.
-        self._factor = lapack.dgetrf(matrix, overwrite_a=1) if len(self._active) else None
+        self._transposed: _Factor | None = None
+        self._factor: _Factor | None = None
+        if len(self._active):
+            self._factor = lapack.dgetrf(matrix, overwrite_a=1)
 
     def _product(self) -> Array:
         """A⁻¹ W of what acts, in the order of LAPACK; without what sparse matrices cost to make."""
@@ -113,14 +119,33 @@ class ComplianceSolver:
         free = self._inverse[:, :size] @ right
         if self._factor is None:
             return np.asarray(free[:size])
-        factor, pivots, singular = self._factor
+        *pivoted, singular = self._factor
         if singular:
-            return np.full(len(right), np.nan)
-        active, _ = lapack.dgetrs(factor, pivots, free[self._active])
+            return np.full(size, np.nan)
+        active, _ = lapack.dgetrs(*pivoted, free[self._active])
         rows, columns, values = self._extra
         pushed = np.bincount(rows, values * active[columns], len(active))
         found = free - self._inverse[:, self._active] @ pushed
         found[self._active] = active  # no difference of long numbers under a stiff penalty
+        return np.asarray(found[:size])
+
+    def solve_transposed(self, right: Array) -> Array:
+        """M⁻ᵀ r; not a number where M is singular."""
+        size, active = len(right), self._active
+        free = right @ self._inverse[:size]
+        if self._factor is None:
+            return np.asarray(free[:size])
+        rows, columns, values = self._extra
+        stiffness = csr_matrix((values, (rows, columns)), shape=(len(active),) * 2)
+        if self._transposed is None:
+            moved = stiffness @ self._inverse[np.ix_(active, active)]
+            self._transposed = lapack.dgetrf(np.eye(len(active)) + moved.T)
+        *pivoted, singular = self._transposed
+        if singular:
+            return np.full(size, np.nan)
+        forces, _ = lapack.dgetrs(*pivoted, free[active])
+        found = free - (stiffness.T @ forces) @ self._inverse[active]
+        found[active] = forces
         return np.asarray(found[:size])
 
 

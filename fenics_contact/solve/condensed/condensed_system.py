@@ -21,6 +21,7 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ContactScalar
+from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.contact_jump import ContactJump
@@ -301,6 +302,10 @@ class CondensedSystem(System):
             held = np.array([p.held is not None for p in self.problem.preloads], dtype=bool)
             self._dense.border.hold(held)
             self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
+
+    def adjoint(self) -> CondensedAdjoint:
+        """Of the tangent that was set last; collective."""
+        return CondensedAdjoint(self.problem, self._body, self.variables, self._dense, self._jumps)
 
     def imbalance(self) -> float:
         """1-norm of the last residual (force); collective."""

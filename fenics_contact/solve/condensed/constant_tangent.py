@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from functools import cached_property
 
 import numpy as np
@@ -39,11 +40,13 @@ class OfSchur:
 
 
 class ConstantTangent:
-    """A = [[S, C], [0, D]] of displacements and scalars; and z = R y.
+    """A = [[S, C], [0, D]] of displacements and scalars, or its transpose; and z = R y.
 
     Attributes:
         schur: S, symmetric and positive semi-definite, (displacements, displacements).
         columns: C: what the scalars do to the displacements' rows, (displacements, scalars).
+        rows: What the displacements do to the scalars' rows, (scalars, displacements): nothing,
+            but in the transpose.
         corner: Diagonal of D.
         derived: R of the jumps that are no unknowns, (jumps, displacements).
         count: Number of displacements.
@@ -71,8 +74,16 @@ class ConstantTangent:
         self.width = self.size + len(derived)
         self.of_schur = of_schur or OfSchur(schur)
         self.schur, self.columns, self.corner, self.derived = schur, columns, corner, derived
+        self.rows = np.zeros((scalars, self.count))
         # 1 where supports hold all contact dofs, and only obstacles move.
         self.stiffest = float(schur.diagonal().max(initial=0.0)) or 1.0
+
+    @cached_property
+    def transposed(self) -> ConstantTangent:
+        """Aᵀ, with the same Q."""
+        found = copy.copy(self)
+        found.columns, found.rows = self.rows.T, self.columns.T
+        return found
 
     def bulk_forces(self, displacements: Array) -> Array:
         """S y of the displacements alone."""
@@ -84,7 +95,7 @@ class ConstantTangent:
         """A y."""
         displacements, scalars = values[: self.count], values[self.count :]
         forces = self.bulk_forces(displacements) + self.columns @ scalars
-        return np.concatenate([forces, self.corner * scalars])
+        return np.concatenate([forces, self.rows @ displacements + self.corner * scalars])
 
     def every(self, values: Array) -> Array:
         """Q y: the unknowns, and the derived jumps after them."""

@@ -138,17 +138,45 @@ class PreloadBorder:
             right: Of all unknowns.
             solve_inner: M⁻¹.
         """
-        size = len(right) - self.count
-        inner = solve_inner(right[:size])
         if self.count == 0:
-            return inner
+            return solve_inner(right)
         if self._solved is None:
             self._solved = np.column_stack([solve_inner(column) for column in self._columns.T])
-        rows = np.where(self._held[:, None], 0.0, self._columns.T)
+        rows, corner = self._own_rows
+        return _eliminated(right, solve_inner, self._solved, rows, corner)
+
+    def solve_transposed(self, right: Array, solve_inner: Callable[[Array], Array]) -> Array:
+        """Of the transpose of the whole, by that of M⁻¹; the arguments are those of ``solve``."""
+        if self.count == 0:
+            return solve_inner(right)
+        rows, corner = self._own_rows
+        solved = np.column_stack([solve_inner(row) for row in rows])
+        return _eliminated(right, solve_inner, solved, self._columns.T, corner.T)
+
+    @property
+    def _own_rows(self) -> tuple[Array, Array]:
+        """Cᵀ and D with unit rows for preloads that are held."""
         unit = np.diag(self._corner.diagonal())
-        corner = np.where(self._held[:, None], unit, self._corner) - rows @ self._solved
-        factor, pivots, singular = lapack.dgetrf(corner)
-        if singular:
-            return np.full(len(right), np.nan)
-        shortenings, _ = lapack.dgetrs(factor, pivots, right[size:] - rows @ inner)
-        return np.concatenate([inner - self._solved @ shortenings, shortenings])
+        held = self._held[:, None]
+        return np.where(held, 0.0, self._columns.T), np.where(held, unit, self._corner)
+
+
+def _eliminated(
+    right: Array, solve_inner: Callable[[Array], Array], solved: Array, rows: Array, corner: Array
+) -> Array:
+    """[[M, B], [R, D]]⁻¹ r; not a number where it is singular.
+
+    Args:
+        right: r.
+        solve_inner: M⁻¹.
+        solved: M⁻¹ B.
+        rows: R.
+        corner: D.
+    """
+    size = len(right) - len(corner)
+    inner = solve_inner(right[:size])
+    factor, pivots, singular = lapack.dgetrf(corner - rows @ solved)
+    if singular:
+        return np.full(len(right), np.nan)
+    shortenings, _ = lapack.dgetrs(factor, pivots, right[size:] - rows @ inner)
+    return np.concatenate([inner - solved @ shortenings, shortenings])

@@ -9,6 +9,8 @@ of what is soft, and S⁻¹ is never needed.
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 from petsc4py import PETSc
 from scipy.linalg import lapack
@@ -26,6 +28,8 @@ _LOOSE = 1e-2
 # Forces that GMRES leaves, over those it starts with; and its steps at the most.
 _LEFT = 1e-8
 _MOST_STEPS = 60
+# Solves, each of what the ones before have left, that end in round-off.
+_REFINED = 3
 
 
 class SplitSolver:
@@ -41,13 +45,14 @@ class SplitSolver:
     def __init__(self, constant: ConstantTangent, nodes: Integers) -> None:
         self._constant = constant
         self._nodes = _Nodes(nodes, constant.schur.diagonal())
+        self._transposed: SplitSolver | None = None
 
     def split(self, added: csr_matrix) -> None:
         """Find out what is stiff under W, (all of Q y, all of Q y)."""
         constant, count = self._constant, self._constant.count
         basis, stiff = self._nodes.split(added[:count, :count])
         others = identity(constant.width - count, format="csr")
-        self._added = added
+        self._added, self._transposed = added, None
         self._stiff_basis = csr_matrix(basis[:, stiff])
         self._soft_basis = csr_matrix(basis[:, ~stiff])
         self._soft_directions = csr_matrix(block_diag([self._soft_basis, others]))
@@ -94,6 +99,7 @@ class SplitSolver:
         rows = csr_matrix(basis.T)
         found[:soft, :soft] = rows @ np.ascontiguousarray((rows @ constant.schur).T)
         found[:soft, soft : soft + scalars] = basis.T @ constant.columns
+        found[soft : soft + scalars, :soft] = constant.rows @ basis
         places = range(soft, soft + scalars)
         found[places, places] = constant.corner
         entries = (self._soft_directions.T @ from_soft).tocoo()
@@ -141,6 +147,23 @@ class SplitSolver:
             thing.destroy()
         return result
 
+    def solve_transposed(self, right: Array) -> Array | None:
+        """M⁻ᵀ r, to what numbers can tell; None where GMRES did not find it."""
+        if self._transposed is None:
+            self._transposed = copy.copy(self)
+            self._transposed._constant = self._constant.transposed
+            self._transposed.split(csr_matrix(self._added.T))
+            if not self._transposed.factorise():
+                return None
+        other, found = self._transposed, np.zeros(len(right))
+        for _ in range(_REFINED):
+            left = right - other._constant.with_contacts(other._added, found)
+            more = other.solve(left)
+            if more is None:
+                return None
+            found = found + more
+        return found
+
     def mult(self, matrix: PETSc.Mat, values: PETSc.Vec, result: PETSc.Vec) -> None:
         """M y, as PETSc asks for it."""
         with result as array:
@@ -155,6 +178,7 @@ class SplitSolver:
         left = np.zeros(constant.width)
         left[: constant.size] = given
         left[:count] -= constant.bulk_forces(moved)
+        left[count : constant.size] -= constant.rows @ moved
         left -= self._added[:, :count] @ moved
         soft = self._solve_soft(
             np.concatenate([self._soft_directions.T @ left, -constant.derived @ moved])

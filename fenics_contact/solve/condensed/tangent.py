@@ -132,6 +132,20 @@ class ContactTangent:
             self.compliance.factorise(self._entries)
         return self.compliance.solve(right)
 
+    def solve_transposed(self, right: Array) -> Array:
+        """With the transpose, of all unknowns; not a number where it is singular."""
+        return self.border.solve_transposed(right, self._solve_transposed)
+
+    def _solve_transposed(self, right: Array) -> Array:
+        """M⁻ᵀ r; not a number where M is singular."""
+        if self._is_split and self._split is not None:
+            found = self._split.solve_transposed(right)
+            if found is not None:
+                return found
+            self._is_split = False
+            self.compliance.factorise(self._added)
+        return self.compliance.solve_transposed(right)
+
     def multiply(self, values: Array) -> Array:
         """The tangent times all unknowns."""
         inner, shortenings = values[: self.constant.size], values[self.constant.size :]
@@ -143,6 +157,12 @@ class ContactTangent:
         inner, shortenings = values[: self.constant.size], values[self.constant.size :]
         forces, own = self.border.times(inner, shortenings)
         return np.concatenate([self.constant.times(inner) + forces, own])
+
+    def times_transposed(self, values: Array) -> Array:
+        """The transpose, without contacts, times all unknowns."""
+        inner, shortenings = values[: self.constant.size], values[self.constant.size :]
+        forces, own = self.border.times(inner, shortenings)
+        return np.concatenate([self.constant.transposed.times(inner) + forces, own])
 
     def magnitude(self, values: Array) -> float:
         """Σ |M| |y| over all rows, of all unknowns."""

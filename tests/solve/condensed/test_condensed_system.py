@@ -330,8 +330,12 @@ def test_tangent_against_a_plain_solve(free, stiffness, derived, is_large, monke
         lost = 1e-15 * tangent.magnitude(found) if derived else 0.0
         expected = pytest.approx((whole + spring) @ found, rel=1e-9, abs=lost)
         assert tangent.multiply(found) == expected
-        left = (whole + spring) @ found - right
-        assert np.abs(left).max() <= 1e-9 * np.abs(whole + spring).max() * np.abs(found).max()
+        for matrix, answer in (
+            (whole + spring, found),
+            ((whole + spring).T, tangent.solve_transposed(right)),
+        ):
+            left = np.abs(matrix @ answer - right).max()
+            assert left <= 1e-9 * np.abs(matrix).max() * np.abs(answer).max()
 
 
 def test_a_compliance_that_an_earlier_answer_found_is_used_at_once():

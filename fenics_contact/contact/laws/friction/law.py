@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -14,6 +15,25 @@ from fenics_contact.contact.state import OPEN, SLIP
 from fenics_contact.results.point_arrays import PointArray
 
 Mode = Literal["law", "coupled", "status", "held", "off"]
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionGradient:
+    """Derivatives of a quantity in what a law along a contact works on, at the points.
+
+    Attributes:
+        slip: In the slip since the start, (points, components).
+        reference: In the slip that counts as none, likewise.
+        pressure: In the pressure that the bound follows, (points,).
+        coefficient: In the friction coefficient, (points,).
+        regularisation_parameter: In ε, what this rank's own points make of it.
+    """
+
+    slip: Array
+    reference: Array
+    pressure: Array
+    coefficient: Array
+    regularisation_parameter: float
 
 
 class FrictionLaw(ContactLaw):
@@ -125,6 +145,13 @@ class FrictionLaw(ContactLaw):
             slip: w_T since the start at the points, (points, components) (length).
         """
 
+    def take_true_tangent(self, slip: Array) -> None:
+        """Set the tangent to the law's own derivative at a state that is an answer.
+
+        Args:
+            slip: As of ``follow``.
+        """
+
     def accept(self, slip: Array) -> None:
         """A load step is done at a slip since the start."""
 
@@ -160,6 +187,17 @@ class FrictionLaw(ContactLaw):
     def traction(self, slip: Array) -> Array:
         """Traction on the body for a slip since the start, (points, components) (stress)."""
         return np.zeros_like(slip)
+
+    def pulled_back(self, slip: Array, pressure: Array, of_traction: Array) -> FrictionGradient:
+        """What a quantity's derivatives in its tractions are in what it works on.
+
+        Args:
+            slip: Since the start, (points, components) (length).
+            pressure: At the points (stress).
+            of_traction: Derivatives of the quantity in ``traction``, (points, components).
+        """
+        nothing = np.zeros(len(slip))
+        return FrictionGradient(np.zeros_like(slip), np.zeros_like(slip), nothing, nothing, 0.0)
 
     def work(self, given: Array, traction: Array, slip: Array) -> Array:
         """Dissipated since the start, or in the present step where slip counts from the last one.

@@ -21,7 +21,7 @@ from fenics_contact.contact.laws.energies import (
     smoothed_norm,
     traction_work,
 )
-from fenics_contact.contact.laws.friction.law import FrictionLaw
+from fenics_contact.contact.laws.friction.law import FrictionGradient, FrictionLaw
 from fenics_contact.contact.laws.friction.tangent_at_points import PrimalDual
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
@@ -66,6 +66,7 @@ class RegularisedFriction(FrictionLaw):
         # Not 0 anywhere: it divides, also where the weight is 0.
         self._length = trace.function(np.ones(count), empty=1.0)
         self._held = np.zeros_like(self._slip)
+        self._left_stiff = _LEFT_STIFF
         self.stick_all()
         given = site.contact.regularisation_parameter
         if given != "auto":
@@ -255,7 +256,7 @@ class RegularisedFriction(FrictionLaw):
             normal=self._trace.normals,
             bound=self.bound,
             epsilon=self.regularisation_parameter,
-            direction=(1 - _LEFT_STIFF) * self._dual,
+            direction=(1 - self._left_stiff) * self._dual,
             length=np.maximum(_lengths(self._slip), self.regularisation_parameter),
         )
 
@@ -299,6 +300,13 @@ class RegularisedFriction(FrictionLaw):
         dual = (slip - self._dual * lengthening[:, None]) / lengths[:, None]
         self._dual = dual / np.maximum(_lengths(dual), 1.0)[:, None]
         self._slip = slip
+        self._set_tangent_state()
+
+    def take_true_tangent(self, slip: Array) -> None:
+        """Set the tangent to the law's own derivative, from now on with nothing left stiff."""
+        self._left_stiff = 0.0
+        self._slip = self.counted(slip)
+        self._dual = self._slip / self._lengths_and_directions()[0][:, None]
         self._set_tangent_state()
 
     def accept(self, slip: Array) -> None:
@@ -348,6 +356,26 @@ class RegularisedFriction(FrictionLaw):
         )
         return 0.0 - slope
 
+    def pulled_back(self, slip: Array, pressure: Array, of_traction: Array) -> FrictionGradient:
+        """By the second derivatives of g φ_ε; g follows the coefficient and the pressure."""
+        epsilon = self.regularisation_parameter
+        values: dict[str, Array | float] = {"slip": self.counted(slip), "bound": self.bound}
+        values["epsilon"] = epsilon
+
+        def of(name: str) -> Array:
+            found = self._at_points.curvatures("slip", name, **values)
+            return np.asarray(0.0 - np.einsum("ijk,ij->ik", found, of_traction))
+
+        of_slip, of_bound = of("slip"), of("bound")[:, 0]
+        share = float(self._share.value)
+        return FrictionGradient(
+            slip=of_slip,
+            reference=0.0 - of_slip,
+            pressure=share * self.coefficient * of_bound,
+            coefficient=share * pressure * of_bound,
+            regularisation_parameter=float(of("epsilon")[self._trace.owned].sum()),
+        )
+
     @cached_property
     def _at_points(self) -> PointDensity:
         return point_density(_density, slip=self._trace.surface.components, bound=0, epsilon=0)
@@ -369,7 +397,7 @@ class RegularisedFriction(FrictionLaw):
         return np.maximum(size, epsilon), directions
 
     def _set_tangent_state(self) -> None:
-        self._direction.set((1 - _LEFT_STIFF) * self._dual)
+        self._direction.set((1 - self._left_stiff) * self._dual)
         self._length.set(np.maximum(_lengths(self._slip), self.regularisation_parameter))
 
 

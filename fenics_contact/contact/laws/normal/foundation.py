@@ -10,6 +10,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.normal.law import Parameter
 from fenics_contact.contact.laws.normal.spring import SpringLaw, positive
 from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.values import Value
 
 
 class Foundation(SpringLaw):
@@ -27,6 +28,10 @@ class Foundation(SpringLaw):
         """The stiffness k (stress/length)."""
         given = self.site.contact.foundation_stiffness or 0.0
         return {"stiffness": self.site.given(given, "foundation_stiffness")}
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Of the stiffness in what the scene gives."""
+        return {"stiffness": self.site.given(unit, key)} if key == "foundation_stiffness" else {}
 
     @staticmethod
     def density(depth: Expr, jump: Expr, **fields: Expr) -> Expr:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -13,12 +14,27 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.values import PositionFunction, Profile
+from fenics_contact.scene.values import PositionFunction, Profile, Value
 
 # What the scene gives of a law: a number, a profile or a function, None of what it leaves out.
 Parameter = float | Profile | PositionFunction | None
 # A linear form of what is given, in full, and the share of it that acts at a pseudo-time.
 GivenLoad = tuple[CompiledForm, Callable[[float], float]]
+
+
+@dataclass(frozen=True, eq=False)
+class NormalGradient:
+    """Derivatives of a quantity in what a law across a contact works on, at the points.
+
+    Attributes:
+        jump: In the jump, (points, components).
+        gap: In the gap, (points,).
+        fields: In each parameter of the law, by name, (points,).
+    """
+
+    jump: Array
+    gap: Array
+    fields: Mapping[str, Array]
 
 
 class NormalLaw(ContactLaw):
@@ -125,6 +141,28 @@ class NormalLaw(ContactLaw):
     def stored(self, jump: Array) -> Array:
         """Energy at the points at a jump (energy/area)."""
         return np.zeros(len(jump))
+
+    def pulled_back(self, jump: Array, of_slopes: Array, of_energy: Array) -> NormalGradient:
+        """What a quantity's derivatives in its answers are in what it works on.
+
+        Args:
+            jump: At the points, (points, components) (length).
+            of_slopes: Derivatives of the quantity in minus the traction on the body, likewise.
+            of_energy: In the energy at the points, (points,).
+        """
+        return NormalGradient(np.zeros_like(jump), np.zeros(len(jump)), {})
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Derivatives of the parameters at the points in a key of the contact; none of others.
+
+        Args:
+            key: Such as ``foundation_stiffness``.
+            unit: Derivative of what the scene gives under it, itself a value of a scene.
+
+        Returns:
+            Name of the parameter → (points,).
+        """
+        return {}
 
     def can_press(self) -> Flags:
         """Points at which it presses once they come deep enough."""

@@ -16,14 +16,16 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
+from fenics_contact.analytic.complex_step import slope
 from fenics_contact.body.forms import CompiledForm, Expr, Form
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.energies import prescribed_pressure_energy
-from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.laws.normal.law import NormalGradient, NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.surface.trace_function import TraceFunction
+from fenics_contact.scene.values import Value
 
 
 def depth_of(jump: Expr, normal: Expr, gap: Expr) -> Expr:
@@ -250,6 +252,29 @@ class SpringLaw(NormalLaw):
         """ψ at the points at a jump (energy/area)."""
         return self._at_points.value(**self._values(jump)) / float(self._softness.value)
 
+    def pulled_back(self, jump: Array, of_slopes: Array, of_energy: Array) -> NormalGradient:
+        """By ψ's own derivatives, as its forces and tangents are."""
+        acts, values = self.acts(self.pressure(jump)), self._values(jump)
+        factor = np.where(acts, 1 / float(self._softness.value), 0.0)
+        across = factor * self.site.kinematics.normal(of_slopes)
+        along, energy = factor[:, None] * of_slopes, factor * of_energy
+
+        def of(name: str) -> Array:
+            points = self._at_points
+            found = points.curvatures(name, "depth", **values)[:, :, 0] * across[:, None]
+            found = found + np.einsum(
+                "ijk,ik->ij", points.curvatures(name, "jump", **values), along
+            )
+            slopes = points.slope(name, **values).reshape(found.shape)
+            return np.where(acts[:, None], found + slopes * energy[:, None], 0.0)
+
+        depth = of("depth")
+        return NormalGradient(
+            jump=depth * self.site.trace.normals + of("jump"),
+            gap=0.0 - depth[:, 0],
+            fields={name: of(name)[:, 0] for name in self._fields},
+        )
+
     def can_press(self) -> Flags:
         """Points before which something stands, and where it is stiff."""
         trace = self.site.trace
@@ -280,6 +305,13 @@ class PenaltyLaw(SpringLaw):
     def fields(self) -> Mapping[str, Array]:
         """1/ε₁."""
         return {"stiffness": np.full(len(self.site.trace.weights), 1 / self._penalty)}
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Of the stiffness in ε₁."""
+        if key != "penalty_parameter":
+            return {}
+        stiffness = self._fields["stiffness"]
+        return {"stiffness": self._penalty * slope(lambda e: 1 / e, self._penalty) * stiffness}
 
     def soften(self, factor: float) -> None:
         """Divide the stiffness by a factor, from now on."""

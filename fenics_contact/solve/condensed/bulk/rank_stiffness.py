@@ -10,7 +10,7 @@ from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from scipy.sparse import bmat, csr_matrix
 
-from fenics_contact.body.spaces import summed_over_ranks
+from fenics_contact.body.spaces import of_owners, summed_over_ranks
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.discrete_body import DiscreteBody
@@ -110,6 +110,23 @@ class LocalStiffness:
         found = np.zeros(len(self.numbers))
         found[: len(self.displacements)] = nodal.reshape(-1)[self.displacements]
         return found
+
+    def at_nodes(self, values: Array) -> Array:
+        """Displacements of all nodes of this rank from those at its unknowns; collective."""
+        spaces = self._discrete.spaces
+        found = np.zeros(len(spaces.coordinates) * spaces.components)
+        found[self.displacements] = values[: len(self.displacements)]
+        index_map = spaces.displacement_space.dofmap.index_map
+        return of_owners(index_map, found.reshape(-1, spaces.components))
+
+    def mean_stresses(self, values: Array) -> Array:
+        """Mean stresses of all dofs of this rank, empty without any; collective."""
+        mixed = self._discrete.elastic.mixed
+        if mixed is None:
+            return np.zeros(0)
+        found = fem.Function(mixed.mean_stress.function_space)
+        _set(found, self._stresses, values[len(self.displacements) :])
+        return np.array(found.x.array)
 
     def forces(self, values: Array) -> Array:
         """K u at the nodes, (nodes, components), of all ranks' cells; collective."""

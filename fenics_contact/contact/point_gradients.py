@@ -1,0 +1,186 @@
+"""From derivatives of a quantity in what a contact answers to those in what it is given.
+
+Backwards through the laws at the points, by their own second derivatives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.contact.contact_surface import ContactSurface
+
+
+@dataclass(eq=False)
+class AnswerGradient:
+    """Derivatives of a quantity in what happens at the points of a contact.
+
+    Points' areas are in them, and points that this rank does not own have theirs as well.
+
+    Attributes:
+        pressure: In the contact pressure, (points,).
+        friction: In the friction traction on the body, (points, components).
+        slip: In the slip since the start, likewise.
+        depth: In minus the gap, (points,).
+        energy: In the energy over area, (points,).
+        jump: In the jump itself, (points, components).
+        brought_up: In how far the obstacle was brought up, beside what that does to the gap.
+        indentation: In how far an obstacle is driven, beside what that does to the jump.
+        interference: In the interference, beside what that does to the gap.
+    """
+
+    pressure: Array
+    friction: Array
+    slip: Array
+    depth: Array
+    energy: Array
+    jump: Array
+    brought_up: float = 0.0
+    indentation: float = 0.0
+    interference: float = 0.0
+
+    @classmethod
+    def none(cls, contact: ContactSurface) -> Self:
+        """That of a quantity that has nothing to do with the contact."""
+        scalars = [np.zeros(len(contact.trace.weights)) for _ in range(3)]
+        vectors = [np.zeros_like(contact.trace.normals) for _ in range(3)]
+        pressure, depth, energy = scalars
+        friction, slip, jump = vectors
+        return cls(pressure, friction, slip, depth, energy, jump)
+
+    def traction(self, contact: ContactSurface) -> Array:
+        """Its part in the traction that follows the jump, (points, components)."""
+        found = contact.kinematics.tangential(self.friction)
+        if contact.normal.follows_jump:
+            found = found - self.pressure[:, None] * contact.trace.normals
+        return found
+
+    def with_traction(self, contact: ContactSurface, of_traction: Array) -> Self:
+        """With derivatives in the traction that follows the jump besides, (points, components)."""
+        pressure = self.pressure
+        if contact.normal.follows_jump:
+            pressure = pressure - contact.kinematics.normal(of_traction)
+        friction = self.friction + contact.kinematics.tangential(of_traction)
+        return replace(self, pressure=pressure, friction=friction)
+
+
+@dataclass(frozen=True, eq=False)
+class GivenGradient:
+    """Derivatives of a quantity in what a contact is given, at the points.
+
+    Attributes:
+        jump: In the jump, (points, components).
+        gap: In the gap, (points,).
+        pressure: In a pressure that is given, (points,).
+        coefficient: In the friction coefficient, (points,).
+        fields: In parameters of the law across it, by name, (points,).
+        reference: In the slip that counts as none, (points, components).
+        regularisation_parameter: In ε, of this rank's own points.
+        brought_up: As of ``AnswerGradient``.
+        indentation: Likewise.
+        interference: Likewise.
+    """
+
+    jump: Array
+    gap: Array
+    pressure: Array
+    coefficient: Array
+    fields: Mapping[str, Array]
+    reference: Array
+    regularisation_parameter: float
+    brought_up: float
+    indentation: float
+    interference: float
+
+
+@dataclass(frozen=True, eq=False)
+class GivenChange:
+    """How what a contact is given changes with a key of the scene; None of what does not.
+
+    Attributes:
+        motion: Of what stands opposite, (components,).
+        gap: At the points, (points,).
+        pressure: That is given, likewise.
+        coefficient: Of friction, likewise.
+        fields: Parameters of the law across it, by name, likewise.
+        regularisation_parameter: ε.
+        brought_up: How far the obstacle was brought up.
+        indentation: How far it is driven, where no force drives it.
+        interference: The interference.
+    """
+
+    motion: Array | None = None
+    gap: Array | None = None
+    pressure: Array | None = None
+    coefficient: Array | None = None
+    fields: Mapping[str, Array] = field(default_factory=dict)
+    regularisation_parameter: float = 0.0
+    brought_up: float = 0.0
+    indentation: float = 0.0
+    interference: float = 0.0
+
+
+def pulled_back(contact: ContactSurface, answers: AnswerGradient) -> GivenGradient:
+    """At the present state of a contact, whose bound is that of its pressure.
+
+    Args:
+        contact: The contact.
+        answers: Derivatives of the quantity in what happens there.
+    """
+    kinematics = contact.kinematics
+    jump, normals = kinematics.jump_at_points(), contact.trace.normals
+    slip = kinematics.tangential(jump)
+    of_traction = kinematics.tangential(answers.friction)
+    friction = contact.friction.pulled_back(slip, contact.normal.pressure(jump), of_traction)
+    pressure = answers.pressure + friction.pressure
+    normal = contact.normal.pulled_back(
+        jump, pressure[:, None] * normals - of_traction, answers.energy
+    )
+    depth = np.where(kinematics.reached, answers.depth, 0.0)
+    return GivenGradient(
+        jump=answers.jump
+        + normal.jump
+        + kinematics.tangential(answers.slip + friction.slip)
+        + depth[:, None] * normals,
+        gap=normal.gap - depth,
+        pressure=pressure,
+        coefficient=friction.coefficient,
+        fields=normal.fields,
+        reference=kinematics.tangential(friction.reference),
+        regularisation_parameter=friction.regularisation_parameter,
+        brought_up=answers.brought_up,
+        indentation=answers.indentation,
+        interference=answers.interference,
+    )
+
+
+def along(contact: ContactSurface, gradient: GivenGradient, change: GivenChange) -> float:
+    """Derivative of the quantity in the key, this rank's part of it.
+
+    Numbers that are no sum over points are counted by the first rank.
+
+    Args:
+        contact: The contact.
+        gradient: Of the quantity.
+        change: With the key.
+    """
+    owned = contact.trace.owned
+    found = gradient.regularisation_parameter * change.regularisation_parameter
+    if change.motion is not None:
+        found -= float(gradient.jump[owned].sum(axis=0) @ change.motion)
+    pairs = [
+        (gradient.gap, change.gap),
+        (gradient.pressure, change.pressure),
+        (gradient.coefficient, change.coefficient),
+        *((gradient.fields[name], values) for name, values in change.fields.items()),
+    ]
+    found += sum(float(of[owned] @ by[owned]) for of, by in pairs if by is not None)
+    if contact.spaces.comm.rank == 0:
+        found += gradient.brought_up * change.brought_up
+        found += gradient.indentation * change.indentation
+        found += gradient.interference * change.interference
+    return found

@@ -1,0 +1,147 @@
+"""Derivatives of quantities in the numbers of a scene: of an answer, while its system is there.
+
+Where friction remembers its path, they go back through the load steps. What a step is given by the
+one before is the slip that counts as none there: its derivatives are those of a quantity of the
+step before, whose own adjoint leads to the next one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fenics_contact.common.errors import InputError
+from fenics_contact.contact.snapshot import recall
+from fenics_contact.problem.problem import Problem
+from fenics_contact.simulation.sensitivities.quantity_gradient import QuantityGradient, adjoint_of
+from fenics_contact.simulation.sensitivities.scene_changes import Change, SceneChanges
+from fenics_contact.simulation.sensitivities.state_gradients import Quantities, StateGradient
+from fenics_contact.simulation.sensitivities.values import numbers_of
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
+
+# Quantity → key → derivative.
+Derivatives = dict[str, dict[str, float]]
+
+
+def derivatives(
+    load_steps: LoadSteps,
+    system: CondensedSystem,
+    steps: Sequence[AcceptedStep],
+    of: Sequence[str],
+    by: Sequence[str] | None,
+) -> Derivatives:
+    """Of the last load step, in whose state a system is; collective.
+
+    Args:
+        load_steps: That were taken.
+        system: That has solved them.
+        steps: All of them.
+        of: Names of quantities.
+        by: Keys of the scene; None for all numbers that have a derivative.
+
+    Raises:
+        InputError: A quantity or a key has no derivative.
+    """
+    problem, last = system.problem, steps[-1]
+    _require_laws(problem)
+    quantities = Quantities(problem, last.solution)
+    states = {name: quantities.gradient(name) for name in of}
+    keys = keys_of(problem, last.unknowns.time, by)
+    found: Derivatives = {name: dict.fromkeys(keys, 0.0) for name in of}
+    for step in reversed(_that_count(problem, steps)):
+        if step is not last:
+            _go_back_to(load_steps, step)
+        adjoint = adjoint_of(system)
+        changes = _changes(problem, step.unknowns.time, keys)
+        for name, state in states.items():
+            gradient = QuantityGradient(adjoint, step, state)
+            for key, change in changes.items():
+                found[name][key] += gradient.along(change)
+            states[name] = _of_step_before(problem, gradient)
+    return found
+
+
+def _require_laws(problem: Problem) -> None:
+    """Refuse laws that do not say their own derivatives."""
+    for contact in problem.contacts:
+        for law in (contact.normal, contact.friction):
+            if not law.has_derivatives:
+                raise InputError(
+                    f"derivatives: the law '{law.kind}' of '{contact.label}' has none of its own"
+                )
+
+
+def keys_of(problem: Problem, time: float, by: Sequence[str] | None) -> list[str]:
+    """Those that have a derivative; collective.
+
+    Args:
+        problem: Of the scene.
+        time: Pseudo-time that its state is of.
+        by: The keys; None for all.
+
+    Raises:
+        InputError: A key that is named has none.
+    """
+    if by is not None:
+        return list(_changes(problem, time, by))
+    found = []
+    for key in numbers_of(problem.scene):
+        try:
+            SceneChanges(problem, time).by(key)
+        except InputError:
+            continue
+        found.append(key)
+    return found
+
+
+def _changes(problem: Problem, time: float, keys: Sequence[str]) -> dict[str, Change]:
+    changes = SceneChanges(problem, time)
+    return {key: changes.by(key) for key in keys}
+
+
+def _that_count(problem: Problem, steps: Sequence[AcceptedStep]) -> list[AcceptedStep]:
+    """The load steps that the last one depends on; collective.
+
+    Raises:
+        InputError: It depends on more than slips of those before.
+    """
+    last = steps[-1]
+    if any(preload.is_locked for preload in problem.preloads):
+        raise InputError(
+            "derivatives: a preload is locked, so that its length is that of a load step before; "
+            "leave out locked_from"
+        )
+    follows = any(contact.friction.follows_path for contact in problem.contacts)
+    if not follows or len(steps) == 1:
+        return [last]
+    if any(one.paired_at is not None for step in steps for one in step.contacts):
+        raise InputError(
+            "derivatives: what faces what of two bodies was found anew between load steps, which "
+            "has none; let the bodies slide less, or take one step"
+        )
+    return list(steps)
+
+
+def _go_back_to(load_steps: LoadSteps, step: AcceptedStep) -> None:
+    """Bring a problem and its system to the end of a load step; collective."""
+    problem = load_steps.problem
+    problem.reach(step.unknowns.scalars)
+    problem.set_time(step.unknowns.time)
+    for contact, memory in zip(problem.contacts, step.contacts, strict=True):
+        recall(contact, memory)
+    system = load_steps.newton.system
+    load_steps.newton.begin.at(step.unknowns.position_in(system), step.unknowns.scalars)
+
+
+def _of_step_before(problem: Problem, gradient: QuantityGradient) -> StateGradient:
+    """What is a quantity of the step before: the slips that a step counts from."""
+    found = StateGradient.none(problem)
+    for contact, before, after in zip(
+        problem.contacts, found.contacts, gradient.contacts, strict=True
+    ):
+        if contact.friction.follows_path:
+            before.slip += np.asarray(after.reference)
+    return found

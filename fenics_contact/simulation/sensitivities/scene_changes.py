@@ -1,0 +1,257 @@
+"""What a number of a scene changes of all that a problem is given, at a pseudo-time.
+
+Where the answer is proportional to it, that of a unit; else by a complex step of the formula that
+the problem itself goes by. Automatic ε and ε₁, sizes of load steps, and what faces what of two
+bodies are held.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.body.elasticity import Isotropic
+from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.errors import InputError
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
+from fenics_contact.contact.point_gradients import GivenChange
+from fenics_contact.problem.loads import given_loads
+from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.scalar_unknowns import Indentation, Resultant
+from fenics_contact.scene.contact import Obstacle
+from fenics_contact.scene.values import Value
+from fenics_contact.simulation.sensitivities.values import found_in, unit_of
+
+_MODULI = ("youngs_modulus", "poissons_ratio")
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """How what a problem is given changes with a number of its scene.
+
+    Attributes:
+        load: Nodal forces, (nodes, components); None where they do not change.
+        prescribed: Displacements of ``Problem.constrained``; likewise.
+        contacts: Number of a contact → what it is given.
+        scalars: Number of a scalar unknown → the right-hand side of its equation.
+        columns: Number of a scalar unknown → its column of the far field.
+        modulus: Number of a material and name of its modulus, if it is one.
+    """
+
+    load: Array | None = None
+    prescribed: Array | None = None
+    contacts: Mapping[int, GivenChange] = field(default_factory=dict)
+    scalars: Mapping[int, float] = field(default_factory=dict)
+    columns: Mapping[int, Array] = field(default_factory=dict)
+    modulus: tuple[int, str] | None = None
+
+
+class SceneChanges:
+    """Changes by the keys of a scene; collective.
+
+    Args:
+        problem: Of the scene, in the state at the pseudo-time.
+        time: The pseudo-time.
+    """
+
+    def __init__(self, problem: Problem, time: float) -> None:
+        self.problem, self.time = problem, time
+
+    def by(self, key: str) -> Change:
+        """What a number changes; collective.
+
+        Args:
+            key: As of ``--set``, such as ``contact.0.friction_coefficient``.
+
+        Raises:
+            InputError: There is no such number, or it has no derivative.
+        """
+        value = found_in(self.problem.scene, key)
+        if value == "auto":
+            raise _refused(key, "it is chosen automatically, and held")
+        if isinstance(value, bool) or not isinstance(value, float | int):
+            raise _refused(key, "it is no number")
+        group, number, *rest = [*key.split("."), "", ""]
+        rest = [name for name in rest if name]
+        kinds = {
+            "contact": self._of_contact,
+            "load": self._of_load,
+            "support": self._of_support,
+            "preload": self._of_preload,
+            "material": self._of_material,
+        }
+        if group not in kinds:
+            raise _refused(key, "answers do not follow it smoothly, or not by itself")
+        return kinds[group](key, int(number), rest)
+
+    def _of_load(self, key: str, number: int, rest: list[str]) -> Change:
+        problem, load = self.problem, self.problem.scene.load[number]
+        if rest[0] != load.kind:
+            raise _refused(key, "it is part of a path")
+        value: Value | tuple[Value, ...] = getattr(load, load.kind)
+        if isinstance(value, tuple):
+            units: Any = [0.0] * len(value)
+            units[int(rest[1])] = _unit(key, value[int(rest[1])], rest[2:])
+        else:
+            units = _unit(key, value, rest[1:])
+        (found,) = given_loads((replace(load, **{load.kind: units}),), problem.spaces)
+        nodal = found.nodal_of_units(problem.discrete.found.setdefault("loads", {}))
+        return Change(load=found.path(self.time) * nodal)
+
+    def _of_support(self, key: str, number: int, rest: list[str]) -> Change:
+        problem, support = self.problem, self.problem.scene.support[number]
+        if rest[0] != "displacement":
+            raise _refused(key, "it is part of a path")
+        axis = next(axis for axis in support.displacement if axis == rest[1])
+        unit = _unit(key, support.displacement[axis], rest[2:])
+        found = problem.supports.slopes(number, axis, unit, self.time)
+        return Change(prescribed=self._at_constrained(problem.supports.dofs, found))
+
+    def _at_constrained(self, dofs: Integers, values: Array) -> Array:
+        """Values at all dofs that are constrained, 0 at others."""
+        found = np.zeros(len(self.problem.constrained))
+        found[np.searchsorted(self.problem.constrained, dofs)] = values
+        return found
+
+    def _of_preload(self, key: str, number: int, rest: list[str]) -> Change:
+        problem = self.problem
+        if rest != ["force"]:
+            raise _refused(key, "the body depends on it")
+        preload = problem.preloads[number]
+        return Change(scalars={problem.unknowns.index(preload): preload.force_factor(self.time)})
+
+    def _of_material(self, key: str, number: int, rest: list[str]) -> Change:
+        if len(rest) != 1 or rest[0] not in _MODULI:
+            raise _refused(key, "of materials, Young's modulus and Poisson's ratio as numbers have")
+        problem = self.problem
+        if not isinstance(problem.elastic.law, Isotropic) or problem.preloads:
+            raise _refused(key, "moduli have where all materials are isotropic, without preloads")
+        if problem.far_field is None:
+            return Change(modulus=(number, rest[0]))
+        slopes, known = problem.far_field.slopes(rest[0]), np.zeros(len(problem.far_field.dofs))
+        columns: dict[int, Array] = {}
+        for place, contact in enumerate(problem.contacts):
+            found = [column for _, column in slopes.sideways[place]]
+            if contact.force is None:
+                found.insert(0, slopes.columns[place])
+            else:
+                known += contact.force * slopes.columns[place]
+            own = [
+                index
+                for index, unknown in enumerate(problem.unknowns)
+                if isinstance(unknown, Resultant) and unknown.contact is contact
+            ]
+            columns |= dict(zip(own, found, strict=True))
+        prescribed = self._at_constrained(problem.far_field.dofs, known)
+        return Change(prescribed=prescribed, columns=columns, modulus=(number, rest[0]))
+
+    def _of_contact(self, key: str, number: int, rest: list[str]) -> Change:
+        contact = self.problem.contacts[number]
+        scene, name = contact.contact, ".".join(rest)
+        if rest[0] == "obstacle":
+            return self._of_obstacle(key, number, rest[1:])
+        if name == "interference":
+            path = contact.paths.interference_factor(self.time)
+            here = GivenChange(gap=np.full(len(contact.trace.weights), -path), interference=path)
+            return Change(contacts={number: here})
+        if name == "regularisation_parameter":
+            return Change(contacts={number: GivenChange(regularisation_parameter=1.0)})
+        if rest[0] == "friction_coefficient":
+            if not contact.friction.rubs:
+                raise _refused(key, "without friction, it is no parameter of the model")
+            coefficient = self._at_points(contact, key, scene.friction_coefficient, rest[1:])
+            return Change(contacts={number: GivenChange(coefficient=coefficient)})
+        if rest[0] == "pressure" and scene.pressure is not None:
+            return self._of_pressure(
+                number, contact, self._at_points(contact, key, scene.pressure, rest[1:])
+            )
+        place = 2 if rest[0] == "normal_law" else 1
+        value = found_in(self.problem.scene, ".".join(key.split(".")[: 2 + place]))
+        unit = unit_of(value, rest[place:])
+        fields = {} if unit is None else contact.normal.field_slopes(".".join(rest[:place]), unit)
+        if not fields:
+            raise _refused(key, "the law does not follow it smoothly")
+        return Change(contacts={number: GivenChange(fields=fields)})
+
+    def _at_points(self, contact: ContactSurface, key: str, value: Value, rest: list[str]) -> Array:
+        """What a number changes of a value at the points."""
+        return contact.spaces.evaluate_at(_unit(key, value, rest), contact.trace.coordinates.T, key)
+
+    def _of_pressure(self, number: int, contact: ContactSurface, unit: Array) -> Change:
+        """A pressure that is given loads the body, and bounds friction."""
+        trace, pressure = contact.trace, contact.paths.pressure_factor(self.time) * unit
+        traction = -(trace.weights * pressure)[:, None] * trace.normals
+        load = trace.surface.on_body(trace.onto_nodes(traction))
+        return Change(load=load, contacts={number: GivenChange(pressure=pressure)})
+
+    def _of_obstacle(self, key: str, number: int, rest: list[str]) -> Change:
+        problem, contact = self.problem, self.problem.contacts[number]
+        kinematics, obstacle = contact.kinematics, contact.contact.obstacle
+        assert isinstance(kinematics, ObstacleKinematics) and obstacle is not None
+        name, axis = rest[0], int(rest[1]) if len(rest) > 1 and rest[1].isdigit() else 0
+        if name == "force":
+            return self._of_force(number, contact)
+        if name == "indentation":
+            driven = contact.paths.drive_factor(self.time)
+            motion = driven * kinematics.direction
+            here = GivenChange(motion=motion, indentation=driven)
+            return Change(contacts={number: here})
+        if name == "displacement":
+            factor = contact.paths.displacement_factor(self.time)
+            motion = factor * np.eye(problem.spaces.components)[axis]
+            gap = factor * kinematics.gap_slopes(name, axis)
+            return Change(contacts={number: GivenChange(motion=motion, gap=gap)})
+        if name == "gap" and obstacle.gap is not None:
+            gap = self._at_points(contact, key, obstacle.gap, rest[1:])
+        elif name in ("radius", "position") and _is_smooth(obstacle, name):
+            moves_foot = name == "position" and abs(kinematics.direction[axis]) < 1 - 1e-9
+            if problem.far_field is not None and moves_foot:
+                raise _refused(key, "it moves the force on the half_space")
+            gap = kinematics.gap_slopes(name, axis)
+        else:
+            raise _refused(key, "contact jumps where an edge or a direction of the obstacle moves")
+        gap = np.where(kinematics.reached, gap, 0.0)
+        if not contact.floats:
+            return Change(contacts={number: GivenChange(gap=gap)})
+        raised = kinematics.brought_up_slope(gap)
+        gap = np.where(kinematics.reached, gap - raised * kinematics.facing, 0.0)
+        return Change(contacts={number: GivenChange(gap=gap, brought_up=raised)})
+
+    def _of_force(self, number: int, contact: ContactSurface) -> Change:
+        problem, path = self.problem, contact.paths.drive_factor(self.time)
+        scalars = {
+            index: path
+            for index, unknown in enumerate(problem.unknowns)
+            if isinstance(unknown, Indentation) and unknown.contact is contact
+        }
+        far_field, prescribed = problem.far_field, None
+        if far_field is not None:
+            moved = path * far_field.columns[number]
+            prescribed = self._at_constrained(far_field.dofs, moved)
+        return Change(prescribed=prescribed, scalars=scalars)
+
+
+def _is_smooth(obstacle: Obstacle, name: str) -> bool:
+    """Whether gaps follow its size or place without jumps: not at the edges of punches."""
+    has_edges = obstacle.shape in ("flat punch", "annular punch")
+    return obstacle.shape is not None and not (has_edges and name == "radius")
+
+
+def _unit(key: str, value: Value, rest: list[str]) -> Value:
+    """Derivative of a value in one of its numbers.
+
+    Raises:
+        InputError: It has none.
+    """
+    unit = unit_of(value, rest)
+    if unit is None:
+        raise _refused(key, "of a profile, only the values have")
+    return unit
+
+
+def _refused(key: str, why: str) -> InputError:
+    return InputError(f"by: '{key}' has no derivative: {why}")

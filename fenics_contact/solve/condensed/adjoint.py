@@ -1,0 +1,268 @@
+"""The adjoint of the condensed problem: what forces and displacements given to it do to a quantity.
+
+With the forces F(y, θ) that are out of balance, dJ = J_θ dθ − Λ · F_θ dθ with Fᵧᵀ Λ = J_y. At an
+answer the tangent that couples friction's bound to the pressure is the true Fᵧ. Λ is a virtual
+displacement ψ of the body, and a number for each scalar unknown. What is condensed has ψ at the
+contacts from one dense transposed solve; inside the body it takes a back-substitution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.errors import NotConvergedError
+from fenics_contact.common.parallel import from_root, gathered_on_root, total
+from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.scalar_unknowns import ContactScalar
+from fenics_contact.solve.condensed.condensed_body import CondensedBody
+from fenics_contact.solve.condensed.contact_jump import ContactJump
+from fenics_contact.solve.condensed.tangent import ContactTangent
+from fenics_contact.solve.condensed.unknowns import ContactVariables
+
+
+@dataclass(frozen=True, eq=False)
+class BodyGradient:
+    """Derivatives of a quantity in the body's displacement, and forces of supports in it.
+
+    Attributes:
+        displacement: At the nodes of this rank, (nodes, components).
+        reactions: Factors of the forces of supports at the dofs that they hold, 0 elsewhere,
+            likewise.
+    """
+
+    displacement: Array
+    reactions: Array
+
+
+class CondensedAdjoint:
+    """Solves with the transpose of a tangent; collective.
+
+    Args:
+        problem: In the state of the tangent.
+        body: Condensed.
+        variables: The unknowns.
+        dense: The tangent, on rank 0.
+        jumps: Of each contact that exerts forces.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        body: CondensedBody,
+        variables: ContactVariables,
+        dense: ContactTangent | None,
+        jumps: Sequence[ContactJump | None],
+    ) -> None:
+        self.problem, self.body, self.variables = problem, body, variables
+        self.jumps, self._dense = jumps, dense
+        self._driving = [u for u in problem.unknowns if isinstance(u, ContactScalar)]
+
+    def opposing(self, tractions: Sequence[Array | None]) -> Array:
+        """Λ whose virtual jumps are minus given ones, wherever these are unknowns; collective.
+
+        The virtual work of a traction is then taken off what a quantity has of it itself, and what
+        is left is seen without the stiffness of contacts, of which it would be a small difference.
+
+        Args:
+            tractions: At all nodes of each surface, (nodes, components); None for none.
+        """
+        found = np.zeros(self.variables.count + len(self.problem.unknowns))
+        taken = np.zeros(len(found), dtype=bool)
+        for jump, traction in zip(self.jumps, tractions, strict=True):
+            if jump is None or traction is None:
+                continue
+            rows = from_root(self.problem.comm, self._gathered(jump, traction))
+            entries = jump.work[:, : self.variables.count].tocoo()
+            mine = ~taken[entries.col]
+            found[entries.col[mine]] = -rows[entries.row[mine]]
+            taken[entries.col] = True
+        return found
+
+    def solve(
+        self,
+        jumps: Sequence[Array],
+        scalars: Array,
+        body: BodyGradient | None,
+        start: Array,
+    ) -> Multipliers:
+        """Λ of a quantity; collective.
+
+        Args:
+            jumps: Its derivatives in the jump at all nodes of each surface, (nodes, components),
+                with those of the virtual work of tractions on the jumps of ``start``.
+            scalars: In the scalar unknowns, beside what these do to jumps and displacements.
+            body: In the body, beside the contacts; None where there are none.
+            start: Part of Λ that is known.
+        """
+        free = None if body is None else self._without_contacts(body)
+        right = self._of_unknowns(free)
+        right[self.variables.count :] += scalars
+        for jump, of_jump in zip(self.jumps, jumps, strict=True):
+            if jump is None:
+                continue
+            rows = self._gathered(jump, of_jump)
+            if self._dense is not None:
+                onto = self._dense.constant.onto_unknowns(jump.motion.T @ rows)
+                right[: len(onto)] += onto
+        found = None
+        if self._dense is not None:
+            found = self._dense.solve_transposed(right - self._dense.times_transposed(start))
+        rest = np.asarray(from_root(self.problem.comm, found))
+        if not np.isfinite(rest).all():
+            raise NotConvergedError(
+                "derivatives: the answer is at a limit, where it does not follow what is given"
+            )
+        return Multipliers(self, start, rest, body, free)
+
+    def jump(self, number: int, values: Array) -> Array:
+        """Virtual jump of a contact at all nodes of its surface of this rank.
+
+        Args:
+            number: Of the contact.
+            values: Λ, on every rank.
+        """
+        jump, surface = self.jumps[number], self.problem.contacts[number].trace.surface
+        if jump is None:
+            return np.zeros((len(surface.coordinates), surface.components))
+        inner = len(values) - len(self.problem.preloads)
+        derived = self.variables.derived_jumps(values[: self.variables.count])
+        found = jump.work @ np.concatenate([values[:inner], derived])
+        return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
+
+    def held_jump(self, number: int, body: BodyGradient | None) -> Array:
+        """Virtual jump at the nodes of a surface of dofs whose reactions count; collective."""
+        jump = self.jumps[number]
+        surface = self.problem.contacts[number].trace.surface
+        if jump is None or body is None:
+            return np.zeros((len(surface.coordinates), surface.components))
+        held = self.body.dofs.gathered(-body.reactions.reshape(-1))
+        found = self.variables.held_part(jump.surface, held)
+        return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
+
+    def _without_contacts(self, body: BodyGradient) -> _FreeBody:
+        """ψ with all contact dofs held, and what it leaves; one back-substitution."""
+        stiffness, held = self.body.stiffness, self.body.held
+        supported = -body.reactions
+        load = stiffness.load(body.displacement, supported, held)
+        nothing = np.zeros(len(self.body.dofs.free))
+        found = self.body.bulk.expand(load, nothing)
+        left = stiffness.share(body.displacement) - stiffness.matrix @ found
+        along = self.body.preloads.from_loads(load, stiffness.at_unknowns(supported))
+        return _FreeBody(load, stiffness.whole(left), along)
+
+    def _of_unknowns(self, free: _FreeBody | None) -> Array:
+        """What a quantity of the body is in the unknowns, on every rank."""
+        count, problem = self.variables.count, self.problem
+        found = np.zeros(count + len(problem.unknowns))
+        if free is None:
+            return found
+        left, dofs = free.left.reshape(-1), self.body.dofs
+        found[:count] = self.variables.forces(dofs.gathered(left)[dofs.is_free])
+        if problem.far_field is not None:
+            outer = problem.far_field.dofs
+            mine = outer < problem.spaces.owned_nodes * problem.spaces.components
+            columns = [u.column if u.column is not None else 0 * outer for u in self._driving]
+            moved = [float(column[mine] @ left[outer[mine]]) for column in columns]
+            found[count : count + len(moved)] = total(problem.comm, np.array(moved))
+        found[len(found) - len(free.along_parts) :] -= free.along_parts
+        return found
+
+    def _gathered(self, jump: ContactJump, nodal: Array) -> Array:
+        """At all dofs of a surface, on rank 0; collective."""
+        owned = jump.surface.contact.trace.surface.owned_nodes
+        parts = gathered_on_root(self.problem.comm, nodal[:owned].reshape(-1))
+        return np.zeros(0) if parts is None else np.concatenate(parts)
+
+
+@dataclass(frozen=True, eq=False)
+class _FreeBody:
+    """ψ of a quantity of the body where no contact dof moves.
+
+    Attributes:
+        load: As the bulk takes it, this rank's share.
+        left: What ψ leaves at the nodes, of all ranks, (nodes, components).
+        along_parts: What it does along each preloaded part.
+    """
+
+    load: Array
+    left: Array
+    along_parts: Array
+
+
+class Multipliers:
+    """Λ: a virtual displacement ψ of the body, and a number for each scalar unknown.
+
+    Where a quantity has forces of supports in it, ψ is minus their factor there: so all of dJ in
+    forces is ψ · df.
+
+    Args:
+        adjoint: That found it.
+        start: Part of it that was known.
+        rest: The other part.
+        body: Of the quantity.
+        free: The same without contacts.
+    """
+
+    def __init__(
+        self,
+        adjoint: CondensedAdjoint,
+        start: Array,
+        rest: Array,
+        body: BodyGradient | None,
+        free: _FreeBody | None,
+    ) -> None:
+        self._adjoint, self._rest, self._values = adjoint, rest, start + rest
+        self._body, self._free = body, free
+        self._problem = adjoint.problem
+
+    @property
+    def scalars(self) -> Array:
+        """Of the scalar unknowns: dJ over the right-hand sides of their equations."""
+        return self._values[self._adjoint.variables.count :]
+
+    def other_jump(self, number: int) -> Array:
+        """Virtual jump of a contact beyond that of the known part, at all nodes of its surface."""
+        return self._adjoint.jump(number, self._rest)
+
+    @cached_property
+    def unknowns(self) -> Array:
+        """ψ at this rank's unknowns of the stiffness; collective, one back-substitution."""
+        adjoint, body = self._adjoint, self._adjoint.body
+        load = np.zeros(len(body.stiffness.numbers)) if self._free is None else self._free.load
+        for value, one in zip(self._of_preloads, body.preloads.loads, strict=True):
+            load = load + value * one
+        at_contacts = adjoint.variables.displacements(self._values[: adjoint.variables.count])
+        return body.bulk.expand(load, at_contacts)
+
+    @cached_property
+    def displacement(self) -> Array:
+        """ψ at the nodes of this rank, (nodes, components); collective."""
+        return self._adjoint.body.stiffness.at_nodes(self.unknowns)
+
+    @property
+    def mean_stress(self) -> Array:
+        """That of ψ at the dofs of this rank; empty without one; collective."""
+        return self._adjoint.body.stiffness.mean_stresses(self.unknowns)
+
+    @cached_property
+    def at_supports(self) -> Array:
+        """Derivatives in displacements of dofs that are held, but for contacts' part; collective.
+
+        At the nodes of this rank, (nodes, components).
+        """
+        stiffness = self._adjoint.body.stiffness
+        found = -stiffness.forces(self.unknowns)
+        if self._body is not None:
+            found += self._body.displacement
+        for value, preload in zip(self._of_preloads, self._problem.preloads, strict=True):
+            found -= value * preload.bulk.nodal
+        return found
+
+    @property
+    def _of_preloads(self) -> Array:
+        return self.scalars[len(self.scalars) - len(self._problem.preloads) :]
