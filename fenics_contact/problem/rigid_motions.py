@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from fenics_contact.body.connected_parts import Parts
+from fenics_contact.body.parts.connected_parts import Parts
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import gather_rows, total

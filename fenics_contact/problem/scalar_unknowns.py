@@ -15,7 +15,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
-from fenics_contact.body.preloaded_part import PreloadForces
+from fenics_contact.body.parts.preloaded_part import PreloadForces
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.scene.conditions import Preload

@@ -283,7 +283,7 @@ class Study:
             MachineError: As of ``solve``.
         """
         scene, timings = self.changed(changes), Timings()
-        with failing_together(self._comm):
+        with failing_together(self.comm):
             return solved_derivatives(self._body_of(scene, timings), scene, of, by)
 
     def forget_answer(self) -> None:

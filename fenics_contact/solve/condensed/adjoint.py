@@ -77,10 +77,11 @@ class CondensedAdjoint:
             if jump is None or traction is None:
                 continue
             rows = from_root(self.problem.comm, self._gathered(jump, traction))
-            entries = jump.work[:, : self.variables.count].tocoo()
-            mine = ~taken[entries.col]
-            found[entries.col[mine]] = -rows[entries.row[mine]]
-            taken[entries.col] = True
+            own = jump.columns < self.variables.count
+            columns, places = jump.columns[own], jump.rows[own]
+            mine = ~taken[columns]
+            found[columns[mine]] = -rows[places[mine]]
+            taken[columns] = True
         return found
 
     def solve(
@@ -107,7 +108,7 @@ class CondensedAdjoint:
                 continue
             rows = self._gathered(jump, of_jump)
             if self._dense is not None:
-                onto = self._dense.constant.onto_unknowns(jump.motion.T @ rows)
+                onto = self._dense.constant.onto_unknowns(jump.slopes(rows))
                 right[: len(onto)] += onto
         found = None
         if self._dense is not None:
@@ -131,7 +132,7 @@ class CondensedAdjoint:
             return np.zeros((len(surface.coordinates), surface.components))
         inner = len(values) - len(self.problem.preloads)
         derived = self.variables.derived_jumps(values[: self.variables.count])
-        found = jump.work @ np.concatenate([values[:inner], derived])
+        found = jump.virtual(np.concatenate([values[:inner], derived]))
         return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
 
     def held_jump(self, number: int, body: BodyGradient | None) -> Array:

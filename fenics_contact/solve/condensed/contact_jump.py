@@ -108,6 +108,27 @@ class ContactJump:
         found[self.columns] += force[self.rows]
         return found
 
+    def virtual(self, unknowns: Array) -> Array:
+        """L y: the jump by which its forces do work in a virtual displacement, (rows,).
+
+        Args:
+            unknowns: All, with derived jumps.
+        """
+        found = self.work @ unknowns[self._scalars]
+        found[self.rows] += unknowns[self.columns]
+        return np.asarray(found)
+
+    def slopes(self, of_jump: Array) -> Array:
+        """Bᵀ r: derivatives in all unknowns.
+
+        Args:
+            of_jump: In the jump at its dofs, (rows,).
+        """
+        found = np.zeros(self.width)
+        found[self._scalars] = of_jump @ self.motion
+        found[self.columns] += of_jump[self.rows]
+        return found
+
     def relative_to(self, chosen: Integers) -> csr_matrix:
         """The displacement over some of the unknowns, none of which is a scalar."""
         shape = (len(self.relative), self.width)

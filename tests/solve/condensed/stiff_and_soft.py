@@ -32,6 +32,7 @@ class Split:
             return found
 
         monkeypatch.setattr(tangent, "_FEW", -1)
+        monkeypatch.setattr(ContactTangent, "_is_short", False)  # also where S⁻¹ is known
         monkeypatch.setattr(ContactTangent, "_is_shorter", lambda tangent, soft: True)
         monkeypatch.setattr(SplitSolver, "factorise", factorise)
         monkeypatch.setattr(SplitSolver, "solve", solve)

@@ -15,7 +15,7 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 
 from fenics_contact.body.forms import CompiledForm, Expr
-from fenics_contact.body.preloaded_part import PreloadedPart
+from fenics_contact.body.parts.preloaded_part import PreloadedPart
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags

@@ -16,7 +16,7 @@ from dolfinx import fem
 from fenics_contact.body.description import PreloadedGroup
 from fenics_contact.body.elasticity import Law
 from fenics_contact.body.forms import Expr
-from fenics_contact.body.part_ends import PartEnds
+from fenics_contact.body.parts.part_ends import PartEnds
 from fenics_contact.body.spaces import Spaces, summed_over_ranks
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
