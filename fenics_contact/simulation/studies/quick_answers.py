@@ -70,7 +70,7 @@ class Answer:
 
     @property
     def exit_code(self) -> int | None:
-        """As of a run: 0 passed, 3 not converged, 4 a check failed; None if not checked."""
+        """0 passed, 3 not converged and 4 a check failed, as of a run; None if not checked."""
         if not self.converged:
             return NotConvergedError.exit_code
         if self.checks is None:
