@@ -1,7 +1,7 @@
-"""The design study of the bolted joint: ``python docs/make_design_study.py [FOLDER]``; some minutes.
+"""The design study of the bolted joint: ``python docs/make_design_study.py [FOLDER]``; minutes.
 
-Sweeps demos/joint.toml, or takes the folder of that sweep, and draws docs/pictures/design_study.png:
-the slip in the lap, and what of it sticks, over the clamp force.
+Sweeps demos/joint.toml, or takes the folder of that sweep, and draws
+docs/pictures/design_study.png: the slip in the lap, and what of it sticks, over the clamp force.
 """
 
 from __future__ import annotations

@@ -87,7 +87,10 @@ def test_the_page_and_its_headers(served):
         "/wrong/messages",
     ],
     # Not by the token, which is another one in each process that collects tests.
-    ids="root index empty short long case null letter behind script messages".split(),
+    ids=[
+        *("root", "index", "empty", "short", "long", "case", "null", "letter", "behind"),
+        *("script", "messages"),
+    ],
 )
 def test_a_wrong_link_is_refused(served, path):
     answer, content = served.get(path)
