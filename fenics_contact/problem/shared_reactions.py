@@ -144,6 +144,8 @@ class SharedReactions:
             state besides.
         """
         spaces, count = self._spaces, len(self._holds)
+        if not count:
+            return {}
         state = self._moved if self._elastic.mixed is None else self._elastic.displacement
         transposed = [
             None
