@@ -91,6 +91,7 @@ def prepared():
     return Run(dataclasses.replace(scene, mesh=mesh), ListeningComm(COMM))
 
 
+@pytest.mark.skipif(COMM.size == 1, reason="one rank sends itself nothing")
 def test_only_the_contact_is_gathered(folder, listened):
     """Every message is of the contact's size, far below that of one number a node."""
     made = prepared()
@@ -100,7 +101,7 @@ def test_only_the_contact_is_gathered(folder, listened):
     assert result.model["contact_points"] == POINTS
     limit = 8 * 64 * POINTS  # rows a contact point, of up to 64 numbers: those of its tangent
     assert 3 * limit < 8 * NODES
-    assert len(listened) > (100 if COMM.size > 1 else 10)  # one rank sends itself hardly anything
+    assert len(listened) > 100
     # Once, the stiffness between the dofs of the contact and those that ranks share goes to rank 0.
     shared = COMM.allreduce(made.problem.spaces.displacement_space.dofmap.index_map.num_ghosts)
     stiffness = 8 * (2 * POINTS + 2 * shared) ** 2 + limit
