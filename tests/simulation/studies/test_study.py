@@ -236,7 +236,7 @@ def test_an_obstacle_that_has_moved_is_followed_in_a_few_steps():
     for changes in ({DEPTH: 0.97}, {DEPTH: 1.0}, {radius: 8.1}, {radius: 7.8, DEPTH: 0.99}):
         found = study.quantities(changes)
         assert found.start == "warm"
-        assert found.newton_iterations <= 5 < cold / 2
+        assert found.newton_iterations <= 8 < cold / 2
         force = found.quantities["normal_force"]
         study.forget_answer()
         anew = study.quantities(changes)
