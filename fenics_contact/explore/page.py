@@ -68,6 +68,7 @@ def _page(scene: Scene, keys: Sequence[MovedKey]) -> str:
     return render(
         "explore.html",
         title=one_line(scene.title or "fenics-contact explore"),
+        sheets=["report.css", "explore.css"],
         groups=[(group, list(found)) for group, found in grouped],
         units={one.key: one.number.unit(scene) for one in keys},
         notes=_notes(scene, keys),

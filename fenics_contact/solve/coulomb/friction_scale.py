@@ -17,13 +17,11 @@ def follow_pressure(contact: ContactSurface, imbalance: float, accuracy: float =
     Args:
         contact: Any; one whose ε is given keeps it.
         imbalance: That was accepted (force).
-        accuracy: To which the pressures are to be known. Of those that are known less well than
-            usual ε takes three digits: more would differ with the number of ranks.
+        accuracy: To which the pressures are to be known.
     """
     if not contact.friction.finds_scale or not carries_more_than(contact, imbalance, accuracy):
         return
-    needed = _needed(contact)
-    contact.friction.set_scale(needed if accuracy <= TELLING else float(f"{needed:.2e}"))
+    contact.friction.set_scale(_needed(contact))
 
 
 def fits(contact: ContactSurface, too_large: float, too_small: float) -> bool:
