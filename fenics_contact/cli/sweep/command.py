@@ -16,6 +16,7 @@ from fenics_contact.common.interrupts import Interrupts
 from fenics_contact.common.memory import cores
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.report.sweep.page import write_sweep_page
+from fenics_contact.results.words.outcomes import outcome_of
 from fenics_contact.scene.reading import SceneFile
 from fenics_contact.simulation.output.run_folder import require_writable
 from fenics_contact.simulation.sweeps.journal import NAME, Done
@@ -25,15 +26,8 @@ from fenics_contact.simulation.sweeps.tables import PAGE, STATES_FILE, SUMMARY, 
 logger = logging.getLogger(__name__)
 
 _SHOWN = 5  # of the points that failed, on the terminal
-# What became of points, by their exit codes.
-_WORDS = {
-    0: "passed",
-    4: "failed a check",
-    3: "not converged",
-    2: "refused",
-    5: "failed by the machine",
-    1: "ended by a fault of the program",
-}
+# Exit codes in the order in which a summary counts them.
+_ORDER = (0, 4, 3, 2, 5, 1)
 
 
 def sweep(options: argparse.Namespace) -> int:
@@ -117,7 +111,7 @@ def _so_far(done: int, total: int, failed: int) -> str:
 def _said(made: Sweep, folder: Path) -> Sequence[str]:
     """What came out: how many of each outcome, the first that failed, and the files."""
     found = Counter(done.exit_code for done in made.done.values())
-    outcomes = [f"{found[code]} {words}" for code, words in _WORDS.items() if found[code]]
+    outcomes = [f"{found[code]} {outcome_of(code)}" for code in _ORDER if found[code]]
     if made.left:
         outcomes.append(f"{made.left} left; --resume goes on")
     lines = [f"{_count(len(made.points), 'point')}: {', '.join(outcomes)}"]

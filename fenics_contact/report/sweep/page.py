@@ -35,21 +35,13 @@ from fenics_contact.report.sweep.files import (
 from fenics_contact.report.sweep.states import FIELDS, MEASURED, packed_states
 from fenics_contact.report.view.view_page import packed
 from fenics_contact.results.records.units import NO_UNITS
+from fenics_contact.results.words.outcomes import outcome_of
 from fenics_contact.results.words.tables import headed
 
 PAGE = "sweep.html"
 _SCRIPTS = ("curves.js", "map.js", "states.js", "table.js", "sweep.js")
 # Values of quantities that a page holds in 3 MB, and points that failed that it lists.
 _MOST_CELLS, _MOST_FAILURES = 300_000, 500
-_OUTCOMES = {
-    0: "ok",
-    1: "a fault of the program",
-    2: "refused",
-    3: "not converged",
-    4: "a check failed",
-    5: "the machine failed",
-    130: "not done",
-}
 
 
 def write_sweep_page(folder: Path) -> Path:
@@ -111,7 +103,7 @@ def _data(record: SweepRecord, table: SweepTable) -> dict[str, Any]:
     return {
         "keys": [_key(key, values, record) for key, values in record.vary.items()],
         "codes": table.exit_codes,
-        "outcomes": [_outcome_of(code) for code in table.exit_codes],
+        "outcomes": [outcome_of(code) for code in table.exit_codes],
         "failures": {row: one_line(said) for row, said in record.failures.items()},
         "quantities": [
             _drawn(quantity, said, record) for quantity, said in zip(quantities, cells, strict=True)
@@ -195,12 +187,8 @@ def _failures(record: SweepRecord, table: SweepTable) -> list[tuple[int, str, st
     """Of the first points that failed: the row, the values of the keys, and why."""
     keys = [_key(key, values, record) for key, values in record.vary.items()]
     rows = [row for row, code in enumerate(table.exit_codes) if code][:_MOST_FAILURES]
-    whys = [record.failures.get(row) or _outcome_of(table.exit_codes[row]) for row in rows]
+    whys = [record.failures.get(row) or outcome_of(table.exit_codes[row]) for row in rows]
     return [(row, _point(keys, row), one_line(why)) for row, why in zip(rows, whys, strict=True)]
-
-
-def _outcome_of(code: int) -> str:
-    return _OUTCOMES.get(code, f"exit code {code}")
 
 
 def _point(keys: list[dict[str, Any]], row: int) -> str:

@@ -12,6 +12,8 @@ _WHOLE_EVERY = 50
 # needs strains or rotations of this size at least. They follow the root of the strain energy; from
 # the last whole run on they may grow by a margin more.
 _LARGE, _MARGIN = 0.3, 3.0
+# Of a history's largest strain energy, which its last step must have: that step alone is compared.
+_AT_THE_END = 0.5
 
 
 class Shortcut:
@@ -29,14 +31,20 @@ class Shortcut:
             scene: That was solved.
             result: What came out.
         """
-        makes_bars = scene.solver.errors != "none"
-        is_whole = result.converged and result.model.solver == "condensed" and not makes_bars
-        self._settings = scene.solver if is_whole else None
-        self._since = 0
-        if is_whole:
-            sizes = result.steps[-1]["linear_range"]
-            self._largest = max(sizes[name].value for name in ("strain", "rotation"))
-            self._energy = result.quantities["strain_energy"]
+        self._settings, self._since = None, 0
+        if scene.solver.errors != "none" or result.model.solver != "condensed":
+            return
+        if not result.converged:
+            return
+        energies = [step.quantities["strain_energy"] for step in result.steps]
+        if energies[-1] < _AT_THE_END * max(energies):
+            return
+        self._settings, self._energy = scene.solver, energies[-1]
+        self._largest = max(
+            step["linear_range"][name].value
+            for step in result.steps
+            for name in ("strain", "rotation")
+        )
 
     def is_open(self, scene: Scene) -> bool:
         """Whether a quick answer may do for a scene."""

@@ -166,8 +166,8 @@ def test_an_answer_that_failed_a_check_is_marked_though_it_has_numbers(tmp_path)
     page = write_sweep_page(tmp_path)
     data = data_of(page)
     assert column(data, "normal force")[3] is not None
-    assert data["outcomes"] == ["ok", "ok", "ok", "a check failed"]
-    assert f"{INDENTATION} = 2 a check failed" in Texts(page).text
+    assert data["outcomes"] == ["passed", "passed", "passed", "failed a check"]
+    assert f"{INDENTATION} = 2 failed a check" in Texts(page).text
 
 
 def test_no_answer_at_all(tmp_path):

@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Run, Study, run
+from fenics_contact import Path, Run, Steps, Study, run
 from fenics_contact.simulation.sweeps import answers
 from fenics_contact.simulation.sweeps.answers import Answers
 from fenics_contact.simulation.sweeps.rows import columns_of, row_of
@@ -146,3 +146,19 @@ def test_without_bars_most_points_take_no_field(monkeypatch):
     expected = run(changes.changed(far), COMM, body)
     assert (done.exit_code, done.said) == (expected.exit_code, expected.verdict)
     assert not expected.checks["linear_range"].passed
+
+
+def test_what_is_large_only_on_the_way_is_looked_at_in_full(monkeypatch):
+    """A load that comes and goes: the end says nothing of strains on the way."""
+    scene, body = without_bars(ON_A_FLOOR), square()
+    there_and_back = Path(time=(0, 1, 2), factor=(0, 1, 0.1))
+    support = dataclasses.replace(scene.support[0], path=there_and_back)
+    scene = dataclasses.replace(scene, support=(support,), steps=Steps(number=2, end=2))
+    whole = []
+    solve = Run.solve
+    monkeypatch.setattr(Run, "solve", lambda self, *a, **k: whole.append(1) or solve(self, *a, **k))
+    solves = answers_on(body)
+    for coefficient in (0.3, 0.31):
+        done, _ = solves.answer(Study(scene, COMM, body).changed({MU: coefficient}), "")
+        assert done.exit_code == 0
+    assert len(whole) == 2
