@@ -62,7 +62,7 @@ def _pressures(forces: NeededForces) -> list[Check]:
     """The forces of all given pressures together, against ∫ p n; collective."""
     problem, solution = forces.problem, forces.solution
     pairs = zip(problem.contacts, solution.states, strict=True)
-    given = [(c, state) for c, state in pairs if c.normal.loads]
+    given = [(c, state) for c, state in pairs if c.normal.is_load]
     if not given:
         return []
     pressed = np.zeros(len(problem.load), dtype=bool)

@@ -19,6 +19,7 @@ from fenics_contact import (
     load_scene,
     run,
 )
+from fenics_contact.common import form_cache
 from tests.scenes import ROOT, box_body, slab
 from tests.simulation.studies.cases import CASES, DEPTH, MU, ON_A_FLOOR, square
 
@@ -211,6 +212,20 @@ def test_quick_answers_are_those_of_separate_runs(name):
     assert starts[0] == "cold"
     assert "followed" not in starts
     assert "warm" in starts or name in ("two bodies", "bolt", "stabilised"), starts
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_further_answer_makes_no_form(name, monkeypatch):
+    """To look one up costs more than all else of an answer."""
+    scene, make, every = CASES[name]
+    study = Study(scene, COMM, make())
+    for changes in every:
+        study.quantities(changes)
+    made = []
+    monkeypatch.setattr(form_cache, "_compiled", lambda terms, build: made.append(terms))
+    for changes in every:
+        assert study.quantities(changes).converged
+    assert not made
 
 
 def test_hertz_from_one_body():

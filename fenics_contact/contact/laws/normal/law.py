@@ -69,6 +69,11 @@ class NormalLaw(ContactLaw):
         return 0.0
 
     @property
+    def is_load(self) -> bool:
+        """Whether it has ``loads``, without the cost of making their forms."""
+        return bool(self.loads)
+
+    @property
     def loads(self) -> list[GivenLoad]:
         """Linear forms of what is given, in full, with the share that acts at a pseudo-time."""
         return []

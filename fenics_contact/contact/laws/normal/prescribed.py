@@ -48,8 +48,13 @@ class Prescribed(NormalLaw):
         return {"pressure": contact.pressure}
 
     @property
+    def is_load(self) -> bool:
+        """Unless the pressure is 0 everywhere."""
+        return self._acts
+
+    @property
     def loads(self) -> list[GivenLoad]:
-        """The pressure's work, unless it is 0 everywhere."""
+        """The pressure's work."""
         return [(self._work, self.site.paths.pressure_factor)] if self._acts else []
 
     @property
