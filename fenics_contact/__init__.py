@@ -29,8 +29,9 @@ if TYPE_CHECKING:
     from fenics_contact.scene.accuracy import Accuracy
     from fenics_contact.scene.conditions import Load, Point, Preload, Support
     from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
+    from fenics_contact.scene.laws.friction_laws import CoulombFriction
+    from fenics_contact.scene.laws.normal_laws import NormalCompliance
     from fenics_contact.scene.material import Material
-    from fenics_contact.scene.normal_laws import NormalCompliance
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
     from fenics_contact.scene.steps import SolverSettings, Steps
@@ -46,6 +47,7 @@ __all__ = [
     "Check",
     "Contact",
     "ContactPoints",
+    "CoulombFriction",
     "Discretisation",
     "Exploration",
     "FenicsContactError",
@@ -95,7 +97,8 @@ _MODULES = {
     "scene.conditions": ("Load", "Point", "Preload", "Support"),
     "scene.accuracy": ("Accuracy",),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
-    "scene.normal_laws": ("NormalCompliance",),
+    "scene.laws.friction_laws": ("CoulombFriction",),
+    "scene.laws.normal_laws": ("NormalCompliance",),
     "scene.reading": ("load_scene",),
     "scene.material": ("Material",),
     "scene.steps": ("SolverSettings", "Steps"),

@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from fenics_contact.scene.normal_laws import AnyNormalLaw
+from fenics_contact.scene.laws.friction_laws import AnyFrictionLaw
+from fenics_contact.scene.laws.normal_laws import AnyNormalLaw
 from fenics_contact.scene.units.dimensions import (
     COMPLIANCE,
     FORCE,
@@ -239,6 +240,10 @@ class Contact:
     friction_coefficient: Annotated[
         Value, Field(description="Coulomb's coefficient, ≥ 0; 0 leaves friction out")
     ] = 0.0
+    friction_law: Annotated[
+        AnyFrictionLaw | None,
+        Field(description="how large friction may be, with keys of its own; by default Coulomb's"),
+    ] = None
     regularisation_parameter: Annotated[
         Positive | Literal["auto"],
         LENGTH,
@@ -315,6 +320,7 @@ _ONLY_IN = {
 _NOT_IN = {
     "obstacle": ("prescribed", "prescribed contact has none, only its pressure"),
     "friction_coefficient": ("bonded", "bonded contact sticks, it has none"),
+    "friction_law": ("bonded", "bonded contact sticks, it has none"),
 }
 _DEFAULTS = {field.name: field.default for field in dataclasses.fields(Contact)}
 

@@ -52,7 +52,7 @@ def contact_cones(problem: Problem, rigid: RigidMotions) -> ContactCones:
         if not contact.is_one_sided:
             continue
         jumps, trace = rigid.jumps(contact), contact.trace
-        coefficients = contact.friction.bound_of(np.ones(len(trace.weights)))
+        coefficients = contact.friction.largest_coefficient
         closing = np.einsum("ijk,ij->ik", jumps, trace.normals)
         slips = jumps - closing[:, None, :] * trace.normals[:, :, None]
         acts = trace.owned & contact.normal.can_press()

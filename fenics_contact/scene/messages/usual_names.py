@@ -49,7 +49,7 @@ _KEYS = {
         **dict.fromkeys(("group", "surface", "boundary", "where", "face", "edge"), "on"),
         **dict.fromkeys(("master", "target", "with", "other", "counterpart"), "against"),
         **dict.fromkeys(("type", "kind", "condition"), "contact"),
-        **dict.fromkeys(("friction_law", "friction_model"), "law"),
+        "friction_model": "law",
         **dict.fromkeys(("k", "stiffness", "spring", "springs", "bedding"), "foundation_stiffness"),
         **dict.fromkeys(("penalty", "eps1", "epsilon1", "ε1", "ε₁"), "penalty_parameter"),
         **dict.fromkeys(("eps", "epsilon", "ε", "regularization"), "regularisation_parameter"),

@@ -27,7 +27,12 @@ _LATER: dict[str, dict[str, Any]] = {
     "Scene": {"preload": ()},
     "Support": {"name": None},
     "Preload": {"between": None},
-    "Contact": {"normal_law": None, "interference": 0.0, "interference_path": RAMP},
+    "Contact": {
+        "normal_law": None,
+        "friction_law": None,
+        "interference": 0.0,
+        "interference_path": RAMP,
+    },
 }
 # Where functions are asked: places along each axis of the box around the body, and pseudo-times.
 _PLACES = 7

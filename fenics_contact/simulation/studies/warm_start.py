@@ -147,7 +147,7 @@ class Uniqueness:
 
     def _is_below(self, system: CondensedSystem, number: int, contact: ContactSurface) -> bool:
         comm = contact.spaces.comm
-        coefficient = contact.friction.bound_of(np.ones(len(contact.trace.weights)))
+        coefficient = contact.friction.largest_coefficient
         most = largest(comm, coefficient)
         if contact.kinematics.pairing is not None or smallest(comm, coefficient) < most:
             return False

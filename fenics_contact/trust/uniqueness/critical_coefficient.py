@@ -71,7 +71,7 @@ def _points(contact: ContactSurface, every: bool) -> Array:
     """Place among the surface's nodes, coefficient and normal of the points to look at."""
     trace, comm = contact.trace, contact.spaces.comm
     count = len(contact.nodes)
-    coefficient = contact.friction.bound_of(np.ones(len(trace.weights)))[:count]
+    coefficient = contact.friction.largest_coefficient[:count]
     counted = contact.owned_nodes & contact.supports.free_across & (coefficient > 0)
     # Points that displacements as large as those found may close.
     kinematics = contact.kinematics

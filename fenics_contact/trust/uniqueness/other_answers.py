@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from fenics_contact.common.parallel import largest
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import (
@@ -80,7 +78,7 @@ def look_around(load_steps: LoadSteps) -> OtherAnswers:
     for number, contact in enumerate(problem.contacts):
         if contact.is_coulomb and isinstance(system, CondensedSystem):
             limit = uniqueness_limit(system, number)
-            coefficient = contact.friction.bound_of(np.ones(len(contact.trace.weights)))
+            coefficient = contact.friction.largest_coefficient
             if limit is not None:
                 limits[contact.label] = limit, largest(problem.comm, coefficient)
     branches, without_answer = [], 0

@@ -34,8 +34,8 @@ class Polished(Incremental):
         PointArray("drift", "length", is_vector=True),
     )
 
-    def __init__(self, site, normal, coefficient):
-        super().__init__(site, normal, coefficient)
+    def __init__(self, site, normal, rule):
+        super().__init__(site, normal, rule)
         self.slid_way = np.zeros(len(site.trace.weights))
         self.drift = np.zeros_like(site.trace.normals)
 

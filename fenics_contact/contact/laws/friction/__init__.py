@@ -11,6 +11,7 @@ from fenics_contact.common.parallel import largest
 from fenics_contact.contact.laws.friction.frictionless import Frictionless
 from fenics_contact.contact.laws.friction.incremental import Incremental
 from fenics_contact.contact.laws.friction.law import FrictionLaw
+from fenics_contact.contact.laws.friction.rules import friction_rule
 from fenics_contact.contact.laws.friction.static import Static
 from fenics_contact.contact.laws.friction.stick import Stick
 from fenics_contact.contact.laws.normal.law import NormalLaw
@@ -35,16 +36,15 @@ def friction_law(site: LawSite, normal: NormalLaw) -> FrictionLaw:
     Raises:
         InputError: A coefficient is negative; on every rank.
     """
-    contact = site.contact
-    coefficient = site.given(contact.friction_coefficient, "friction_coefficient")
+    rule, comm = friction_rule(site, normal), site.trace.spaces.comm
     if normal.sticks:
-        return Stick(site, normal, coefficient)
-    named = next(law for law in LAWS if law.kind == contact.law)
+        return Stick(site, normal, rule)
+    named = next(law for law in LAWS if law.kind == site.contact.law)
     if not normal.pressure_is_known:
-        is_smooth = largest(site.trace.spaces.comm, coefficient) == 0
-        return (Frictionless if is_smooth else named)(site, normal, coefficient)
+        is_smooth = largest(comm, rule.largest_coefficient) == 0
+        return (Frictionless if is_smooth else named)(site, normal, rule)
     pressure = normal.pressure(np.zeros_like(site.trace.normals))
-    is_smooth = largest(site.trace.spaces.comm, coefficient * pressure) == 0
-    law = (Frictionless if is_smooth else named)(site, normal, coefficient)
+    is_smooth = largest(comm, rule.at(pressure)) == 0
+    law = (Frictionless if is_smooth else named)(site, normal, rule)
     law.follow_given(pressure)
     return law

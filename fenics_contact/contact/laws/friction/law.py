@@ -8,6 +8,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Words
+from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
@@ -55,7 +56,7 @@ class FrictionLaw(ContactLaw):
     Args:
         site: Where it acts.
         normal: The law across the contact.
-        coefficient: Friction coefficient at the points.
+        rule: How large friction may be.
     """
 
     kind: ClassVar[str] = "none"
@@ -68,9 +69,9 @@ class FrictionLaw(ContactLaw):
         PointArray("bound", "stress", is_written=False),
     )
 
-    def __init__(self, site: LawSite, normal: NormalLaw, coefficient: Array) -> None:
+    def __init__(self, site: LawSite, normal: NormalLaw, rule: FrictionRule) -> None:
         super().__init__(site)
-        self.normal, self.coefficient = normal, coefficient
+        self.normal, self.rule = normal, rule
         self.mode: Mode = "law"
         self.bound = np.zeros(len(site.trace.weights))
         self.reference = np.zeros_like(site.trace.normals)
@@ -112,8 +113,13 @@ class FrictionLaw(ContactLaw):
         """Take the bound, and the ε that it needs, from a pressure that is given (stress)."""
 
     def bound_of(self, pressure: Array) -> Array:
-        """μ p at the points (stress)."""
+        """The bound that a pressure gives friction, at the points (stress)."""
         return np.zeros(len(pressure))
+
+    @property
+    def largest_coefficient(self) -> Array:
+        """Largest ratio of the bound to a pressure, over all pressures, at the points."""
+        return np.zeros(len(self.site.trace.weights))
 
     def present_bound(self, pressure: Array) -> Array:
         """The bound at a pressure of its normal law (stress)."""

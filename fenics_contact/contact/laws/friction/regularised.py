@@ -1,4 +1,4 @@
-"""Friction with a bound, compiled: j_ε of the jump, with its primal-dual tangent."""
+"""Friction with a bound: j_ε of the jump, with its primal-dual tangent."""
 
 from __future__ import annotations
 
@@ -7,35 +7,24 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-import ufl
-from dolfinx import fem
 
 from fenics_contact.body.forms import CompiledForm, Expr, Form
-from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags, Words
 from fenics_contact.common.parallel import largest
-from fenics_contact.contact.laws.energies import (
-    coulomb_residual,
-    friction_energy,
-    primal_dual_residual,
-    smoothed_norm,
-    traction_work,
-)
+from fenics_contact.contact.laws.energies import smoothed_norm
+from fenics_contact.contact.laws.friction.friction_forms import FrictionForms
 from fenics_contact.contact.laws.friction.law import FrictionGradient, FrictionLaw
+from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.contact.laws.friction.tangent_at_points import PrimalDual
+from fenics_contact.contact.laws.friction.tangent_state import TangentState
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import OPEN, SLIP, STICK
-from fenics_contact.contact.surface.trace_function import TraceFunction
-
-# Of g / |u_T|: what tangents keep along the slip. A body of which all points slip, under loads just
-# below those that friction can hold, would be moved so far by a Newton step that rounding ends it.
-_LEFT_STIFF = 1e-10
 
 
 class RegularisedFriction(FrictionLaw):
-    """j_ε (paper, (2.7)) with its primal-dual tangent."""
+    """j_ε (paper, (2.7)) with its primal-dual tangent, bounded by a rule."""
 
     follows_jump: ClassVar[bool] = True
     model: ClassVar[str] = "regularised friction"
@@ -49,71 +38,31 @@ class RegularisedFriction(FrictionLaw):
         "stick_creep",
     )
 
-    def __init__(self, site: LawSite, normal: NormalLaw, coefficient: Array) -> None:
-        super().__init__(site, normal, coefficient)
-        trace, jump = site.trace, site.kinematics.jump
-        self._trace, self._jump = trace, jump
-        surface = trace.surface
-        count = len(trace.weights)
-        self._accepted = trace.function(self.reference) if self.follows_path else None
-        self._bound = trace.function(self.bound)
-        self._epsilon = fem.Constant(surface.mesh, 1.0)
+    def __init__(self, site: LawSite, normal: NormalLaw, rule: FrictionRule) -> None:
+        super().__init__(site, normal, rule)
+        self._tangent_state = TangentState(site.trace)
+        self._forms = FrictionForms(rule, self._tangent_state, self.follows_path)
         self._chosen, self._left = 1.0, 1.0
-        self._share = fem.Constant(surface.mesh, 1.0)
-        self._slip = np.zeros_like(self.reference)
-        self._dual = np.zeros_like(self.reference)
-        self._direction = trace.function(self._dual)
-        # Not 0 anywhere: it divides, also where the weight is 0.
-        self._length = trace.function(np.ones(count), empty=1.0)
-        self._held = np.zeros_like(self._slip)
-        self._left_stiff = _LEFT_STIFF
+        self._held = np.zeros_like(self.reference)
         self.stick_all()
         given = site.contact.regularisation_parameter
         if given != "auto":
             self.set_scale(float(given))
 
     @property
-    def _slipped(self) -> Expr:
-        """The jump that counts, in UFL (length)."""
-        return self._jump if self._accepted is None else self._jump - self._accepted.ufl
-
-    @cached_property
-    def _test(self) -> Expr:
-        return ufl.TestFunction(self._trace.surface.space)
-
-    @cached_property
     def energy(self) -> Form:
         """j_ε as a UFL form."""
-        trace = self._trace
-        return friction_energy(
-            self._slipped, trace.normal, self._bound.ufl, self._epsilon, trace.weight, trace.measure
-        )
+        return self._forms.energy
 
-    @cached_property
-    def _modified(self) -> Form:
-        """What the primal-dual tangent is the derivative of."""
-        trace = self._trace
-        return primal_dual_residual(
-            self._slipped,
-            self._test,
-            trace.normal,
-            self._bound.ufl,
-            self._epsilon,
-            self._direction.ufl,
-            self._length.ufl,
-            trace.weight,
-            trace.measure,
-        )
-
-    @cached_property
+    @property
     def residual(self) -> CompiledForm:
         """Its first derivative."""
-        return form_cache.form(ufl.derivative(self.energy, self._jump))
+        return self._forms.residual
 
-    @cached_property
+    @property
     def tangent(self) -> CompiledForm:
         """The primal-dual tangent."""
-        return form_cache.form(ufl.derivative(self._modified, self._jump))
+        return self._forms.tangent
 
     @property
     def forms(self) -> tuple[CompiledForm, ...]:
@@ -124,41 +73,13 @@ class RegularisedFriction(FrictionLaw):
     def tangents(self) -> tuple[CompiledForm, ...]:
         """Forms of the tangent in the present mode."""
         if self.mode == "coupled":
-            return (self.tangent, self._coupling)
+            return (self.tangent, self._forms.coupling)
         return (self.tangent,) if self.mode in ("law", "status") else ()
-
-    @cached_property
-    def _coupling(self) -> CompiledForm:
-        """Derivative of the bound μ p in the jump, the direction held; compiled when asked."""
-        trace = self._trace
-        coefficient = self._share * trace.coefficient(self.coefficient)
-        residual = coulomb_residual(
-            self._test,
-            trace.normal,
-            coefficient * self.normal.pressure_ufl(self._jump),
-            self._direction.ufl,
-            trace.weight,
-            trace.measure,
-        )
-        return form_cache.form(ufl.derivative(residual, self._jump))
-
-    @cached_property
-    def _springs(self) -> CompiledForm:
-        """∫ g/ε w_T · v_T, compiled when asked."""
-        return form_cache.form(self._modified)
-
-    @cached_property
-    def _tractions(self) -> tuple[TraceFunction, CompiledForm]:
-        """Tractions at the points and ∫ τ · v_T, compiled when asked."""
-        trace = self._trace
-        function = trace.function(np.zeros_like(self._slip))
-        work = traction_work(function.ufl, self._test, trace.normal, trace.weight, trace.measure)
-        return function, form_cache.form(work)
 
     @property
     def regularisation_parameter(self) -> float:
         """ε as used (length)."""
-        return float(self._epsilon.value)
+        return float(self._forms.epsilon.value)
 
     @property
     def chosen_parameter(self) -> float:
@@ -173,7 +94,7 @@ class RegularisedFriction(FrictionLaw):
 
     def _choose(self, epsilon: float) -> None:
         self._chosen = epsilon
-        self._epsilon.value = epsilon * self._left
+        self._forms.epsilon.value = epsilon * self._left
 
     def regularise_less(self, left: float) -> None:
         """Use this part of every ε that is set, from now on."""
@@ -183,15 +104,20 @@ class RegularisedFriction(FrictionLaw):
     def set_bound(self, bound: Array) -> None:
         """Set g at the points (stress)."""
         self.bound = bound
-        self._bound.set(bound)
+        self._forms.bound.set(bound)
 
     def set_share(self, share: float) -> None:
         """Use this share of the coefficient, from below or above 1, on the way to all of it."""
-        self._share.value = share
+        self._forms.share.value = share
 
     def bound_of(self, pressure: Array) -> Array:
-        """μ p at the points (stress)."""
-        return float(self._share.value) * self.coefficient * pressure
+        """G that the rule gives at the points (stress)."""
+        return float(self._forms.share.value) * self.rule.at(pressure)
+
+    @property
+    def largest_coefficient(self) -> Array:
+        """Largest ratio of the bound to a pressure, at the points."""
+        return float(self._forms.share.value) * self.rule.largest_coefficient
 
     def present_bound(self, pressure: Array) -> Array:
         """The bound at a pressure of its normal law; a given one is followed as time goes on."""
@@ -201,7 +127,7 @@ class RegularisedFriction(FrictionLaw):
         """Take the bound, and the ε that it needs, from a pressure that is given (stress)."""
         self.set_bound(self.bound_of(pressure))
         if self.site.contact.regularisation_parameter == "auto":
-            strongest = largest(self._trace.spaces.comm, self.bound)
+            strongest = largest(self.site.trace.spaces.comm, self.bound)
             self.set_scale(self.site.scales.regularisation_parameter(strongest))
 
     def hold(self, traction: Array) -> None:
@@ -210,19 +136,19 @@ class RegularisedFriction(FrictionLaw):
 
     def _held_force(self) -> Array:
         """Of the tractions that are held, at all nodes of the surface; collective."""
-        function, work = self._tractions
+        function, work = self._forms.tractions
         function.set(self._held)
-        return self._trace.surface.assemble(work)
+        return self.site.trace.surface.assemble(work)
 
     def force(self) -> Array:
         """Forces on the body at all nodes of the surface, (nodes, components); collective."""
-        assemble = self._trace.surface.assemble
+        assemble = self.site.trace.surface.assemble
         if self.mode == "off":
-            return np.zeros((len(self._trace.all_nodes), self._slip.shape[1]))
+            return super().force()
         if self.mode == "held":
             return self._held_force()
         if self.mode == "status":
-            return self._held_force() - assemble(self._springs)
+            return self._held_force() - assemble(self._forms.springs)
         return -assemble(self.residual)
 
     def at_points(self) -> Array:
@@ -243,8 +169,9 @@ class RegularisedFriction(FrictionLaw):
         state = self._primal_dual
         found = state.tangent
         if self.mode == "coupled":
-            slope = self.normal.pressure_slope(self.site.kinematics.jump_at_points())
-            found += state.coupling(self.bound_of(np.ones(len(slope)))[:, None] * slope)
+            jump = self.site.kinematics.jump_at_points()
+            steep = float(self._forms.share.value) * self.rule.slope(self.normal.pressure(jump))
+            found += state.coupling(steep[:, None] * self.normal.pressure_slope(jump))
         return found
 
     @property
@@ -253,18 +180,17 @@ class RegularisedFriction(FrictionLaw):
         jump = self.site.kinematics.jump_at_points()
         return PrimalDual(
             jump=jump - self.reference,
-            normal=self._trace.normals,
+            normal=self.site.trace.normals,
             bound=self.bound,
             epsilon=self.regularisation_parameter,
-            direction=(1 - self._left_stiff) * self._dual,
-            length=np.maximum(_lengths(self._slip), self.regularisation_parameter),
+            direction=self._tangent_state.direction_at_points,
+            length=self._tangent_state.length_at_points(self.regularisation_parameter),
         )
 
     def stick_all(self) -> None:
         """Set the tangent to the adhesive start: u_T = 0 and no friction yet."""
-        self._slip = np.zeros_like(self._slip)
-        self._dual = np.zeros_like(self._slip)
-        self._set_tangent_state()
+        nothing = np.zeros_like(self.reference)
+        self.take_tangent_state((nothing, nothing))
 
     def slip_all(self, slip: Array) -> None:
         """Set the tangent to points that have slipped.
@@ -272,19 +198,16 @@ class RegularisedFriction(FrictionLaw):
         Args:
             slip: As the law counts it, nowhere 0, (points, components) (length).
         """
-        self._slip = slip
-        self._dual = slip / np.linalg.norm(slip, axis=1)[:, None]
-        self._set_tangent_state()
+        self.take_tangent_state((slip, slip / np.linalg.norm(slip, axis=1)[:, None]))
 
     @property
     def tangent_state(self) -> tuple[Array, Array]:
         """Slip and direction that the tangent is at, to take again; (points, components) each."""
-        return self._slip, self._dual
+        return self._tangent_state.slip_and_direction
 
     def take_tangent_state(self, state: tuple[Array, Array]) -> None:
         """Set the tangent as it was after another solve."""
-        self._slip, self._dual = state
-        self._set_tangent_state()
+        self._tangent_state.take(state, self.regularisation_parameter)
 
     def follow(self, slip: Array) -> None:
         """Move the tangent to a new state: q by its own linearised equation, |q| ≤ 1.
@@ -292,28 +215,18 @@ class RegularisedFriction(FrictionLaw):
         Args:
             slip: w_T since the start at the points, shape (points, components) (length).
         """
-        if self.mode not in ("law", "coupled"):
-            return
-        slip = slip - self.reference
-        lengths, directions = self._lengths_and_directions()
-        lengthening = np.einsum("ij,ij->i", directions, slip - self._slip)
-        dual = (slip - self._dual * lengthening[:, None]) / lengths[:, None]
-        self._dual = dual / np.maximum(_lengths(dual), 1.0)[:, None]
-        self._slip = slip
-        self._set_tangent_state()
+        if self.mode in ("law", "coupled"):
+            self._tangent_state.follow(self.counted(slip), self.regularisation_parameter)
 
     def take_true_tangent(self, slip: Array) -> None:
         """Set the tangent to the law's own derivative, from now on with nothing left stiff."""
-        self._left_stiff = 0.0
-        self._slip = self.counted(slip)
-        self._dual = self._slip / self._lengths_and_directions()[0][:, None]
-        self._set_tangent_state()
+        self._tangent_state.take_true(self.counted(slip), self.regularisation_parameter)
 
     def accept(self, slip: Array) -> None:
         """A load step is done: from now on slip counts from here, if the law is incremental."""
-        if self._accepted is not None:
+        if self._forms.accepted is not None:
             self.reference = slip
-            self._accepted.set(slip)
+            self._forms.accepted.set(slip)
 
     def recall_scale(self, epsilon: float, is_scaled: bool) -> None:
         """Use an ε that was used before."""
@@ -346,7 +259,7 @@ class RegularisedFriction(FrictionLaw):
     def glue(self, stiffness: float, points: Flags) -> None:
         """Springs along the surface at some points (stress/length), whatever the pressure."""
         bound = np.where(points, stiffness * self.regularisation_parameter, 0.0)
-        self.set_status(np.ones(len(bound), dtype=bool), np.zeros_like(self._slip), bound)
+        self.set_status(np.ones(len(bound), dtype=bool), np.zeros_like(self.reference), bound)
 
     def traction(self, slip: Array) -> Array:
         """−g φ_ε′ at the points for a slip since the start (paper, (2.8)) (stress)."""
@@ -367,18 +280,18 @@ class RegularisedFriction(FrictionLaw):
             return np.asarray(0.0 - np.einsum("ijk,ij->ik", found, of_traction))
 
         of_slip, of_bound = of("slip"), of("bound")[:, 0]
-        share = float(self._share.value)
+        rule = self.rule.pulled_back(pressure, float(self._forms.share.value) * of_bound)
         return FrictionGradient(
             slip=of_slip,
             reference=0.0 - of_slip,
-            pressure=share * self.coefficient * of_bound,
-            coefficient=share * pressure * of_bound,
-            regularisation_parameter=float(of("epsilon")[self._trace.owned].sum()),
+            pressure=rule.pressure,
+            coefficient=rule.coefficient,
+            regularisation_parameter=float(of("epsilon")[self.site.trace.owned].sum()),
         )
 
     @cached_property
     def _at_points(self) -> PointDensity:
-        return point_density(_density, slip=self._trace.surface.components, bound=0, epsilon=0)
+        return point_density(_density, slip=self.site.trace.surface.components, bound=0, epsilon=0)
 
     def status(self, closed: Flags, slip: Array, bound: Array) -> Words:
         """STICK where |u_T| ≤ ε and friction acts, SLIP beyond, OPEN without contact."""
@@ -387,23 +300,7 @@ class RegularisedFriction(FrictionLaw):
 
     def status_at_rest(self, closed: Flags) -> Words:
         """What touches sticks, if it is rough."""
-        return np.where(closed, np.where(self.coefficient > 0, STICK, SLIP), OPEN)
-
-    def _lengths_and_directions(self) -> tuple[Array, Array]:
-        """max(|u_T|, ε) and its gradient, u_T/|u_T| where slipping and 0 where sticking."""
-        size, epsilon = _lengths(self._slip), self.regularisation_parameter
-        slips = size > epsilon
-        directions = np.where(slips[:, None], self._slip / np.where(slips, size, 1.0)[:, None], 0.0)
-        return np.maximum(size, epsilon), directions
-
-    def _set_tangent_state(self) -> None:
-        self._direction.set((1 - self._left_stiff) * self._dual)
-        self._length.set(np.maximum(_lengths(self._slip), self.regularisation_parameter))
-
-
-def _lengths(vectors: Array) -> Array:
-    """Of vectors, (points, components): what numpy's norm takes several times as long for."""
-    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
+        return np.where(closed, np.where(self.rule.largest_coefficient > 0, STICK, SLIP), OPEN)
 
 
 def _density(slip: Expr, bound: Expr, epsilon: Expr) -> Expr:

@@ -11,8 +11,8 @@ from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.normal.law import Parameter
 from fenics_contact.contact.laws.normal.spring import SpringLaw, positive
-from fenics_contact.scene import normal_laws
 from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.laws import normal_laws
 from fenics_contact.scene.values import Value
 
 

@@ -1,0 +1,118 @@
+"""The compiled forms of friction with a bound: j_ε of the jump, its derivatives and its tangent."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from fenics_contact.body.forms import CompiledForm, Expr, Form
+from fenics_contact.common import form_cache
+from fenics_contact.contact.laws.energies import (
+    coulomb_residual,
+    friction_energy,
+    primal_dual_residual,
+    traction_work,
+)
+from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
+from fenics_contact.contact.laws.friction.tangent_state import TangentState
+from fenics_contact.contact.surface.trace_function import TraceFunction
+
+
+class FrictionForms:
+    """Forms on a contact surface, each compiled when it is first asked for.
+
+    What changes is a constant or a function, so that nothing is compiled again.
+
+    Attributes:
+        bound: g (stress).
+        accepted: The slip that counts as none; None where that is no slip at all (length).
+        epsilon: ε (length).
+        share: Of the bound that follows the pressure.
+
+    Args:
+        rule: How the bound follows the pressure.
+        tangent: The state that the tangent is at.
+        counts_steps: Whether slip counts from an accepted state.
+    """
+
+    def __init__(self, rule: FrictionRule, tangent: TangentState, counts_steps: bool) -> None:
+        trace = rule.site.trace
+        self._rule, self._state, self._trace = rule, tangent, trace
+        self._jump = rule.site.kinematics.jump
+        self.bound = trace.function(np.zeros(len(trace.weights)))
+        self.accepted = trace.function(np.zeros_like(trace.normals)) if counts_steps else None
+        self.epsilon = fem.Constant(trace.surface.mesh, 1.0)
+        self.share = fem.Constant(trace.surface.mesh, 1.0)
+
+    @property
+    def _slipped(self) -> Expr:
+        """The jump that counts, in UFL (length)."""
+        return self._jump if self.accepted is None else self._jump - self.accepted.ufl
+
+    @cached_property
+    def _test(self) -> Expr:
+        return ufl.TestFunction(self._trace.surface.space)
+
+    @cached_property
+    def energy(self) -> Form:
+        """j_ε as a UFL form."""
+        trace = self._trace
+        return friction_energy(
+            self._slipped, trace.normal, self.bound.ufl, self.epsilon, trace.weight, trace.measure
+        )
+
+    @cached_property
+    def _modified(self) -> Form:
+        """What the primal-dual tangent is the derivative of."""
+        trace = self._trace
+        return primal_dual_residual(
+            self._slipped,
+            self._test,
+            trace.normal,
+            self.bound.ufl,
+            self.epsilon,
+            self._state.direction.ufl,
+            self._state.length.ufl,
+            trace.weight,
+            trace.measure,
+        )
+
+    @cached_property
+    def residual(self) -> CompiledForm:
+        """Its first derivative."""
+        return form_cache.form(ufl.derivative(self.energy, self._jump))
+
+    @cached_property
+    def tangent(self) -> CompiledForm:
+        """The primal-dual tangent."""
+        return form_cache.form(ufl.derivative(self._modified, self._jump))
+
+    @cached_property
+    def coupling(self) -> CompiledForm:
+        """Derivative of the bound in the jump by the pressure, the direction held."""
+        trace, rule = self._trace, self._rule
+        residual = coulomb_residual(
+            self._test,
+            trace.normal,
+            self.share * rule.in_ufl(rule.normal.pressure_ufl(self._jump)),
+            self._state.direction.ufl,
+            trace.weight,
+            trace.measure,
+        )
+        return form_cache.form(ufl.derivative(residual, self._jump))
+
+    @cached_property
+    def springs(self) -> CompiledForm:
+        """∫ g/ε w_T · v_T."""
+        return form_cache.form(self._modified)
+
+    @cached_property
+    def tractions(self) -> tuple[TraceFunction, CompiledForm]:
+        """Tractions at the points and ∫ τ · v_T."""
+        trace = self._trace
+        function = trace.function(np.zeros_like(trace.normals))
+        work = traction_work(function.ufl, self._test, trace.normal, trace.weight, trace.measure)
+        return function, form_cache.form(work)

@@ -1,0 +1,28 @@
+"""How large friction may be, one file a rule: Coulomb's.
+
+A new rule is a file of its own, a line in ``RULES`` and a class in ``scene/laws/friction_laws.py``.
+"""
+
+from __future__ import annotations
+
+from fenics_contact.contact.laws.friction.rules.coulomb import Coulomb
+from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
+from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.laws.site import LawSite
+
+RULES: tuple[type[FrictionRule], ...] = (Coulomb,)
+
+
+def friction_rule(site: LawSite, normal: NormalLaw) -> FrictionRule:
+    """The rule that the scene's contact names, by default Coulomb's; collective.
+
+    Args:
+        site: Where it acts.
+        normal: The law across the contact.
+
+    Raises:
+        InputError: A value of the scene is negative somewhere; on every rank.
+    """
+    given = site.contact.friction_law
+    named = Coulomb.kind if given is None else given.kind
+    return next(rule for rule in RULES if rule.kind == named)(site, normal)

@@ -1,0 +1,120 @@
+"""What every rule of a friction bound answers: how large friction may be under a pressure.
+
+The static and the incremental law hold one. A rule says its bound once, in UFL; the bound's numbers
+at the points, its derivatives and what it adds to tangents follow from that.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+from fenics_contact.body.forms import Expr
+from fenics_contact.common.arrays import Array
+from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.laws.point_values import PointDensity, point_density
+from fenics_contact.contact.laws.site import LawSite
+
+
+@dataclass(frozen=True, eq=False)
+class BoundGradient:
+    """Derivatives of a quantity in what a bound follows from, at the points.
+
+    Attributes:
+        pressure: In the contact pressure, (points,).
+        coefficient: In the friction coefficient, (points,).
+    """
+
+    pressure: Array
+    coefficient: Array
+
+
+class FrictionRule:
+    """The bound g of friction as a function of the contact pressure.
+
+    Attributes:
+        kind: As a scene's ``friction_law`` names it.
+        site: Where it acts.
+        normal: The law across the contact.
+        coefficient: The scene's friction coefficient at the points, (points,).
+
+    Args:
+        site: Where it acts.
+        normal: The law across the contact.
+
+    Raises:
+        InputError: A value of the scene is negative somewhere; on every rank.
+    """
+
+    kind: ClassVar[str]
+
+    def __init__(self, site: LawSite, normal: NormalLaw) -> None:
+        self.site, self.normal = site, normal
+        given = site.contact.friction_coefficient
+        self.coefficient = site.given(given, "friction_coefficient")
+
+    @cached_property
+    def fields(self) -> Mapping[str, Array]:
+        """Parameters of ``bound`` at the points, by name, each (points,)."""
+        return {"coefficient": self.coefficient}
+
+    @staticmethod
+    @abstractmethod
+    def bound(pressure: Expr, **fields: Expr) -> Expr:
+        """G in UFL (stress).
+
+        Args:
+            pressure: Contact pressure (stress).
+            fields: As ``fields`` names them.
+        """
+
+    @property
+    @abstractmethod
+    def largest_coefficient(self) -> Array:
+        """Largest ratio of the bound to a pressure, over all pressures, (points,)."""
+
+    def at(self, pressure: Array) -> Array:
+        """The bound at the points (stress).
+
+        Args:
+            pressure: At the points (stress).
+        """
+        return self._at_points.value(pressure=pressure, **self.fields)
+
+    def slope(self, pressure: Array) -> Array:
+        """Its derivative in the pressure at the points, (points,).
+
+        Args:
+            pressure: At the points (stress).
+        """
+        return self._at_points.slope("pressure", pressure=pressure, **self.fields)
+
+    def in_ufl(self, pressure: Expr) -> Expr:
+        """The bound on the surface in UFL, for forms (stress).
+
+        Args:
+            pressure: Contact pressure on the surface (stress).
+        """
+        trace = self.site.trace
+        fields = {name: trace.coefficient(values) for name, values in self.fields.items()}
+        return self.bound(pressure, **fields)
+
+    def pulled_back(self, pressure: Array, of_bound: Array) -> BoundGradient:
+        """What a quantity's derivatives in the bound are in what the bound follows from.
+
+        Args:
+            pressure: At the points (stress).
+            of_bound: Derivatives of the quantity in the bound, (points,).
+        """
+        points, values = self._at_points, {"pressure": pressure, **self.fields}
+        return BoundGradient(
+            pressure=points.slope("pressure", **values) * of_bound,
+            coefficient=points.slope("coefficient", **values) * of_bound,
+        )
+
+    @cached_property
+    def _at_points(self) -> PointDensity:
+        return point_density(self.bound, pressure=0, **dict.fromkeys(self.fields, 0))

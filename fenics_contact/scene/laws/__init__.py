@@ -1,0 +1,1 @@
+"""Laws of a contact that have a table of their own in a scene: across it and along it."""

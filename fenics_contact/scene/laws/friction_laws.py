@@ -1,0 +1,35 @@
+"""How large friction may be: tables of their own in a scene, ``contact.friction_law``.
+
+A new one is a class here: what it says of itself are its keys.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal, Union
+
+from pydantic import Field
+
+from fenics_contact.scene.values import scene_class
+
+
+class FrictionLawTable:
+    """What all of them have: the kind by which results and messages name the law."""
+
+    kind: str
+
+
+@scene_class
+class CoulombFriction(FrictionLawTable):
+    """Coulomb's friction, bounded by the friction coefficient times the pressure: the default.
+
+    >>> CoulombFriction(kind="coulomb").kind
+    'coulomb'
+    """
+
+    kind: Annotated[Literal["coulomb"], Field(description="which law it is")]
+
+
+if TYPE_CHECKING:
+    AnyFrictionLaw = FrictionLawTable
+else:  # pydantic tries them one after the other
+    AnyFrictionLaw = Union[tuple(FrictionLawTable.__subclasses__())]  # noqa: UP007
