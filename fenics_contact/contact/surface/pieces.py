@@ -18,6 +18,7 @@ class SurfacePieces:
     Quadrilaterals are cut along either diagonal, and so covered twice.
 
     Attributes:
+        nodes: Nodes of this rank at the corners, (pieces, corners).
         points: Contact points at the corners, (pieces, corners); a node on the axis of
             revolution, which is none, is given its neighbour.
         corners: Coordinates, (pieces, corners, 3) (length).
@@ -26,7 +27,7 @@ class SurfacePieces:
     """
 
     def __init__(self, surface: SurfaceSpace, contact_nodes: Integers) -> None:
-        nodes = _facet_pieces(surface)
+        nodes = self.nodes = _facet_pieces(surface)
         point_of = np.full(len(surface.coordinates), -1)
         point_of[contact_nodes] = np.arange(len(contact_nodes))
         points = point_of[nodes]

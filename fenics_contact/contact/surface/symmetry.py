@@ -30,6 +30,20 @@ class SurfaceSymmetry:
         """Axes across planes of symmetry, and across the axis of revolution."""
         return sorted({axis for axis, _ in self._flat_sides})
 
+    def planes(self) -> list[tuple[int, float]]:
+        """Planes of symmetry that the surface ends in, without the axis of revolution; collective.
+
+        Returns:
+            Axis across each, and where on that axis it stands (length).
+        """
+        surface = self._surface
+        is_axis = surface.spaces.kinematics == "axisymmetric"
+        sides = [side for side in self._flat_sides if not (is_axis and side[0] == 0)]
+        owned, size = surface.coordinates[: surface.owned_nodes], surface.extent()
+        ends = [np.abs(owned[:, axis] - at) <= _IN_PLANE * size for axis, at in sides]
+        counts = total(surface.comm, np.array([end.sum() for end in ends]))
+        return [side for side, count in zip(sides, counts, strict=True) if count > 0]
+
     def in_planes(self) -> Flags:
         """Across which axes nodes lie in planes of symmetry, (nodes, components); collective."""
         surface = self._surface

@@ -1,0 +1,170 @@
+"""Averages of a field on a contact surface around each of its points: w_ρ ∗ p.
+
+The kernel is k(d) = exp(−1 / (1 − (d/ρ)²)) for d < ρ and 0 beyond (G. Duvaut, C. R. Acad. Sci.
+Paris A 290 (1980) 263-265; J. T. Oden and E. B. Pires, J. Appl. Mech. 50 (1983) 67-76, use such a
+one). The distance d is
+
+- in the plane, the length along the connected line of contact;
+- in 3D the straight one. Of a curved surface that is the chord; points are not averaged whose
+  normals are at a right angle or more, as those on the other side of a thin body, or that the
+  surface does not connect;
+- in axisymmetric models likewise, and the kernel is integrated around the axis.
+
+Planes of symmetry that the surface ends in have mirror images behind them. At edges the kernel is
+scaled: the weight between two points is s(x) k(d) s(y) with the one function s > 0 for which the
+average of 1 is 1 everywhere. As that is symmetric, the average also keeps the integral of p: no
+force is lost at edges. Away from edges s is constant.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix, csr_matrix
+
+from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.contact.surface.mirrored_places import MirroredPlaces
+from fenics_contact.contact.surface.trace import Trace
+
+# Of the average of 1.
+_EXACT = 1e-13
+# Gauss points of the kernel around the axis, where it is not 0.
+_AROUND = 32
+
+
+class SurfaceAverage:
+    """W of the contact points of one surface; all calls but ``pairs`` are collective.
+
+    Attributes:
+        radius: ρ (length).
+        rows: Numbers of this rank's points, of every pair that may be averaged with each other.
+        columns: Likewise the places of the others among those of all ranks.
+
+    Args:
+        trace: The contact points.
+        radius: ρ > 0.
+    """
+
+    def __init__(self, trace: Trace, radius: float) -> None:
+        self.radius = radius
+        self._trace = trace
+        self._places = MirroredPlaces(trace, radius)
+        if trace.spaces.kinematics == "axisymmetric":
+            kernel = _around_axis(self._places, radius)
+        elif trace.spaces.components == 2:
+            rows, columns, distances = self._places.along_line(radius)
+            kernel = rows, columns, bump(distances / radius)
+        else:
+            kernel = _straight(self._places, radius)
+        count = len(self._places.coordinates)
+        whole = csr_matrix(coo_matrix((kernel[2], kernel[:2]), shape=(count, count)))
+        self._kernel = whole
+        own = whole[self._places.mine].tocoo()
+        self.rows, self.columns = own.row.astype(np.int64), own.col.astype(np.int64)
+        self._values = own.data
+        self._counted: Array | None = None
+
+    def over(self, counted: Flags) -> None:
+        """Average over some of the points only, and only there, from now on.
+
+        Args:
+            counted: Which points of this rank, (points,).
+        """
+        areas = np.where(counted, self._trace.weights, 0.0)
+        gathered = self._places.gathered(areas)
+        if self._counted is not None and np.array_equal(self._counted, gathered):
+            return
+        self._counted = gathered
+        self._scale = _scale(self._kernel, gathered)
+
+    def apply(self, values: Array) -> Array:
+        """The average around each point of this rank, (points,).
+
+        Args:
+            values: At the points.
+        """
+        return self._scaled(self._areas * self._scale * self._places.gathered(values))
+
+    def transposed(self, values: Array) -> Array:
+        """Wᵀ times values at the points, each of which counts once; (points,)."""
+        found = self._areas[self._mine] * self._scaled(self._scale * self._places.gathered(values))
+        return np.asarray(found)
+
+    @property
+    def weights(self) -> Array:
+        """W of ``rows`` and ``columns``, (pairs,)."""
+        column = self._areas * self._scale
+        return np.asarray(self._scale[self._mine][self.rows] * self._values * column[self.columns])
+
+    def gathered(self, values: Array) -> Array:
+        """Values at the points of all ranks, by their places, 0 at those that are no points."""
+        return self._places.gathered(values)
+
+    @property
+    def _mine(self) -> Integers:
+        return self._places.mine
+
+    @property
+    def _areas(self) -> Array:
+        if self._counted is None:
+            self.over(np.ones(len(self._trace.weights), dtype=bool))
+        assert self._counted is not None
+        return self._counted
+
+    def _scaled(self, at_places: Array) -> Array:
+        """Kernel and scale times values at all places, at the points of this rank."""
+        return np.asarray((self._scale * (self._kernel @ at_places))[self._mine])
+
+
+def bump(ratio: Array) -> Array:
+    """exp(−1 / (1 − r²)) of r = d/ρ < 1, and 0 from there on, where it has no kink at all."""
+    inside = np.where(ratio < 1, ratio, 0.0)
+    return np.where(ratio < 1, np.exp(-1 / ((1 - inside) * (1 + inside))), 0.0)
+
+
+def _scale(kernel: csr_matrix, areas: Array) -> Array:
+    """The s > 0 with s_i Σ_j K_ij A_j s_j = 1 where A_i > 0, and 0 elsewhere.
+
+    A symmetric matrix with a positive diagonal has one (R. Sinkhorn, P. Knopp, Pac. J. Math. 21
+    (1967) 343-348). With the square root the iteration does not go to and fro: its errors halve.
+    """
+    counts = areas > 0
+    inside = kernel[counts][:, counts]
+    within = areas[counts]
+    found = 1 / np.sqrt(inside @ within) if counts.any() else np.zeros(0)
+    ones = found * (inside @ (within * found))
+    while np.abs(ones - 1).max(initial=0.0) > _EXACT:
+        found = found / np.sqrt(ones)
+        ones = found * (inside @ (within * found))
+    scale = np.zeros(len(areas))
+    scale[counts] = found
+    return scale
+
+
+def _straight(places: MirroredPlaces, radius: float) -> tuple[Integers, Integers, Array]:
+    """Kernel of straight distances in 3D: rows, columns, values; images one by one."""
+    rows, columns, copies = places.straight(radius, [0, 1, 2])
+    there, normals = places.images(columns, copies)
+    distances = np.linalg.norm(places.coordinates[rows] - there, axis=1)
+    along = np.einsum("ij,ij->i", places.normals[rows], normals) > 0
+    values = np.where(along, bump(distances / radius), 0.0)
+    return rows, columns, values
+
+
+def _around_axis(places: MirroredPlaces, radius: float) -> tuple[Integers, Integers, Array]:
+    """Its mean over the rings around the axis: rows, columns, values."""
+    rows, columns, copies = places.straight(radius, [0, 1])
+    there, there_normals = places.images(columns, copies)
+    here, normals = places.coordinates[rows], places.normals[rows]
+    product = here[:, 0] * there[:, 0]
+    apart = ((here - there) ** 2).sum(axis=1)
+    # d² = apart + 2 r r' (1 − cos θ) reaches ρ² at the angle `last`, or nowhere.
+    share = (radius**2 - apart) / (4 * np.where(product > 0, product, 1.0))
+    last = np.where(product > 0, 2 * np.arcsin(np.sqrt(np.clip(share, 0, 1))), np.pi)
+    found = np.zeros(len(rows))
+    for node, weight in zip(*np.polynomial.legendre.leggauss(_AROUND), strict=True):
+        angle = 0.5 * last * (1 + node)
+        distance = np.sqrt(apart + 4 * product * np.sin(0.5 * angle) ** 2)
+        turned = normals[:, 0] * there_normals[:, 0] * np.cos(angle)
+        along = turned + normals[:, 1] * there_normals[:, 1] > 0
+        found += weight * np.where(along, bump(distance / radius), 0.0)
+    return rows, columns, found * last / (2 * np.pi)
