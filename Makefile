@@ -10,13 +10,16 @@ demo: ## run the main example, results in results/slab
 
 # Both runs are made and reported, whatever the first one gives. On one rank two processes share
 # the files. Both run every test; of the cases of one that has several, two ranks take a quarter,
-# and one rank the others.
+# and one rank the others. PYTEST has more options for both.
+PYTEST =
+on_one = pytest -n 2 --dist loadfile --but-one-case-in 4 $(PYTEST)
+on_two = pytest --one-case-in 4 $(PYTEST)
 test: ## run the tests on one and on two ranks
 	@one=0; two=0; \
-	echo './bootstrap python -m pytest -n 2 --dist loadfile --but-one-case-in 4'; \
-	./bootstrap python -m pytest -n 2 --dist loadfile --but-one-case-in 4 --ignore=tests/browser || one=$$?; \
-	echo './bootstrap mpi 2 -m pytest --one-case-in 4'; \
-	./bootstrap mpi 2 -m pytest --one-case-in 4 --ignore=tests/browser || two=$$?; \
+	echo './bootstrap python -m $(on_one)'; \
+	./bootstrap python -m $(on_one) --ignore=tests/browser || one=$$?; \
+	echo './bootstrap mpi 2 -m $(on_two)'; \
+	./bootstrap mpi 2 -m $(on_two) --ignore=tests/browser || two=$$?; \
 	[ $$one = 0 ] || echo 'make test: FAILED on one rank'; \
 	[ $$two = 0 ] || echo 'make test: FAILED on two ranks'; \
 	[ $$one = 0 ] && [ $$two = 0 ]

@@ -48,6 +48,10 @@ def pytest_addoption(parser):
         help="of tests that any number of ranks runs, one in N; the next number of ranks the next",
     )  # fmt: skip
     parser.addoption(
+        "--but-one-test-in", type=int, default=0, metavar="N",
+        help="two ranks run none of the tests that they run elsewhere with --one-test-in N",
+    )  # fmt: skip
+    parser.addoption(
         "--but-one-case-in", type=int, default=0, metavar="N",
         help="without the cases that two ranks run with --one-case-in N",
     )  # fmt: skip
@@ -56,10 +60,11 @@ def pytest_addoption(parser):
 def pytest_collection_modifyitems(config, items):
     left_out = cases_left_out(items, config.getoption("one_case_in"), COMM.size)
     left_out |= left_to_others(items, config.getoption("one_test_in"), COMM.size)
+    elsewhere = on_two_ranks_elsewhere(items, config.getoption("but_one_test_in"))
     if others := config.getoption("but_one_case_in"):
-        left_out |= cases_for_two_ranks(items, others)
+        left_out |= cases_for_two_ranks([i for i in items if i not in elsewhere], others)
     if COMM.size > 1:
-        left_out |= {item for item in items if is_serial(item)}
+        left_out |= {item for item in items if is_serial(item)} | elsewhere
     config.hook.pytest_deselected(items=[item for item in items if item in left_out])
     items[:] = [item for item in items if item not in left_out]
 
@@ -90,13 +95,24 @@ def cases_left_out(items, share, ranks):
 
 
 def left_to_others(items, share, ranks):
-    """All but every n-th test of those that are not serial; which ones depends on the ranks.
+    """All but one in n of the tests that are not serial; which ones depends on name and ranks.
 
-    So n numbers of ranks run each test once, with all its cases on the same number.
+    So n numbers of ranks run each test once, with all its cases on the same number. A name says
+    the same everywhere, also where other tests are collected.
     """
-    several = cases_of_tests(item for item in items if not is_serial(item))
-    others = [cases for n, cases in enumerate(several.values()) if n % share != ranks % share]
-    return {case for cases in others for case in cases}
+    return {item for item in items if not is_serial(item) and _group(item, share) != ranks % share}
+
+
+def on_two_ranks_elsewhere(items, share):
+    """Those that two ranks run with such a share; none without one."""
+    if not share:
+        return set()
+    return {item for item in items if not is_serial(item)} - left_to_others(items, share, ranks=2)
+
+
+def _group(item, number):
+    """Which of so many groups a test is in; of other bits than those that choose its cases."""
+    return (zlib.crc32(item.nodeid.partition("[")[0].encode()) >> 16) % number
 
 
 def cases_for_two_ranks(items, share):

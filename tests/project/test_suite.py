@@ -7,7 +7,13 @@ import pytest
 from dolfinx import jit
 
 from tests.compiled_headers import QUICKLY, command_of_forms, compiled
-from tests.conftest import cases_for_two_ranks, cases_left_out, cases_of_tests, left_to_others
+from tests.conftest import (
+    cases_for_two_ranks,
+    cases_left_out,
+    cases_of_tests,
+    left_to_others,
+    on_two_ranks_elsewhere,
+)
 
 pytestmark = pytest.mark.serial
 
@@ -59,9 +65,32 @@ def test_two_numbers_of_ranks_share_the_tests():
     assert of_one | of_two == {*ITEMS, *serial}
     assert of_one & of_two == set(serial)
     assert not set(cases_of_tests(of_one - set(serial))) & set(cases_of_tests(of_two))
-    shares = [len(cases_of_tests(found - set(serial))) for found in (of_one, of_two)]
-    assert abs(shares[0] - shares[1]) <= 1
     assert not left_to_others([*ITEMS, *serial], 1, 1)
+
+
+def test_halves_of_the_suite_are_about_as_large():
+    """And which half a test is in does not go by which of its cases are run."""
+    names = [f"tests/{n}/test_of_{n % 7}.py::test_{n}" for n in range(400)]
+    tests = [Item(f"{name}[{case}]") for name in names for case in "ab"]
+    halves = [set(tests) - left_to_others(tests, 2, ranks) for ranks in (1, 2)]
+    cases = set(tests) - cases_left_out(tests, 2, ranks=2)
+    for half in halves:
+        assert len(half) == pytest.approx(len(tests) / 2, rel=0.15)
+        assert len(half & cases) == pytest.approx(len(tests) / 4, rel=0.25)
+
+
+def test_two_ranks_share_the_tests_of_two_versions_of_dolfinx():
+    """A test that two ranks run on the one, with `--one-test-in`, they leave out on the other.
+
+    Which tests are collected beside it does not matter. Serial tests are none of them.
+    """
+    serial = [Item(f"test_serial[{case}]") for case in range(4)]
+    items = [*ITEMS, *serial]
+    elsewhere = on_two_ranks_elsewhere(items, 2)
+    assert elsewhere == set(ITEMS) - left_to_others(items, 2, ranks=2)
+    assert set(ITEMS) > elsewhere > set()
+    assert on_two_ranks_elsewhere(items[::-1][:40], 2) == elsewhere & set(items[::-1][:40])
+    assert not on_two_ranks_elsewhere(items, 0)
 
 
 def test_forms_are_not_optimised():

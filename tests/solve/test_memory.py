@@ -17,7 +17,7 @@ from tests.conftest import COMM
 from tests.scenes import box_body
 
 
-@pytest.mark.skipif(COMM.size > 1, reason="starts processes of its own")
+@pytest.mark.serial
 @pytest.mark.parametrize("case", [square(90), FLAT[0]])
 def test_estimate_is_near_the_peak_of_a_process(case):
     """Which ``fenics-contact verify memory`` tests over a longer table."""
@@ -27,7 +27,7 @@ def test_estimate_is_near_the_peak_of_a_process(case):
     assert LEAST < row["estimate"] / row["measured"] < MOST
 
 
-@pytest.mark.skipif(COMM.size > 1, reason="starts processes of its own")
+@pytest.mark.serial
 def test_verify_measures_a_case_and_refuses_an_estimate_that_is_far_off(monkeypatch):
     run = (square(90), "condensed", 1)
     row = check.measured(run[0].name, run[1])
