@@ -66,7 +66,7 @@ costs: ## measure what docs/solve_cost.md says, and write its tables and picture
 
 browser: ## try reports and the documentation in Chromium
 	@$(call install,docs); \
-	export FENICS_CONTACT_BROWSER=required; $(with_tools) -m pytest tests/browser
+	export FENICS_CONTACT_BROWSER=required; $(with_tools) -m pytest -n 2 --dist loadfile tests/browser
 
 clean: ## remove results and caches, not the environment
 	rm -rf results docs/_build docs/gallery .hypothesis .pytest_cache .mypy_cache .ruff_cache build *.egg-info
