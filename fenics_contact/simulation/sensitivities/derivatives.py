@@ -46,12 +46,12 @@ def derivatives(
         InputError: A quantity or a key has no derivative.
     """
     problem, last = system.problem, steps[-1]
-    _require_laws(problem)
+    require_laws(problem)
     quantities = Quantities(problem, last.solution)
     states = {name: quantities.gradient(name) for name in of}
     keys = keys_of(problem, last.unknowns.time, by)
     found: Derivatives = {name: dict.fromkeys(keys, 0.0) for name in of}
-    for step in reversed(_that_count(problem, steps)):
+    for step in reversed(that_count(problem, steps)):
         if step is not last:
             _go_back_to(load_steps, step)
         adjoint = adjoint_of(system)
@@ -60,11 +60,11 @@ def derivatives(
             gradient = QuantityGradient(adjoint, step, state)
             for key, change in changes.items():
                 found[name][key] += gradient.along(change)
-            states[name] = _of_step_before(problem, gradient)
+            states[name] = of_step_before(problem, gradient)
     return found
 
 
-def _require_laws(problem: Problem) -> None:
+def require_laws(problem: Problem) -> None:
     """Refuse laws that do not say their own derivatives."""
     for contact in problem.contacts:
         for law in (contact.normal, contact.friction):
@@ -102,7 +102,7 @@ def _changes(problem: Problem, time: float, keys: Sequence[str]) -> dict[str, Ch
     return {key: changes.by(key) for key in keys}
 
 
-def _that_count(problem: Problem, steps: Sequence[AcceptedStep]) -> list[AcceptedStep]:
+def that_count(problem: Problem, steps: Sequence[AcceptedStep]) -> list[AcceptedStep]:
     """The load steps that the last one depends on; collective.
 
     Raises:
@@ -136,7 +136,7 @@ def _go_back_to(load_steps: LoadSteps, step: AcceptedStep) -> None:
     load_steps.newton.begin.at(step.unknowns.position_in(system), step.unknowns.scalars)
 
 
-def _of_step_before(problem: Problem, gradient: QuantityGradient) -> StateGradient:
+def of_step_before(problem: Problem, gradient: QuantityGradient) -> StateGradient:
     """What is a quantity of the step before: the slips that a step counts from."""
     found = StateGradient.none(problem)
     for contact, before, after in zip(

@@ -27,6 +27,7 @@ from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
 from fenics_contact.simulation.studies.saved_body import SavedBody, save_body
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
+from fenics_contact.simulation.studies.solved_history import History, solved_history
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 
 if TYPE_CHECKING:
@@ -285,6 +286,31 @@ class Study:
         scene, timings = self.changed(changes), Timings()
         with failing_together(self.comm):
             return solved_derivatives(self._body_of(scene, timings), scene, of, by)
+
+    def history(
+        self,
+        of: Sequence[str],
+        by: Sequence[str],
+        changes: Changes = None,
+        is_judged: bool = False,
+    ) -> History:
+        """All load steps of the scene with other values, and their exact derivatives; collective.
+
+        Args:
+            of: Names of quantities, as of ``derivatives``.
+            by: Keys of numbers of the scene.
+            changes: As of ``solve``.
+            is_judged: Check the physics at the end, and estimate what the mesh, ε₁ and ε change of
+                the quantities.
+
+        Raises:
+            InputError: As of ``derivatives``.
+            NotConvergedError: There is no answer.
+            MachineError: As of ``solve``.
+        """
+        scene, timings = self.changed(changes), Timings()
+        with failing_together(self.comm):
+            return solved_history(self._body_of(scene, timings), scene, of, by, is_judged)
 
     def forget_answer(self) -> None:
         """Begin the next quick answer as a separate run does, not at the last one."""

@@ -1,0 +1,186 @@
+"""The load steps of an answer with the derivatives of each: of what numbers of a scene change.
+
+Beside these stand the errors that are known of each step, which change quantities as loads do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.timings import Timings
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.point_gradients import GivenChange
+from fenics_contact.evaluate.condensed_forces import CondensedForces
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.problem.existence.condition import require_equilibrium
+from fenics_contact.problem.problem import Problem
+from fenics_contact.results.records.steps import StepRecord
+from fenics_contact.results.result import Check
+from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.sensitivities.history_slopes import history_slopes
+from fenics_contact.simulation.sensitivities.scene_changes import Change, SceneChanges
+from fenics_contact.simulation.step_history import StepHistory
+from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.solve.newton.newton import Newton
+from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
+
+# Signs of the cells' errors: as they are, and drawn, lest they seem to cancel.
+_DRAWS = (None, 0, 1)
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """Load steps of an answer, and what moves their quantities.
+
+    Attributes:
+        steps: What came out of each.
+        slopes: Key of the scene → derivatives, (steps, quantities).
+        errors: Source → what it is estimated to change of the quantities, with its sign, of one
+            draw of signs or several: (draws, steps, quantities). Sources are ``mesh``, ``penalty``
+            and ``regularisation``; one that was not estimated is missing.
+        checks: Of the physics at the last step; empty where they were not asked for.
+    """
+
+    steps: Sequence[StepRecord]
+    slopes: Mapping[str, Array]
+    errors: Mapping[str, Array] = field(default_factory=dict)
+    checks: Mapping[str, Check] = field(default_factory=dict)
+
+
+def solved_history(
+    kept: KeptBody, scene: Scene, of: Sequence[str], by: Sequence[str], is_judged: bool
+) -> History:
+    """Solve a scene as a separate run does, and differentiate its load steps; collective.
+
+    Args:
+        kept: The body of the scene.
+        scene: The scene.
+        of: Names of quantities.
+        by: Keys of the scene.
+        is_judged: Whether to check the physics, and to estimate errors.
+
+    Raises:
+        InputError: A quantity or a key has no derivative, or the scene has no equilibrium.
+        NotConvergedError: There is no answer.
+    """
+    timings = Timings()
+    problem = Problem(scene, kept.discrete, timings, by_points=True)
+    require_equilibrium(problem)
+    body = kept.condense(problem, timings)
+    system = CondensedSystem(problem, timings, body)
+    try:
+        steps: list[AcceptedStep] = []
+
+        def forces_of(solution: Solution) -> CondensedForces:
+            scalars = system.scalar_values(system.state)
+            return CondensedForces(problem, solution, body, system.position(), scalars)
+
+        records = StepHistory(problem, timings, forces_of)
+        records.begin([])
+
+        def accepted(time: float, solution: Solution) -> None:
+            assert load_steps.last is not None
+            records.add(time, solution)
+            steps.append(load_steps.last)
+
+        load_steps = LoadSteps(Newton(problem, system, timings), accepted)
+        load_steps.finds_body = False
+        load_steps.solve()
+        checks = records.checks() if is_judged else {}
+        errors = _Errors(problem) if is_judged else None
+        changes = partial(_changes, problem, by, errors)
+        found = history_slopes(load_steps, system, steps, of, changes)
+        return History(
+            records.steps,
+            {key: np.array([row[key] for row in found]) for key in by},
+            {} if errors is None else errors.along(found),
+            checks,
+        )
+    finally:
+        system.destroy()
+
+
+def _changes(
+    problem: Problem, by: Sequence[str], errors: _Errors | None, step: AcceptedStep
+) -> dict[str, Change]:
+    """In the state of a load step; collective."""
+    of_scene = SceneChanges(problem, step.unknowns.time)
+    found = {key: of_scene.by(key) for key in by}
+    return found if errors is None else found | errors.at(step)
+
+
+class _Errors:
+    """What is estimated to be wrong with each load step, as changes of what it is given.
+
+    Args:
+        problem: The model.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self._local = None if problem.elastic.mixed is not None else LocalErrors(problem)
+        self._names: dict[str, list[str]] = {}
+
+    def at(self, step: AcceptedStep) -> dict[str, Change]:
+        """By their names, in the state of a load step; collective."""
+        found: dict[str, Change] = {}
+        contacts = list(enumerate(self._problem.contacts))
+        if any(contact.has_penalty for _, contact in contacts):
+            found["errors penalty"] = Change(
+                contacts={n: _without_penalty(one) for n, one in contacts if one.has_penalty}
+            )
+            self._names["penalty"] = ["errors penalty"]
+        if self._problem.frictional:
+            found["errors regularisation"] = Change(
+                contacts={
+                    n: GivenChange(regularisation_parameter=-one.regularisation_parameter)
+                    for n, one in contacts
+                    if one.friction.rubs
+                }
+            )
+            self._names["regularisation"] = ["errors regularisation"]
+        if self._local is not None:
+            of_mesh = dict(self._of_mesh(self._local, step))
+            self._names["mesh"] = list(of_mesh)
+            found |= of_mesh
+        return found
+
+    def _of_mesh(self, local: LocalErrors, step: AcceptedStep) -> Iterator[tuple[str, Change]]:
+        """Forces that move the answer as the cells' errors do; collective."""
+        problem = self._problem
+        local.solve(BulkForces(problem, step.solution), step.unknowns.time)
+        for draw in _DRAWS:
+            forces, along = local.forces(draw)
+            scalars = {
+                problem.unknowns.index(preload): -float(more)
+                for preload, more in zip(problem.preloads, along, strict=True)
+            }
+            yield f"errors mesh {draw}", Change(load=forces, scalars=scalars)
+
+    def along(self, found: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
+        """What each source changes, (draws, steps, quantities).
+
+        Args:
+            found: Of each step, by the names of ``at``.
+        """
+        return {
+            source: np.array([[row[name] for row in found] for name in names])
+            for source, names in self._names.items()
+        }
+
+
+def _without_penalty(contact: ContactSurface) -> GivenChange:
+    """To first order what an ε₁ of 0 changes."""
+    of_unit = contact.normal.field_slopes("penalty_parameter", 1.0)
+    return GivenChange(
+        fields={name: -contact.penalty_parameter * slope for name, slope in of_unit.items()}
+    )
