@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from fenics_contact.scene.units.table import Units
     from fenics_contact.scene.values import Path, Profile
     from fenics_contact.simulation.adaptive.levels import run
+    from fenics_contact.simulation.fits.fit import Fit, fit
+    from fenics_contact.simulation.fits.measured import Measured
     from fenics_contact.simulation.scene_run import Run
     from fenics_contact.simulation.studies.study import Study
 
@@ -51,11 +53,13 @@ __all__ = [
     "Discretisation",
     "Exploration",
     "FenicsContactError",
+    "Fit",
     "Group",
     "HalfSpace",
     "InputError",
     "Load",
     "Material",
+    "Measured",
     "MeshSource",
     "NoEquilibriumError",
     "NormalCompliance",
@@ -73,6 +77,7 @@ __all__ = [
     "Study",
     "Support",
     "Units",
+    "fit",
     "load_scene",
     "main",
     "run",
@@ -104,6 +109,8 @@ _MODULES = {
     "scene.steps": ("SolverSettings", "Steps"),
     "scene.units.table": ("Units",),
     "scene.values": ("Path", "Profile"),
+    "simulation.fits.fit": ("Fit", "fit"),
+    "simulation.fits.measured": ("Measured",),
     "simulation.scene_run": ("Run",),
     "simulation.studies.study": ("Study",),
 }

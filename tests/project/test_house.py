@@ -23,7 +23,9 @@ INSIDE = {
         *("drawing", "formulas", "page", "histories", "contacts", "bodies", "view", "compare"),
     ),
     "solve": ("systems", "condensed", "iterative", "newton", "coulomb", "load_steps"),
-    "simulation": ("restart", "sensitivities", "studies", "adaptive", "output", "sweeps"),
+    "simulation": (
+        *("restart", "sensitivities", "studies", "adaptive", "output", "sweeps", "fits"),
+    ),
 }
 # These are read where there is no FEniCSx and no MPI, or before it is loaded.
 WITHOUT_FENICSX = ("analytic", "scene", "results", "report")

@@ -33,6 +33,7 @@ def history_slopes(
     steps: Sequence[AcceptedStep],
     of: Sequence[str],
     changes_at: ChangesAt,
+    is_whole: bool = True,
 ) -> list[dict[str, Array]]:
     """Derivatives of quantities at load steps; collective.
 
@@ -42,9 +43,11 @@ def history_slopes(
         steps: All of them.
         of: Names of quantities.
         changes_at: What is differentiated by, the same names in every step.
+        is_whole: Whether those of all load steps are found, or of the last one alone.
 
     Returns:
-        Of each step: name of the change → derivative of each quantity, (quantities,).
+        Of each step, or of the last one: name of the change → derivative of each quantity,
+        (quantities,).
 
     Raises:
         InputError: A quantity has no derivative, or the history has none.
@@ -52,17 +55,19 @@ def history_slopes(
     problem, last = system.problem, steps[-1]
     require_laws(problem)
     follows = len(that_count(problem, steps)) > 1
-    found: list[dict[str, Array]] = [{} for _ in steps]
-    going_back: dict[tuple[int, int], StateGradient] = {}
-    for number in reversed(range(len(steps))):
-        step = steps[number]
+    found: dict[AcceptedStep, dict[str, Array]] = {}
+    going_back: dict[tuple[AcceptedStep, int], StateGradient] = {}
+    for step in reversed(steps):
+        if step is not last and not (is_whole or follows):
+            break
         load_steps.last = step
         load_steps.go_back()
-        quantities = Quantities(problem, step.solution)
-        for place, name in enumerate(of):
-            going_back[number, place] = quantities.gradient(name)
         changes = changes_at(step)
-        found[number] = {name: np.zeros(len(of)) for name in changes}
+        if is_whole or step is last:
+            found[step] = {name: np.zeros(len(of)) for name in changes}
+            quantities = Quantities(problem, step.solution)
+            for place, name in enumerate(of):
+                going_back[step, place] = quantities.gradient(name)
         adjoint = adjoint_of(system)
         for (one, place), state in going_back.items():
             gradient = QuantityGradient(adjoint, step, state)
@@ -73,4 +78,4 @@ def history_slopes(
             going_back.clear()
     load_steps.last = last
     load_steps.go_back()
-    return found
+    return [found[step] for step in steps if step in found]

@@ -43,7 +43,8 @@ class History:
 
     Attributes:
         steps: What came out of each.
-        slopes: Key of the scene → derivatives, (steps, quantities).
+        slopes: Key of the scene → derivatives, (steps, quantities); where only
+            the last step was differentiated, of that.
         errors: Source → what it is estimated to change of the quantities, with its sign, of one
             draw of signs or several: (draws, steps, quantities). Sources are ``mesh``, ``penalty``
             and ``regularisation``; one that was not estimated is missing.
@@ -57,7 +58,12 @@ class History:
 
 
 def solved_history(
-    kept: KeptBody, scene: Scene, of: Sequence[str], by: Sequence[str], is_judged: bool
+    kept: KeptBody,
+    scene: Scene,
+    of: Sequence[str],
+    by: Sequence[str],
+    is_judged: bool,
+    is_whole: bool,
 ) -> History:
     """Solve a scene as a separate run does, and differentiate its load steps; collective.
 
@@ -67,6 +73,7 @@ def solved_history(
         of: Names of quantities.
         by: Keys of the scene.
         is_judged: Whether to check the physics, and to estimate errors.
+        is_whole: Whether all load steps are differentiated, or the last one alone.
 
     Raises:
         InputError: A quantity or a key has no derivative, or the scene has no equilibrium.
@@ -98,7 +105,7 @@ def solved_history(
         checks = records.checks() if is_judged else {}
         errors = _Errors(problem) if is_judged else None
         changes = partial(_changes, problem, by, errors)
-        found = history_slopes(load_steps, system, steps, of, changes)
+        found = history_slopes(load_steps, system, steps, of, changes, is_whole)
         return History(
             records.steps,
             {key: np.array([row[key] for row in found]) for key in by},

@@ -293,6 +293,7 @@ class Study:
         by: Sequence[str],
         changes: Changes = None,
         is_judged: bool = False,
+        is_whole: bool = True,
     ) -> History:
         """All load steps of the scene with other values, and their exact derivatives; collective.
 
@@ -302,6 +303,7 @@ class Study:
             changes: As of ``solve``.
             is_judged: Check the physics at the end, and estimate what the mesh, ε₁ and ε change of
                 the quantities.
+            is_whole: Differentiate all load steps, not the last one alone.
 
         Raises:
             InputError: As of ``derivatives``.
@@ -310,7 +312,7 @@ class Study:
         """
         scene, timings = self.changed(changes), Timings()
         with failing_together(self.comm):
-            return solved_history(self._body_of(scene, timings), scene, of, by, is_judged)
+            return solved_history(self._body_of(scene, timings), scene, of, by, is_judged, is_whole)
 
     def forget_answer(self) -> None:
         """Begin the next quick answer as a separate run does, not at the last one."""

@@ -12,6 +12,7 @@ from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.quantities import MEASURED_BY_PRELOADS, reactions_by_name
 from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
 from fenics_contact.results.records.record import Errors
+from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Result
 from fenics_contact.scene.values import AXES
 from fenics_contact.simulation.studies.quick_answers import Answer
@@ -62,6 +63,22 @@ def row_of_quick(answer: Answer, names: Sequence[str]) -> Row:
             *((f"{name}.", one, {}) for name, one in zip(names, answer.contacts, strict=True)),
             *_of_supports(answer.supports, {}),
             *((f"{name}.", _measured(one), {}) for name, one in answer.preloads.items()),
+        ]
+    )
+
+
+def row_of_step(step: StepRecord) -> Row:
+    """The same of a load step, which has no bars.
+
+    Args:
+        step: That was accepted.
+    """
+    return _row(
+        [
+            ("", step.quantities, {}),
+            *((f"{each.name}.", each.quantities, {}) for each in step.contacts),
+            *_of_supports(step.supports, {}),
+            *((f"{name}.", _measured(one), {}) for name, one in step.preloads.items()),
         ]
     )
 

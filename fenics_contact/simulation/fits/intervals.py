@@ -1,0 +1,152 @@
+"""Intervals of fitted parameters: what noise and the discretisation leave unknown of them.
+
+To first order the estimate moves by G δ as the data move by δ, with G = (JᵀWJ)⁻¹JᵀW. The noise of
+the data makes a standard deviation of that. What the discretisation is estimated to change of the
+curve moves each parameter by a number of its own, as it moves each quantity of a run: along the
+curve its errors have signs, and are far from independent.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import optimize, stats
+
+from fenics_contact.common.arrays import Array
+
+CONFIDENCE = 0.95
+# Of what local problems give, which see nothing beyond one degree more: as in the error bars of a
+# run (trust/error_estimates/mesh).
+_LOCAL = 2.0
+# Singular values below this share of the largest, columns of length 1, are round-off.
+_ROUND_OFF = 1e-9
+# A part of a direction that counts.
+_PART = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Intervals:
+    """Of the parameters of a fit.
+
+    Attributes:
+        slopes: J, (rows, parameters).
+        deviation: Standard deviation of each row, (rows,).
+        freedom: Degrees of freedom with which it was estimated; None where it was given.
+        errors: Source → changes of the rows, (draws, rows).
+    """
+
+    slopes: Array
+    deviation: Array
+    freedom: int | None
+    errors: Mapping[str, Array]
+
+    @cached_property
+    def _lengths(self) -> Array:
+        """Of the weighted columns; 1 of those that are zero."""
+        lengths = np.linalg.norm(self.slopes / self.deviation[:, None], axis=0)
+        return np.where(lengths > 0, lengths, 1.0)
+
+    @cached_property
+    def _parts(self) -> tuple[Array, Array, Array]:
+        """Singular vectors and values of the weighted columns of length 1."""
+        scaled = self.slopes / self.deviation[:, None] / self._lengths
+        left, values, right = np.linalg.svd(scaled, full_matrices=False)
+        return left, values, right
+
+    @property
+    def singular_values(self) -> Array:
+        """Of the derivatives, each column over its length, the largest first."""
+        return self._parts[1]
+
+    @cached_property
+    def unknown(self) -> list[list[int]]:
+        """Numbers of parameters that the data do not tell apart at all, direction by direction."""
+        _, values, right = self._parts
+        lost = right[values <= _ROUND_OFF * max(values[0], 1e-300)]
+        return [np.flatnonzero(np.abs(row) > _PART).tolist() for row in lost]
+
+    def is_known(self, number: int) -> bool:
+        """Whether the data determine a parameter.
+
+        Args:
+            number: Of it.
+        """
+        return not any(number in group for group in self.unknown)
+
+    @cached_property
+    def gain(self) -> Array:
+        """G, (parameters, rows), along what the data determine."""
+        left, values, right = self._parts
+        kept = values > _ROUND_OFF * max(values[0], 1e-300)
+        inverse = (right[kept].T / values[kept]) @ left[:, kept].T
+        return np.asarray(inverse / self._lengths[:, None] / self.deviation)
+
+    @cached_property
+    def covariance(self) -> Array:
+        """By the noise alone, (parameters, parameters)."""
+        weighted = self.gain * self.deviation
+        return np.asarray(weighted @ weighted.T)
+
+    @property
+    def noise(self) -> Array:
+        """Standard deviations by the noise alone, (parameters,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlations(self) -> Array:
+        """Of the parameters, (parameters, parameters)."""
+        deviations = np.where(self.noise > 0, self.noise, 1.0)
+        return np.asarray(self.covariance / np.outer(deviations, deviations))
+
+    @cached_property
+    def discretisation(self) -> Array:
+        """What mesh, penalty and regularisation may change of each, (parameters,)."""
+        found = np.zeros(self.slopes.shape[1])
+        for source, draws in self.errors.items():
+            whole, *drawn = np.abs(draws @ self.gain.T)
+            if drawn:  # not less than what cells' errors of any signs would make
+                whole = np.maximum(whole, np.sqrt(np.mean(np.square(drawn), axis=0)))
+            found += (_LOCAL if source == "mesh" else 1.0) * whole
+        return found
+
+    @property
+    def half_widths(self) -> Array:
+        """Of intervals around the estimates, (parameters,)."""
+        pairs = zip(self.noise, self.discretisation, strict=True)
+        return np.array([_half_width(noise, shift, self.freedom) for noise, shift in pairs])
+
+    @property
+    def half_widths_by_noise(self) -> Array:
+        """The same if the run had no errors."""
+        return np.array([_half_width(noise, 0.0, self.freedom) for noise in self.noise])
+
+
+def _half_width(noise: float, shift: float, freedom: int | None) -> float:
+    """That covers the truth with ``CONFIDENCE`` where the estimate is off by a shift besides.
+
+    Args:
+        noise: Standard deviation.
+        shift: At the most.
+        freedom: As of ``Intervals``.
+
+    >>> round(_half_width(1.0, 0.0, None), 3), round(_half_width(1e-9, 1.0, None), 3)
+    (1.96, 1.0)
+    """
+    spread = stats.norm() if freedom is None else stats.t(freedom)
+    if noise <= 1e-12 * shift:
+        return shift
+    if noise == 0.0:
+        return 0.0
+    off = shift / noise
+
+    def excess(width: float) -> float:
+        return float(spread.cdf(width - off) - spread.cdf(-width - off)) - CONFIDENCE
+
+    widest = off + float(spread.ppf(0.5 + CONFIDENCE / 2))
+    if math.isinf(widest):
+        return math.inf
+    return noise * float(optimize.brentq(excess, 0.0, widest * (1 + 1e-9)))
