@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.conditions import Load, Point, Preload, Support
     from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
     from fenics_contact.scene.laws.friction_laws import CoulombFriction
-    from fenics_contact.scene.laws.normal_laws import NormalCompliance
+    from fenics_contact.scene.laws.normal_laws import NormalCompliance, PressureFormula
     from fenics_contact.scene.material import Material
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
@@ -103,7 +103,7 @@ _MODULES = {
     "scene.accuracy": ("Accuracy",),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
     "scene.laws.friction_laws": ("CoulombFriction",),
-    "scene.laws.normal_laws": ("NormalCompliance",),
+    "scene.laws.normal_laws": ("NormalCompliance", "PressureFormula"),
     "scene.reading": ("load_scene",),
     "scene.material": ("Material",),
     "scene.steps": ("SolverSettings", "Steps"),

@@ -5,10 +5,11 @@ A new one is a class here: what it says of itself are its keys.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal, Union
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
+from fenics_contact.scene.laws.kinds import chosen_by_kind
 from fenics_contact.scene.values import scene_class
 
 
@@ -31,5 +32,5 @@ class CoulombFriction(FrictionLawTable):
 
 if TYPE_CHECKING:
     AnyFrictionLaw = FrictionLawTable
-else:  # pydantic tries them one after the other
-    AnyFrictionLaw = Union[tuple(FrictionLawTable.__subclasses__())]  # noqa: UP007
+else:
+    AnyFrictionLaw = chosen_by_kind(*FrictionLawTable.__subclasses__())

@@ -169,7 +169,7 @@ class SceneChanges:
             return self._of_pressure(
                 number, contact, self._at_points(contact, key, scene.pressure, rest[1:])
             )
-        place = 2 if rest[0] == "normal_law" else 1
+        place = {"normal_law": 2}.get(rest[0], 1) + (rest[1:2] == ["parameters"])
         value = found_in(self.problem.scene, ".".join(key.split(".")[: 2 + place]))
         unit = unit_of(value, rest[place:])
         fields = {} if unit is None else contact.normal.field_slopes(".".join(rest[:place]), unit)

@@ -6,6 +6,7 @@ The paper's (1.8) and (4.1). A new law is a file of its own and a line in ``LAWS
 from __future__ import annotations
 
 from fenics_contact.contact.laws.normal.bonded import Bonded
+from fenics_contact.contact.laws.normal.formula_law import FormulaLaw
 from fenics_contact.contact.laws.normal.foundation import Foundation
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.normal.normal_compliance import NormalCompliance
@@ -20,6 +21,7 @@ LAWS: tuple[type[NormalLaw], ...] = (
     Foundation,
     Bonded,
     NormalCompliance,
+    FormulaLaw,
 )
 
 
