@@ -68,6 +68,7 @@ __all__ = [
     "Path",
     "Point",
     "Preload",
+    "PressureFormula",
     "Profile",
     "Result",
     "Run",
