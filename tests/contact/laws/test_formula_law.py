@@ -1,4 +1,4 @@
-"""A pressure by a formula: against closed forms, and against the law of a file that has the same."""
+"""A pressure by a formula: against closed forms, and against the law that says the same."""
 
 import re
 
