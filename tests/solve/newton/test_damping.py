@@ -10,11 +10,11 @@ from tests.scenes import with_solver
 
 COMM = MPI.COMM_WORLD
 # A block in a seat, pressed into its corner and pulled along it: at two contacts that share an
-# edge, 2 points of 81 went round in circles.
+# edge, points go round in circles. Not on every mesh; on this one, a small one, they do.
 CORNER = (
-    Box("block", (0, 0, 0), (1, 1, 1), (8, 8, 8)),
-    Box("floor", (0, -0.5, 0), (1.25, 0, 1), (6, 3, 6)),
-    Box("wall", (-0.5, -0.5, 0), (0, 1.25, 1), (3, 6, 6)),
+    Box("block", (0, 0, 0), (1, 1, 1), (6, 6, 6)),
+    Box("floor", (0, -0.5, 0), (1.25, 0, 1), (4, 1, 4)),
+    Box("wall", (-0.5, -0.5, 0), (0, 1.25, 1), (1, 4, 4)),
 )
 HELD = dict.fromkeys("xyz", 0)
 SEAT = Scene(
