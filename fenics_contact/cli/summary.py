@@ -19,6 +19,7 @@ from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, RigidMotion
 from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.result import Check, Result
+from fenics_contact.results.words.derivatives import derivative_rows
 from fenics_contact.results.words.headlines import headlines
 from fenics_contact.results.words.short_forms import (
     in_figures,
@@ -154,6 +155,7 @@ def print_result(result: Result, folder: Path) -> None:
         _print_contacts(console, result.contacts, result.units)
         _print_checks(console, result.checks)
         _print_branches(console, result)
+        _print_derivatives(console, result)
         _print_levels(console, result)
     console.print(one_line(result.verdict), markup=False, highlight=False)
     took = f"{result.timings['total']:.2f} s"
@@ -206,6 +208,16 @@ def _print_branches(console: Terminal, result: Result) -> None:
         table = _table(*map(in_figures, rows[0]))
         for row in rows[1:]:
             table.add_row(*map(in_figures, row))
+        console.print(table)
+
+
+def _print_derivatives(console: Terminal, result: Result) -> None:
+    """What quantities depend on, where the scene asks for it."""
+    rows = derivative_rows(result)
+    if rows:
+        table = _table(*map(escape, rows[0]))
+        for row in rows[1:]:
+            table.add_row(*map(escape, row))
         console.print(table)
 
 

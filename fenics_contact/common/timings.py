@@ -11,7 +11,7 @@ from mpi4py import MPI
 
 logger = logging.getLogger(__name__)
 
-PHASES = ("mesh", "compile", "assemble", "factorise", "solve", "output", "errors")
+PHASES = ("mesh", "compile", "assemble", "factorise", "solve", "output", "errors", "derivatives")
 ESTIMATING = "estimating errors"
 # Phases that may take long, in words.
 _SAID = {
@@ -19,6 +19,7 @@ _SAID = {
     "compile": "compiling forms",
     "factorise": "factorising the body",
     "errors": ESTIMATING,
+    "derivatives": "finding derivatives",
 }
 # What is inside of it counts to it.
 _WHOLE = "errors"

@@ -69,6 +69,14 @@ def cut_areas(contact: ContactSurface, state: ContactState) -> tuple[float, floa
     return float(touching), float(sticking)
 
 
+def areas_inside(contact: ContactSurface, state: ContactState) -> tuple[Array, Array]:
+    """Of each piece of this rank, the area that is in contact and that sticks, (pieces,)."""
+    zones = contact_zone(contact, state), stick_zone(contact, state)
+    nothing = np.zeros(len(contact.trace.pieces.areas))
+    touching, sticking = (nothing if z is None else _counted(contact, z) for z in zones)
+    return touching, sticking
+
+
 def edges(contact: ContactSurface, state: ContactState) -> list[Array]:
     """Where this rank's edges of contact and of stick are, and how large facets are there.
 
@@ -113,15 +121,21 @@ def _area(contact: ContactSurface, inside: Flags, zone: Zone | None) -> float:
     trace = contact.trace
     if zone is None:
         return float(trace.integral(np.where(inside, 1.0, 0.0)))
-    pieces = trace.pieces
+    areas = trace.pieces.areas * trace.pieces.weights.mean(axis=1)
+    # Relative to what the pieces have in all: these are flat, and the surface may not be.
+    counted = _counted(contact, zone).sum()
+    found, every = total(trace.spaces.comm, np.array([counted, areas.sum()]))
+    return trace.area * float(found / every)
+
+
+def _counted(contact: ContactSurface, zone: Zone) -> Array:
+    """Weighted area of each piece that lies in a zone, (pieces,)."""
+    pieces = contact.trace.pieces
     inside = zone.inside[pieces.points]
-    areas = pieces.areas * pieces.weights.mean(axis=1)
-    counted = np.where(inside.all(axis=1), areas, 0.0)
+    counted = np.where(inside.all(axis=1), pieces.areas * pieces.weights.mean(axis=1), 0.0)
     edge = np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1))
     counted[edge] = _parts_inside(contact, zone, edge)
-    # Relative to what the pieces have in all: these are flat, and the surface may not be.
-    found, every = total(trace.spaces.comm, np.array([counted.sum(), areas.sum()]))
-    return trace.area * float(found / every)
+    return counted
 
 
 def _parts_inside(contact: ContactSurface, zone: Zone, chosen: Integers) -> Array:

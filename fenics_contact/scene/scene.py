@@ -13,10 +13,11 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field
 
 from fenics_contact.scene.accuracy import Accuracy, Share, as_accuracy
+from fenics_contact.scene.asked.derivatives import AskedDerivatives
 from fenics_contact.scene.conditions import Load, Point, Preload, Support
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene.material import Material
-from fenics_contact.scene.quantity_names import QuantityNames
+from fenics_contact.scene.quantity_names import VECTORS, QuantityNames
 from fenics_contact.scene.steps import SolverSettings as SolverSettings
 from fenics_contact.scene.steps import Steps as Steps
 from fenics_contact.scene.units.dimensions import LENGTH, LENGTH_OR_NUMBER
@@ -208,6 +209,10 @@ class Scene(HasUnits):
             "1e-3`, before the first table) for all main quantities, or a table"
         ),
     ] = None
+    derivatives: Annotated[
+        AskedDerivatives | None,
+        Field(description="derivatives of quantities in numbers of the scene that are to be found"),
+    ] = None
     steps: Annotated[Steps, Field(description="load steps, by default one")] = Field(
         default_factory=Steps
     )
@@ -330,12 +335,18 @@ def _require_bolt(scene: Scene, preload: Preload, key: str) -> None:
 
 
 def _require_known(scene: Scene) -> None:
-    """Every quantity that an accuracy is asked of is one of the scene."""
-    for name in () if scene.accuracy is None else scene.accuracy.of:
+    """Every quantity that an accuracy or derivatives are asked of is one of the scene."""
+    asked = [("accuracy", name) for name in (() if scene.accuracy is None else scene.accuracy.of)]
+    derivatives = scene.derivatives
+    asked += [("derivatives.of", name) for name in (() if derivatives is None else derivatives.of)]
+    for key, name in asked:
         try:
-            scene.names.find(name)
+            found = scene.names.find(name)
         except ValueError as error:
-            raise ValueError(f"accuracy: {error}") from None
+            raise ValueError(f"{key}: {error}") from None
+        is_vector = found.quantity in VECTORS or found.quantity.startswith("displacement_")
+        if key != "accuracy" and is_vector and found.axis is None:
+            raise ValueError(f"{key}: '{name}' is a vector; ask for its components, as {name}_x")
 
 
 def _require_names(meshes: tuple[MeshSource, ...]) -> None:

@@ -32,10 +32,12 @@ from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
 from fenics_contact.scene.units.table import names_of
 from fenics_contact.simulation import verdict
+from fenics_contact.simulation.asked_derivatives.asked import asked_derivatives, require_known
 from fenics_contact.simulation.description import model_of, record_of, units_of
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.solve.load_steps.load_steps import LoadSteps, solve
 from fenics_contact.solve.newton.solution import Solution
@@ -105,6 +107,10 @@ class Run:
 
     def _make_ready(self, scene: Scene, comm: MPI.Comm, body: Body | None) -> None:
         """Mesh, model and solver; collective."""
+        is_asked = scene.derivatives is not None
+        if is_asked and scene.accuracy is None and self._kept is None:
+            body = body or mesh_of(scene, comm, self.timings)
+            self._kept = KeptBody(scene, body, self.timings, KnownFactors())
         if self._kept is not None:
             self.problem = Problem(scene, self._kept.discrete, self.timings, by_points=True)
         else:
@@ -112,6 +118,8 @@ class Run:
             self.problem = Problem.on_mesh(scene, body, self.timings)
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)
+        if is_asked:
+            require_known(self.problem)
         self.choice: SolverChoice = choose_solver(self.problem, self._kept is not None)
         forces_of = partial(BulkForces, self.problem)
         self._history = StepHistory(self.problem, self.timings, forces_of)
@@ -226,7 +234,28 @@ class Run:
             return self._unconverged(error, begun[0].tried, begun[0].spent)
         except StoppedError:
             return self._interrupted()
-        return self._evaluate()
+        result = self._evaluate()
+        return result if self.scene.accuracy is not None else self.with_derivatives(result)
+
+    def with_derivatives(self, result: Result) -> Result:
+        """With those that the scene asks for, if any; collective.
+
+        Args:
+            result: Of this run, that converged.
+        """
+        if self.scene.derivatives is None:
+            return result
+        with self.timings.phase("derivatives"):
+            kept = self._kept
+            if kept is None:
+                kept = KeptBody(self.scene, self.problem.body, Timings(), KnownFactors())
+            try:
+                found = asked_derivatives(kept, self.scene)
+            except NotConvergedError as error:
+                logger.warning("no derivatives: %s", error)
+                return result
+        seconds = Seconds(**self.timings.summary(self.problem.comm))
+        return dataclasses.replace(result, derivatives=found, timings=seconds)
 
     def contacts(self, quantities: Sequence[Quantities] | None = None) -> list[ContactRecord]:
         """``contacts`` of ``result.json``.

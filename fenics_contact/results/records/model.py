@@ -126,6 +126,7 @@ class Seconds(Record):
         solve: All else of solving (s).
         output: Quantities, checks and files (s).
         errors: Estimating errors (s).
+        derivatives: Finding derivatives that the scene asks for (s).
         total: From the start to the end (s).
     """
 
@@ -136,4 +137,5 @@ class Seconds(Record):
     solve: float = 0.0
     output: float = 0.0
     errors: float = 0.0
+    derivatives: float = 0.0
     total: float

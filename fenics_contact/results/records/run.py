@@ -12,6 +12,7 @@ from fenics_contact.results.records.contacts import (
     ReactionRecord,
     SupportRecord,
 )
+from fenics_contact.results.records.derivatives import Derivative
 from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Model, Seconds
 from fenics_contact.results.records.record import Errors, Quantities, Record
 from fenics_contact.results.records.steps import BranchRecord, CheckRecord, StepRecord
@@ -39,13 +40,14 @@ class Outcome(Record):
             not estimated.
         levels: Meshes on the way; left out where the scene asks for no accuracy.
         accuracy: What it asked for, and whether that was reached.
+        derivatives: Quantity → key of the scene → what it depends on it by, where it was asked for.
         error_notes: Sentences that say which errors were not estimated, and why.
         timings: Where the time went.
         versions: Program or library → version.
         units: Of all numbers of its files, where the scene has units.
     """
 
-    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"accuracy", "preloads", "units"})
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"accuracy", "derivatives", "preloads", "units"})
 
     title: str
     converged: bool
@@ -62,6 +64,7 @@ class Outcome(Record):
     errors: Errors = field(default_factory=dict)
     levels: list[LevelRecord] = field(default_factory=list)
     accuracy: AccuracyRecord | None = None
+    derivatives: Mapping[str, Mapping[str, Derivative]] = field(default_factory=dict)
     error_notes: list[str] = field(default_factory=list)
     timings: Seconds
     versions: Mapping[str, str]

@@ -101,14 +101,14 @@ class AdaptiveRun:
             self.run, last = run, result
             reason = self._unbounded(last)
             if is_met(errors, self.asked) and not reason and not self._beyond(last):
-                return self._with_levels(last, "")
+                return self._done(last, "")
             reason = reason or self._reason_to_stop(errors, last)
             if reason:
-                return self._with_levels(last, reason)
+                return self._done(last, reason)
             try:
                 run = self._next_run(errors, result)
             except UsedUpError as error:
-                return self._with_levels(last, str(error))
+                return self._done(last, str(error))
             except StoppedError:
                 return self._interrupted(last)
             except FenicsContactError as error:
@@ -223,6 +223,13 @@ class AdaptiveRun:
     def _interrupted(self, last: Result) -> Result:
         found = self._with_levels(last, "the run was interrupted")
         return dataclasses.replace(found, interrupted=True)
+
+    def _done(self, result: Result, reason: str) -> Result:
+        """Of the last level, with the derivatives that the scene asks for; collective."""
+        found = self.run.with_derivatives(result)
+        self._seconds["derivatives"] = found.timings.derivatives
+        self._seconds["total"] += found.timings.derivatives
+        return self._with_levels(found, reason)
 
     def _with_levels(self, result: Result, reason: str) -> Result:
         words = not_reached(reason) if reason else reached(len(self.levels))

@@ -51,14 +51,20 @@ class Quantities:
 
     Args:
         problem: In the state of the answer.
-        solution: The answer.
+        solution: The answer; None before there is one, when their names alone are asked for.
     """
 
-    def __init__(self, problem: Problem, solution: Solution) -> None:
-        self.problem, self.solution = problem, solution
+    def __init__(self, problem: Problem, solution: Solution | None = None) -> None:
+        self.problem, self._solution = problem, solution
 
-    def gradient(self, text: str) -> StateGradient:
-        """Derivatives of a quantity; collective.
+    @property
+    def solution(self) -> Solution:
+        """The answer."""
+        assert self._solution is not None
+        return self._solution
+
+    def find(self, text: str) -> QuantityName:
+        """What a name stands for, if that has derivatives.
 
         Args:
             text: Its name, such as ``normal_force`` or ``left.reaction_x``.
@@ -73,19 +79,32 @@ class Quantities:
         is_vector = name.quantity in VECTORS or name.quantity.startswith("displacement_")
         if is_vector and name.axis is None:
             raise InputError(f"of: '{text}' is a vector; ask for its components, such as {text}_x")
+        known = (*self._of_contacts, *self._of_body)
+        if name.quantity not in known and not name.quantity.startswith("displacement_"):
+            raise InputError(
+                f"of: '{text}' has no derivatives; those that have are "
+                + ", ".join([*known, "displacement_NAME"])
+            )
+        return name
+
+    def gradient(self, text: str) -> StateGradient:
+        """Derivatives of a quantity; collective.
+
+        Args:
+            text: Its name, such as ``normal_force`` or ``left.reaction_x``.
+
+        Raises:
+            InputError: There is no such quantity, or it has no derivatives.
+        """
+        name = self.find(text)
         found = StateGradient.none(self.problem)
         if name.quantity.startswith("displacement_"):
             self._add_displacement(found, name)
         elif name.quantity in self._of_body:
             self._of_body[name.quantity](found, name)
-        elif name.quantity in self._of_contacts:
+        else:
             for number in self._contacts_of(name, text):
                 self._of_contacts[name.quantity](found, number, name)
-        else:
-            raise InputError(
-                f"of: '{text}' has no derivatives; those that have are "
-                + ", ".join([*self._of_contacts, *self._of_body, "displacement_NAME"])
-            )
         return found
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Literal
@@ -30,6 +31,8 @@ from fenics_contact.solve.systems.body_answer import FindBody
 # How an answer was begun: as a separate run does; at the last answer, where there is one answer
 # only; or there all the same.
 Start = Literal["cold", "warm", "followed"]
+# What is done with the last load step of an answer besides, while its problem is there; collective.
+Watch = Callable[[Problem, Solution], None]
 
 
 @dataclass(frozen=True)
@@ -104,13 +107,16 @@ class QuickAnswers:
         self._last: WarmStart | None = None
         self._uniqueness = Uniqueness()
 
-    def answer(self, scene: Scene, follow: bool, checks: bool = True) -> Answer:
+    def answer(
+        self, scene: Scene, follow: bool, checks: bool = True, watch: Watch | None = None
+    ) -> Answer:
         """Solve a scene of the body; collective.
 
         Args:
             scene: The scene.
             follow: Begin at the last answer also where others may be.
             checks: Check the physics.
+            watch: Called with the last load step, in whose state the problem is then; collective.
 
         Raises:
             InputError: The scene cannot be used, or has no equilibrium.
@@ -122,7 +128,7 @@ class QuickAnswers:
         body = self._kept.condense(problem, timings)
         system = CondensedSystem(problem, timings, body)
         try:
-            return self._solved(system, body, timings, follow, checks)
+            return self._solved(system, body, timings, follow, checks, watch)
         finally:
             system.destroy()
 
@@ -133,6 +139,7 @@ class QuickAnswers:
         timings: Timings,
         follow: bool,
         checks: bool,
+        watch: Watch | None,
     ) -> Answer:
         problem = system.problem
         history = StepHistory(problem, timings, partial(_forces_of, system, body))
@@ -149,6 +156,8 @@ class QuickAnswers:
                 begun: Start = start if load_steps.warm is not None else "cold"
                 found.append(_measured(history, solution, begun, checks))
                 self.find_body = solution.find_body
+                if watch is not None:
+                    watch(problem, solution)
 
         load_steps = LoadSteps(newton, accepted)
         load_steps.finds_body = False

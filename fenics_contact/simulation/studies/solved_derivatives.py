@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.existence.condition import require_equilibrium
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.sensitivities.derivatives import Derivatives, derivatives
+from fenics_contact.simulation.sensitivities.kinks import has_kink
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
@@ -17,9 +19,22 @@ from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 
 
+@dataclass(frozen=True)
+class SolvedDerivatives:
+    """Derivatives of the answer of a scene.
+
+    Attributes:
+        slopes: Quantity → key → derivative.
+        one_sided: Whether points just touch or just slip in a load step of it.
+    """
+
+    slopes: Derivatives
+    one_sided: bool
+
+
 def solved_derivatives(
     kept: KeptBody, scene: Scene, of: Sequence[str], by: Sequence[str] | None
-) -> Derivatives:
+) -> SolvedDerivatives:
     """Solve a scene as a separate run does, and differentiate its answer; collective.
 
     Args:
@@ -38,14 +53,16 @@ def solved_derivatives(
     system = CondensedSystem(problem, timings, kept.condense(problem, timings))
     try:
         steps: list[AcceptedStep] = []
+        kinks: list[bool] = []
 
         def accepted(time: float, solution: Solution) -> None:
             assert load_steps.last is not None
             steps.append(load_steps.last)
+            kinks.append(has_kink(problem, solution))
 
         load_steps = LoadSteps(Newton(problem, system, timings), accepted)
         load_steps.finds_body = False
         load_steps.solve()
-        return derivatives(load_steps, system, steps, of, by)
+        return SolvedDerivatives(derivatives(load_steps, system, steps, of, by), any(kinks))
     finally:
         system.destroy()

@@ -285,7 +285,7 @@ class Study:
         """
         scene, timings = self.changed(changes), Timings()
         with failing_together(self.comm):
-            return solved_derivatives(self._body_of(scene, timings), scene, of, by)
+            return solved_derivatives(self._body_of(scene, timings), scene, of, by).slopes
 
     def history(
         self,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -62,7 +62,7 @@ def points_of(file: SceneFile, overrides: Sequence[str], grid: Grid) -> list[Poi
     for number, settings in enumerate(grid.settings()):
         try:
             data = file.data(overrides, settings)
-            scene = file.scene(overrides, settings)
+            scene = replace(file.scene(overrides, settings), derivatives=None)  # of rows, none
         except InputError as error:
             first = first or error
             points.append(Point(number, _digest(settings), None, str(error)))

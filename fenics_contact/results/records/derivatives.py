@@ -1,0 +1,30 @@
+"""What ``result.json`` tells of what an answer depends on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fenics_contact.results.records.record import Record
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Derivative(Record):
+    """The derivative of a quantity in a number of the scene (unit of the one over the other).
+
+    Attributes:
+        value: Mean over a window in which the edges of contact and of stick move by about a cell;
+            null where there is none.
+        spread: How far derivatives of single answers in the window lie from it.
+        discrete: Exact derivative of the discrete answer, automatic parameters held; null of areas
+            and radii.
+        one_sided: Whether points just touch, or just slip, so that the discrete answer has a kink.
+    """
+
+    value: float | None
+    spread: float | None
+    discrete: float | None
+    one_sided: bool
+
+
+# Quantity → key of the scene → derivative.
+Derivatives = dict[str, dict[str, Derivative]]

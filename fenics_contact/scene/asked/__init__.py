@@ -1,0 +1,1 @@
+"""What a scene asks of its answer besides: what it depends on."""

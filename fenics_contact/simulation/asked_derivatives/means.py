@@ -1,0 +1,152 @@
+"""Mean derivatives about an answer: of each number, in the window that its own change makes.
+
+A number that the body depends on, such as a modulus, would need another body for each answer. Its
+exact derivatives are averaged instead, along a multiple of all that loads the scene.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+
+from fenics_contact.body.description import BodyDescription
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.errors import InputError, NotConvergedError
+from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.asked_derivatives.drive import driven
+from fenics_contact.simulation.asked_derivatives.window_answers import WindowAnswer, WindowAnswers
+from fenics_contact.simulation.asked_derivatives.windows import Answers, Window, find_window
+from fenics_contact.simulation.sensitivities.derivatives import Derivatives
+from fenics_contact.simulation.sensitivities.values import found_in
+from fenics_contact.simulation.studies.changes import with_changes
+from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.simulation.studies.solved_derivatives import (
+    SolvedDerivatives,
+    solved_derivatives,
+)
+
+# A mean derivative, and how far derivatives of single answers lie from it.
+Mean = tuple[float, float]
+# A number smaller than this share of what its changes are measured by counts as 0.
+_NOTHING = 1e-3
+
+
+class Means:
+    """Means of derivatives about the answer of a scene; collective.
+
+    Args:
+        kept: The body.
+        scene: The scene.
+        names: Of quantities.
+        exact: Derivatives of the answer itself.
+    """
+
+    def __init__(
+        self, kept: KeptBody, scene: Scene, names: list[str], exact: SolvedDerivatives
+    ) -> None:
+        self._kept, self._scene, self._names, self._exact = kept, scene, names, exact
+        self._answers = WindowAnswers(kept, scene)
+        self._middle = self._answers.of(scene)
+
+    def by(self, key: str) -> Mapping[str, Mean]:
+        """Of each quantity that has one, the mean in a number; collective.
+
+        Args:
+            key: Of the number.
+        """
+        if self._middle is None:
+            return {}
+        number = float(found_in(self._scene, key))
+        if self._is_of_body(key, number):
+            return self._of_body.get(key, {})
+
+        def at(place: float) -> WindowAnswer | None:
+            return self._answers.at(key, place)
+
+        window = self._window(at, number, self._size(key, number))
+        if window is None:
+            return {}
+        answers = [at(float(place)) for place in window.places]
+        solved = [answer.values for answer in answers if answer is not None]
+        if len(solved) < len(answers):
+            return {}
+        values = {name: [found.get(name) for found in solved] for name in self._names}
+        return {
+            name: window.mean([value for value in found if value is not None])
+            for name, found in values.items()
+            if None not in found
+        }
+
+    def _is_of_body(self, key: str, number: float) -> bool:
+        """Whether another number makes another body."""
+        try:
+            other = with_changes(self._scene, {key: number * 1.001 or _NOTHING})
+        except InputError:
+            return False  # there are no others on that side
+        return bool(BodyDescription.of(self._scene).differences(BodyDescription.of(other)))
+
+    def _window(self, answers: Answers, number: float, size: float) -> Window | None:
+        middle = self._middle
+        assert middle is not None
+
+        def moved(one: WindowAnswer, other: WindowAnswer) -> Array:
+            return self._answers.moved(one, other, middle.strips)
+
+        return find_window(answers, moved, number, size)
+
+    def _size(self, key: str, number: float) -> float:
+        """What changes of a number are measured by: itself, or what the answer has of its kind."""
+        middle = self._middle
+        assert middle is not None
+        names = key.split(".")
+        forces = [abs(v) for n, v in middle.values.items() if n.endswith("pressure_integral") and v]
+        force = max(forces, default=1.0)
+        if {"traction", "pressure", "body_force"} & {*names}:
+            scale = middle.values.get("max_contact_pressure") or 1.0
+        elif "force" in names:
+            scale = force
+        elif "position" in names:  # of the cells at the edges, but in 3D, where there are many
+            scale = max(middle.strips, default=0.0) or 1.0
+        else:
+            scale = 2 * (middle.values.get("strain_energy") or 1.0) / force
+        return abs(number) if abs(number) > _NOTHING * scale else scale
+
+    @cached_property
+    def _of_body(self) -> dict[str, dict[str, Mean]]:
+        """Key → quantity → mean, of numbers that the body depends on; collective."""
+        keys = [
+            key
+            for key in next(iter(self._exact.slopes.values()))
+            if self._is_of_body(key, float(found_in(self._scene, key)))
+        ]
+        names = [name for name in self._names if name in self._exact.slopes]
+        samples, window = self._along_drive(names, keys)
+        if not samples or window is None:
+            return {}
+        return {
+            key: {name: window.at_middle([s[name][key] for s in samples]) for name in names}
+            for key in keys
+        }
+
+    def _along_drive(
+        self, names: list[str], keys: list[str]
+    ) -> tuple[list[Derivatives], Window | None]:
+        """Exact derivatives along the window of a multiple of all loads; none where some fail."""
+
+        def at(factor: float) -> WindowAnswer | None:
+            try:
+                return self._answers.of(driven(self._scene, factor))
+            except InputError:
+                return None
+
+        window = self._window(at, 1.0, 1.0)
+        if window is None:
+            return [], None
+        try:
+            samples = [
+                solved_derivatives(self._kept, driven(self._scene, float(s)), names, keys).slopes
+                for s in window.middles
+            ]
+        except (InputError, NotConvergedError):
+            return [], window
+        return samples, window

@@ -1,0 +1,136 @@
+"""Means of a derivative over a window: as wide as a cell at the edges of contact and of stick.
+
+The kernel of the mean is the convolution of two boxes. Where both edges move, each box is as wide
+as what moves one of them by a cell; else both are of the one that moves. What repeats from cell to
+cell cancels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.simulation.asked_derivatives.window_answers import WindowAnswer
+
+# Intervals between the answers of a window.
+_INTERVALS = 8
+# Half of a window at most, over the size of the number.
+_WIDEST = 0.25
+# Where no edge moves, over the same.
+_STILL = 0.01
+# The first look is so wide, over the same; and so many looks find how fast the edges move.
+_FIRST, _LOOKS = 0.02, 12
+# Cells that the faster edge is to move by, in a look that tells how fast.
+_FEWEST, _MOST = 0.7, 3.0
+
+# Answer at a place, None where there is none; collective.
+Answers = Callable[[float], WindowAnswer | None]
+# Cells that each edge moves between two answers; collective.
+Moved = Callable[[WindowAnswer, WindowAnswer], Array]
+
+
+@dataclass(frozen=True)
+class Window:
+    """Where answers are asked for, and what of the mean is of each interval between them.
+
+    Attributes:
+        places: Increasing, the number itself in the middle, (intervals + 1,).
+        shares: Of each interval, 1 in all, (intervals,).
+    """
+
+    places: Array
+    shares: Array
+
+    @classmethod
+    def of_boxes(cls, middle: float, first: float, second: float) -> Window:
+        """The window of two boxes.
+
+        Args:
+            middle: The number.
+            first: Width of one box.
+            second: Width of the other.
+        """
+        half, a, b = (first + second) / 2, first / 2, second / 2
+        offsets = np.linspace(-half, half, _INTERVALS + 1)
+        ramps = [np.maximum(offsets + s, 0.0) ** 2 / 2 for s in (a + b, a - b, b - a, -a - b)]
+        below = (ramps[0] - ramps[1] - ramps[2] + ramps[3]) / (4 * a * b)
+        return cls(middle + offsets, np.diff(below))
+
+    @property
+    def middles(self) -> Array:
+        """Of the intervals."""
+        return np.asarray(0.5 * (self.places[1:] + self.places[:-1]))
+
+    def mean(self, values: Sequence[float]) -> tuple[float, float]:
+        """Mean derivative, and how far the slopes of intervals are off what changes steadily.
+
+        Args:
+            values: Of the answers at the places.
+        """
+        slopes = np.diff(values) / np.diff(self.places)
+        return float(self.shares @ slopes), float(np.abs(self._unsteady(slopes, 1)).max())
+
+    def at_middle(self, slopes: Sequence[float]) -> tuple[float, float]:
+        """The same of derivatives at the middles of the intervals, of a number not in the window.
+
+        They may change steadily along it: that is fitted, and taken at the place in the middle.
+        """
+        found = np.asarray(slopes)
+        residuals, fit = self._unsteady(found, 2), self._fit(found, 2)
+        return float(fit[0]), float(np.abs(residuals).max())
+
+    def _fit(self, slopes: Array, degree: int) -> Array:
+        """Coefficients of the polynomial that fits slopes best, by shares, about the middle."""
+        offsets = self._offsets
+        weights = np.sqrt(self.shares)
+        powers = np.vander(offsets, degree + 1, increasing=True)
+        return np.asarray(np.linalg.lstsq(powers * weights[:, None], slopes * weights)[0])
+
+    def _unsteady(self, slopes: Array, degree: int) -> Array:
+        """What a polynomial that fits best leaves of slopes."""
+        powers = np.vander(self._offsets, degree + 1, increasing=True)
+        return np.asarray(slopes - powers @ self._fit(slopes, degree))
+
+    @property
+    def _offsets(self) -> Array:
+        """Middles of the intervals, from -1 to 1."""
+        half = 0.5 * (self.places[-1] - self.places[0])
+        return np.asarray((self.middles - 0.5 * (self.places[-1] + self.places[0])) / half)
+
+
+def find_window(answers: Answers, moved: Moved, middle: float, size: float) -> Window | None:
+    """The window about a number; collective.
+
+    Args:
+        answers: With the number at a place.
+        moved: How far edges move between answers.
+        middle: The number.
+        size: What changes of it are measured by, > 0.
+
+    Returns:
+        None where no answers are to be had on both sides.
+    """
+    widest, half = _WIDEST * size, _FIRST * size
+    cells: Array | None = None
+    for _ in range(_LOOKS):
+        below, above = answers(middle - half), answers(middle + half)
+        if below is None or above is None:
+            widest = min(widest, half / 2)
+            half, cells = half / 4, None
+            continue
+        cells = moved(below, above)
+        fastest = float(cells.max(initial=0.0))
+        wanted = half * float(np.clip(1.5 / max(fastest, 1e-9), 0.05, 20.0))
+        if _FEWEST <= fastest <= _MOST or (fastest < _FEWEST and half >= widest):
+            break
+        half = min(wanted, widest)
+    if cells is None:
+        return None
+    boxes = sorted(2 * half / found for found in cells if found > 0)
+    boxes = [box for box in boxes if box <= 2 * widest] or [min(widest, _STILL * size)]
+    first = min(boxes[0], widest)
+    second = boxes[-1] if (first + boxes[-1]) / 2 <= widest else first
+    return Window.of_boxes(middle, first, second)

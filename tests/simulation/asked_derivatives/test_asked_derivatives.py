@@ -1,0 +1,165 @@
+"""Derivatives that a scene asks for: of the continuous problem, and of the discrete answer."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+from fenics_contact import InputError, Study, load_scene, main, run
+from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.asked.derivatives import AskedDerivatives
+from fenics_contact.simulation.scene_run import Run
+from fenics_contact.simulation.sensitivities.kinks import has_kink
+from tests.scenes import ROOT, box_body
+from tests.simulation.sensitivities.test_derivatives import (
+    DELTA,
+    HEIGHT,
+    NU,
+    PENALTY,
+    WIDTH,
+    E,
+    uniform_block,
+)
+from tests.simulation.studies.cases import BALL, DEPTH, MU, ON_A_FLOOR, square
+
+RADIUS = "contact.0.obstacle.radius"
+
+
+def asking(scene, of, by=None):
+    solver = dataclasses.replace(scene.solver, errors="none")
+    return dataclasses.replace(scene, derivatives=AskedDerivatives(of, by), solver=solver)
+
+
+def test_of_a_sphere_without_friction_they_are_those_of_hertz():
+    """F = (4/3) E* √R d^(3/2), p₀ = (2 E*/π) √(d/R), a = √(R d); the mesh has 14 cells in a."""
+    scene = load_scene(ROOT / "demos" / "sphere.toml", [f"{MU}=0"])
+    of = ("normal_force", "max_contact_pressure", "contact_radius")
+    found = run(asking(scene, of)).derivatives
+    young, ratio, radius, depth = 1000.0, 0.3, 8.0, 1.0
+    modulus = young / (1 - ratio**2)
+    force = 4 / 3 * modulus * np.sqrt(radius) * depth**1.5
+    expected = {
+        E: force / young,
+        NU: force * 2 * ratio / (1 - ratio**2),
+        DEPTH: 1.5 * force / depth,
+        RADIUS: force / (2 * radius),
+    }
+    assert {*found["normal_force"]} == {*expected}
+    for key, slope in expected.items():
+        assert found["normal_force"][key].value == pytest.approx(slope, rel=3e-3), key
+    peak = 2 * modulus / np.pi * np.sqrt(depth / radius)
+    peaks = found["max_contact_pressure"]
+    assert peaks[DEPTH].value == pytest.approx(peak / 2 / depth, rel=5e-3)
+    assert peaks[RADIUS].value == pytest.approx(-peak / 2 / radius, rel=1e-2)
+    assert peaks[E].value == pytest.approx(peak / young, rel=3e-3)
+    radii = found["contact_radius"]
+    assert radii[DEPTH].value == pytest.approx(np.sqrt(radius / depth) / 2, rel=0.04)
+    assert radii[DEPTH].discrete is None
+    # From cell to cell the discrete ones jump by more than their means are off.
+    discrete = found["normal_force"][RADIUS]
+    assert abs(discrete.discrete / expected[RADIUS] - 1) > 0.01
+    assert abs(discrete.value - discrete.discrete) <= discrete.spread
+
+
+def test_where_no_edge_moves_both_are_those_of_the_formula():
+    """Force W δ / c with c = h (1 − ν²)/E + ε₁ of a block that touches everywhere."""
+    c = HEIGHT * (1 - 0.3**2) / 1000 + PENALTY
+    force, down = WIDTH * DELTA / c, "support.0.displacement.y"
+    slopes = {
+        E: force / c * HEIGHT * (1 - 0.3**2) / 1000**2,
+        "contact.0.penalty_parameter": -force / c,
+        down: -WIDTH / c,
+    }
+    scene = asking(uniform_block(), ("normal_force",), tuple(slopes))
+    found = run(scene, body=box_body((3, 2), (WIDTH, HEIGHT))).derivatives["normal_force"]
+    assert list(found) == list(slopes)
+    for key, slope in slopes.items():
+        assert found[key].discrete == pytest.approx(slope, rel=1e-8)
+        assert found[key].value == pytest.approx(slope, rel=1e-4)
+        assert found[key].spread < 1e-3 * abs(slope)
+        assert not found[key].one_sided
+
+
+def test_discrete_ones_are_those_of_a_study():
+    scene = asking(BALL, ("normal_force", "friction_work"), (MU, DEPTH))
+    found = run(scene, body=box_body((8, 8), (1, 1))).derivatives
+    study = Study(BALL, body=box_body((8, 8), (1, 1)))
+    expected = study.derivatives(["normal_force", "friction_work"], [MU, DEPTH])
+    for name, slopes in expected.items():
+        for key, slope in slopes.items():
+            assert found[name][key].discrete == pytest.approx(slope, rel=1e-7)
+
+
+def test_friction_at_a_fixed_motion_follows_its_coefficient_while_all_slips():
+    """A block dragged far: friction is μ times the force that presses it, whatever the cells."""
+    changed = dataclasses.replace(ON_A_FLOOR.support[0], displacement={"x": 0.02, "y": -0.002})
+    scene = dataclasses.replace(ON_A_FLOOR, support=(changed,), load=())
+    found = run(asking(scene, ("friction_force_x",), (MU,)), body=square())
+    slope = found.derivatives["friction_force_x"][MU]
+    # The sides of the block lift a little, so that the force itself follows μ: differences tell.
+    ends = [
+        run(dataclasses.replace(scene, contact=(c,)), body=square()).quantities["friction_force"][0]
+        for c in (
+            dataclasses.replace(scene.contact[0], friction_coefficient=mu) for mu in (0.27, 0.33)
+        )
+    ]
+    assert slope.value == pytest.approx((ends[1] - ends[0]) / 0.06, rel=0.02)
+
+
+def test_points_that_just_touch_make_it_one_sided():
+    prepared = Run(BALL, body=box_body((6, 6), (1, 1)))
+    prepared.solve()
+    problem, solution = prepared.problem, prepared.solution
+    assert isinstance(problem, Problem) and not has_kink(problem, solution)
+    (state,) = solution.states
+    touching = dataclasses.replace(state, gap=np.where(state.gap > 0, 0.0, state.gap))
+    assert has_kink(problem, dataclasses.replace(solution, states=[touching]))
+    (contact,) = problem.contacts
+    longest = contact.regularisation_parameter
+    slip = np.zeros_like(state.slip)
+    slip[:, 0] = longest * (1 + 1e-10)
+    assert has_kink(problem, dataclasses.replace(solution, states=[_with(state, slip)]))
+    assert not has_kink(problem, dataclasses.replace(solution, states=[_with(state, 1.1 * slip)]))
+
+
+def _with(state, slip):
+    return dataclasses.replace(state, slip=slip)
+
+
+@pytest.mark.parametrize(
+    ("of", "by", "said"),
+    [
+        ("max_penetration", None, "derivatives.of: 'max_penetration'"),
+        ("friction_force", None, "derivatives.of: 'friction_force' is a vector"),
+        ("normal_force", "solver.tolerance", "derivatives.by: 'solver.tolerance' has no deriv"),
+        ("normal_force", "contact.7.radius", "the scene has no such key"),
+    ],
+)
+def test_what_has_none_is_refused_before_anything_is_solved(of, by, said):
+    with pytest.raises(InputError, match=said):
+        Run(asking(ON_A_FLOOR, (of,), by and (by,)), body=square())
+
+
+@pytest.mark.parametrize("of", [(), ("normal_force", "normal_force")])
+def test_quantities_are_named_once(of):
+    with pytest.raises(InputError, match=r"of"):
+        AskedDerivatives(of)
+
+
+@pytest.mark.serial
+def test_a_scene_file_asks_and_the_files_tell(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "own", "--quiet"]) == 0
+    text = (tmp_path / "own.toml").read_text()
+    asked = '\n[derivatives]\nof = ["friction_force_x"]\nby = ["load.1.traction.0"]\n'
+    (tmp_path / "own.toml").write_text(text + asked)
+    assert main(["run", "own.toml", "--out", "out"]) == 0
+    found = json.loads((tmp_path / "out" / "result.json").read_text())["derivatives"]
+    slope = found["friction_force_x"]["load.1.traction.0"]
+    assert set(slope) == {"value", "spread", "discrete", "one_sided"}
+    assert slope["value"] == pytest.approx(-1.0, rel=1e-6)  # equilibrium
+    assert slope["discrete"] == pytest.approx(-1.0, rel=1e-8)
+    assert "derivative of" in capsys.readouterr().out
+    assert main(["report", "out", "--quiet"]) == 0
+    assert "friction_force_x" in (tmp_path / "out" / "report.html").read_text()
