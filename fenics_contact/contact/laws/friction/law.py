@@ -103,6 +103,9 @@ class FrictionLaw(ContactLaw):
     def regularise_less(self, left: float) -> None:
         """Use this part of every ε that is set, from now on."""
 
+    def strengthen(self, factor: float) -> None:
+        """Use so many times the friction coefficient, from now on."""
+
     def set_bound(self, bound: Array) -> None:
         """Set g at the points (stress)."""
 

@@ -44,6 +44,7 @@ class RegularisedFriction(FrictionLaw):
         self._forms = FrictionForms(rule, self._tangent_state, self.follows_path)
         self._chosen, self._left = 1.0, 1.0
         self._held = np.zeros_like(self.reference)
+        self._strength = 1.0
         self.stick_all()
         given = site.contact.regularisation_parameter
         if given != "auto":
@@ -108,7 +109,12 @@ class RegularisedFriction(FrictionLaw):
 
     def set_share(self, share: float) -> None:
         """Use this share of the coefficient, from below or above 1, on the way to all of it."""
-        self._forms.share.value = share
+        self._forms.share.value = share * self._strength
+
+    def strengthen(self, factor: float) -> None:
+        """Use so many times the friction coefficient, from now on, also on the way to all of it."""
+        self._strength = factor
+        self.set_share(1.0)
 
     def bound_of(self, pressure: Array) -> Array:
         """G that the rule gives at the points (stress)."""

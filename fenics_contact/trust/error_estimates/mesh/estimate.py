@@ -2,10 +2,10 @@
 
 Four things make them. The elements cannot follow the exact displacement: local problems tell by
 how much (``local_errors``), and forces that move the solution likewise tell what that does to each
-quantity. The edges of contact and stick lie somewhere inside elements: as the load changes they
-move through them, and quantities scatter about smooth functions of the load. A peak of the
-contact pressure lies between what the penalty makes of gaps and what the bulk needs. And facets
-miss curved surfaces, which changes gaps (``geometry_errors``).
+quantity. The edges of contact and stick lie somewhere inside elements: as the load, or a small
+change of something else, moves them through these, quantities scatter about smooth functions of
+it. A peak of the contact pressure lies between what the penalty makes of gaps and what the bulk
+needs. And facets miss curved surfaces, which changes gaps (``geometry_errors``).
 """
 
 from __future__ import annotations

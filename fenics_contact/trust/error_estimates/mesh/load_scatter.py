@@ -1,4 +1,7 @@
-"""How quantities scatter about smooth functions of the load, as edges move through elements."""
+"""How quantities scatter about smooth functions, as edges move through elements.
+
+Functions of the load where the load moves the edges, else of what does (``edge_shift``).
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,12 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.load_paths import knots
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.error_estimates.mesh.edge_shift import (
+    Edge,
+    edges_inside,
+    shifted_answers,
+    standing,
+)
 from fenics_contact.trust.error_estimates.solving_again import (
     Change,
     Measure,
@@ -27,8 +36,8 @@ _LOADS = 8
 _PIECES = 8.0
 # Of the polynomial in pseudo-time: t^1.5, Hertz's force, differs by 1e-6 from one over the span.
 _DEGREE = 3
-# More loads than the polynomial has coefficients, at the least.
-_SPARE = 2
+# Answers at the least: two more than the polynomial has coefficients.
+_ENOUGH = _DEGREE + 1 + 2
 # Of the last load step, at the most.
 _OF_A_STEP = 0.95
 
@@ -36,9 +45,10 @@ _OF_A_STEP = 0.95
 def load_scatter(
     load_steps: LoadSteps, measure: Measure, recorded: Sequence[tuple[float, Quantities]]
 ) -> dict[Hashable, float] | None:
-    """Standard deviation of quantities about polynomials in pseudo-time; collective.
+    """Standard deviation of quantities about polynomials; collective.
 
-    Of load steps where these are close enough, else of loads within the last one.
+    In pseudo-time, of load steps where these are close enough, else of loads within the last one.
+    In the size of a shift where edges stand still, or almost; the larger where there are both.
 
     Args:
         load_steps: At their end; all is there again afterwards.
@@ -57,27 +67,46 @@ def load_scatter(
     turn = max((knot for knot in knots(problem.scene) if knot < last), default=0.0)
     share = min(_SPAN, _PIECES * _piece_share(problem, load_steps.last.solution))
     span = share * (last - max(turn, 0.0))
+    edges = edges_inside(problem, load_steps.last.solution)
     rows = [(time, found) for time, found in recorded if time >= last - span]
-    if len(rows) < _DEGREE + 1 + _SPARE:
+    if len(rows) < _ENOUGH:
         before = load_steps.last.before.time if load_steps.last.before else 0.0
         span = min(span, _OF_A_STEP * (last - before))
         answer = measure(load_steps.last.solution)  # of works, not summed over steps
-        rows = [(last, answer), *_solved(load_steps, measure, last - span)]
-    if len(rows) < _DEGREE + 1 + _SPARE:
-        return None
-    return _about_polynomials(rows, (last, span))
+        rows = [(last, answer), *_solved(load_steps, measure, last - span, edges)]
+    still = standing(edges, [found for _, found in rows])
+    found = []
+    if not still or len(still) < len(edges):
+        if len(rows) < _ENOUGH:
+            return None
+        found.append(_about_polynomials(rows, (last, span)))
+    if still:
+        shifted = shifted_answers(load_steps, measure, still)
+        if shifted and len(shifted) < _ENOUGH:
+            return None
+        found.append(
+            _about_polynomials(shifted, (0.0, 1.0)) if shifted else dict.fromkeys(answer, 0.0)
+        )
+    return {key: max(of[key] for of in found) for key in answer if all(key in of for of in found)}
 
 
 def _solved(
-    load_steps: LoadSteps, measure: Measure, first: float
+    load_steps: LoadSteps, measure: Measure, first: float, edges: Sequence[Edge]
 ) -> list[tuple[float, Quantities]]:
-    """Quantities at pseudo-times from the first to the last, as many as converge; collective."""
-    found = []
-    for share in np.arange(1, _LOADS + 1) / _LOADS:
+    """Quantities at pseudo-times from the first to the last, as many as converge; collective.
+
+    At the first alone where that moves no edge: all others would tell as little.
+    """
+    assert load_steps.last is not None
+    answer = measure(load_steps.last.solution)
+    found: list[tuple[float, Quantities]] = []
+    for share in np.arange(_LOADS, 0, -1) / _LOADS:
         time = load_steps.time + share * (first - load_steps.time)
         quantities = last_step_again(load_steps, measure, _at(time))
         if quantities is not None:
             found.append((time, quantities))
+        if len(found) == 1 and edges and standing(edges, [answer, found[0][1]]) == list(edges):
+            break
     return found
 
 

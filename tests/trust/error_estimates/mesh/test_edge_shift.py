@@ -1,0 +1,150 @@
+"""A block pressed on a rough floor, free to lift at its side: no load moves its edges."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import Contact, Load, Material, Obstacle, Point, Scene, run
+from fenics_contact.body.description import BodyDescription
+from fenics_contact.evaluate.contact_areas import contact_area, cut_areas, stick_area
+from fenics_contact.problem.discrete_body import DiscreteBody
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.load_steps.load_steps import solve
+from fenics_contact.trust.error_estimates.mesh.edge_shift import (
+    edges_inside,
+    shifted_answers,
+    standing,
+)
+from fenics_contact.trust.error_estimates.solving_again import last_step_again
+from tests.scenes import box_body, with_solver
+
+pytestmark = pytest.mark.errors
+
+COMM = MPI.COMM_WORLD
+# What a reference on a fine mesh knows well; forces along the normal and peaks say less.
+ASKED = (
+    "friction_force",
+    "friction_work",
+    "max_slip",
+    "strain_energy",
+    "external_work",
+    "contact_area",
+    "displacement_corner",
+    "displacement_foot",
+    "displacement_inside",
+)
+
+
+def floor(cells, comm=COMM, **changes):
+    """Right half of a block 4 × 1, pressed by p = 10 exp(−(x/.3)²) on its top, and its mesh."""
+    contact = Contact("y0", obstacle=Obstacle(), friction_coefficient=0.3)
+    scene = Scene(
+        kinematics="plane strain",
+        material=(Material(1000, 0.3),),
+        symmetry=("x0",),
+        load=(Load("y1", pressure=lambda x: 10 * np.exp(-((x[0] / 0.3) ** 2))),),
+        contact=(dataclasses.replace(contact, **changes),),
+        point=(
+            Point("corner", (2.0, 1.0)),
+            Point("foot", (2.0, 0.0)),
+            Point("inside", (0.25, 0.5)),
+        ),
+    )
+    return scene, box_body((2 * cells, cells), (2.0, 1.0), comm=comm)
+
+
+def solved(cells, errors, **changes):
+    scene, body = floor(cells, **changes)
+    return run(with_solver(scene, errors=errors), COMM, body)
+
+
+@pytest.fixture(scope="module")
+def reference():
+    return solved(72, "none").quantities
+
+
+def ratios(cells, reference):
+    """Error bar over true error, by quantity."""
+    found = solved(cells, "auto")
+    return {
+        name: found.errors[name]["total"]
+        / np.linalg.norm(np.subtract(found.quantities[name], reference[name]))
+        for name in ASKED
+    }
+
+
+def test_bars_hold_wherever_the_edge_is_in_its_cell(reference):
+    every = []
+    for cells in (5, 6, 12):
+        found = ratios(cells, reference)
+        assert min(found.values()) > 1, (cells, found)
+        every += found.values()
+    assert np.median(every) < 5
+
+
+def with_load_steps(look, cells, comm=COMM, **changes):
+    """What a function finds of load steps at their end, with areas as the measure."""
+    scene, body = floor(cells, comm, **changes)
+    problem = Problem(scene, DiscreteBody(BodyDescription.of(scene), body))
+    found = []
+    solve(problem, ended=lambda load_steps: found.append(look(load_steps, areas(problem))))
+    return found[0]
+
+
+def areas(problem):
+    def measure(solution):
+        (contact,), (state,) = problem.contacts, solution.states
+        return {
+            (0, "contact_area"): contact_area(contact, state),
+            (0, "stick_area"): stick_area(contact, state),
+        }
+
+    return measure
+
+
+def moved(load_steps, measure):
+    """How far both edges get to either side, in pieces, and whether all is there again."""
+    problem, solution = load_steps.problem, load_steps.last.solution
+    before = measure(solution)
+    edges = edges_inside(problem, solution)
+    rows = shifted_answers(load_steps, measure, edges)
+    pieces = dict(zip(before, cut_areas(problem.contacts[0], solution.states[0]), strict=True))
+    span = {key: np.ptp([found[key] for _, found in rows]) / pieces[key] for key in before}
+    problem.contacts[0].friction.set_share(1.0)
+    strong = problem.contacts[0].friction.bound_of(np.ones(1))[0]
+    return len(rows), span, strong, problem.disturbance
+
+
+def test_a_shift_moves_both_edges_by_about_a_piece_to_either_side():
+    count, span, strong, disturbance = with_load_steps(moved, 8)
+    assert count == 9
+    for pieces in span.values():
+        assert 0.5 < pieces < 4
+    assert strong == pytest.approx(0.3)
+    assert disturbance is None
+
+
+def kinds_standing(load_steps, measure):
+    """Areas whose edges half of the load does not move."""
+    problem, solution = load_steps.problem, load_steps.last.solution
+    half = last_step_again(load_steps, measure, lambda problem: problem.set_time(0.5))
+    edges = edges_inside(problem, solution)
+    return [edge.area for edge in standing(edges, [measure(solution), half])]
+
+
+def test_edges_stand_where_all_is_proportional_to_the_load():
+    assert with_load_steps(kinds_standing, 8) == ["contact_area", "stick_area"]
+    hollow = Obstacle("parabola", radius=500.0)
+    assert "contact_area" not in with_load_steps(kinds_standing, 8, obstacle=hollow)
+
+
+def test_shifts_do_not_depend_on_the_number_of_ranks():
+    scene, body = floor(6)
+    together = run(scene, COMM, body)
+    scene, body = floor(6, MPI.COMM_SELF)
+    alone = run(scene, MPI.COMM_SELF, body)
+    for name in ASKED:
+        expected = alone.errors[name]["mesh"]
+        assert together.errors[name]["mesh"] == pytest.approx(expected, rel=1e-5), name
