@@ -46,6 +46,7 @@ def execute(options: argparse.Namespace) -> int:
         "check": lambda: _check(options),
         "compare": lambda: on_root(MPI.COMM_WORLD, lambda: _compare(options)),
         "explore": lambda: _explore(options),
+        "fit": lambda: _fit(options),
         "look": lambda: on_root(MPI.COMM_WORLD, lambda: _look(options)),
         "new": lambda: on_root(MPI.COMM_WORLD, lambda: _new(options)),
         "report": lambda: on_root(MPI.COMM_WORLD, lambda: _report(options.folder, options.quiet)),
@@ -179,12 +180,16 @@ def _draw(folder: Path, quiet: bool) -> None:
 
 
 def _report(folder: Path, quiet: bool) -> int:
+    from fenics_contact.report.fit.files import RECORD as FIT
+    from fenics_contact.report.fit.page import write_fit_page
     from fenics_contact.report.report import PAGE, write_report
     from fenics_contact.report.sweep.files import RECORD
     from fenics_contact.report.sweep.page import write_sweep_page
 
     if (folder / RECORD).exists():
         written = [write_sweep_page(folder)]
+    elif (folder / FIT).exists():
+        written = [write_fit_page(folder)]
     else:
         written = [*(picture.path for picture in write_report(folder)), folder / PAGE]
     for path in [] if quiet else written:
@@ -208,6 +213,12 @@ def _explore(options: argparse.Namespace) -> int:
     from fenics_contact.cli.explore.command import explore
 
     return explore(options)
+
+
+def _fit(options: argparse.Namespace) -> int:
+    from fenics_contact.cli.fit.command import fit
+
+    return fit(options)
 
 
 def _look(options: argparse.Namespace) -> int:

@@ -12,6 +12,7 @@ from typing import IO, NoReturn
 
 from fenics_contact.cli.compare import options as compare
 from fenics_contact.cli.explore import options as explore
+from fenics_contact.cli.fit import options as fit
 from fenics_contact.cli.look import options as look
 from fenics_contact.cli.sweep import options as sweep
 from fenics_contact.common.plain_text import printable
@@ -71,7 +72,8 @@ Examples:
 
 _REPORT = """\
 Makes pictures and a page, report.html, of what a run has left in its folder; of a sweep its page,
-sweep.html. It needs the extra `pictures` (pyvista, matplotlib), but no mesh, no scene and no MPI.
+sweep.html, of a fit its page, fit.html. It needs the extra `pictures` (pyvista, matplotlib), but no
+mesh, no scene and no MPI.
 
 Example:
   fenics-contact report results/hertz"""
@@ -258,10 +260,11 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
         ("check", "say what would be modelled, without solving", "SCENE.toml [options]", _CHECK),
         ("run", "solve a scene", "SCENE.toml [options] [-- PETSc options]", ""),
         sweep.COMMAND,
+        fit.COMMAND,
         explore.COMMAND,
         (
             "report",
-            "pictures and a page from the files of a run or sweep",
+            "pictures and a page from the files of a run, sweep or fit",
             "DIR [options]",
             _REPORT,
         ),
@@ -285,8 +288,10 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
     look.describe(made["look"])
     _add_scene(made["sweep"])
     sweep.describe(made["sweep"])
+    _add_scene(made["fit"])
+    fit.describe(made["fit"])
     made["report"].add_argument(
-        "folder", metavar="DIR", type=Path, help="results of a run or a sweep"
+        "folder", metavar="DIR", type=Path, help="results of a run, a sweep or a fit"
     )
     compare.describe(made["compare"])
     _describe_verify(made["verify"])

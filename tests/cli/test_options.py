@@ -11,7 +11,10 @@ from fenics_contact.cli.options import is_first_rank, parse
 from tests.scenes import ROOT
 
 COMM = MPI.COMM_WORLD
-COMMANDS = ("new", "look", "check", "run", "explore", "report", "verify", "schema", "completion")
+COMMANDS = (
+    *("new", "look", "check", "run", "fit", "explore", "report", "verify", "schema"),
+    "completion",
+)
 OF_TEXTS = ("schema", "completion")  # which say nothing but what they print
 
 

@@ -31,6 +31,7 @@ from tests.scenes import ROOT
 sys.path.append(str(ROOT / "benchmarks"))
 
 import cost_measure
+import fit_coverage
 from cost_cases import all_runs, quick_runs
 from cost_measure import LIMIT_OF_FURTHER_STEP, limit_of, measure
 from cost_page import filled
@@ -248,3 +249,18 @@ def test_rows_of_study_cost_say_what_was_asked():
     assert row["warm_start"] == "warm"
     assert 0 < row["warm_seconds"] < row["first_seconds"]
     assert hertz(2)["largest_error"] < 0.005
+
+
+def test_a_trial_of_fit_coverage_compares_with_the_truth(monkeypatch):
+    """With data of the same mesh, intervals of the noise hold it; of another truth they do not."""
+    monkeypatch.setattr(fit_coverage, "STEPS", 8)
+    monkeypatch.setattr(fit_coverage, "FITTED", (6, 4))
+    times, forces = fit_coverage.true_curve((6, 4))
+    assert forces[2] == pytest.approx(0.3 * 8, rel=1e-3)  # μ times the force: it slips
+    right = fit_coverage.trial(np.random.default_rng(1), times, forces)
+    assert right.converged and right.covered == [True, True] and min(right.widths) > 1
+    wrong = fit_coverage.trial(np.random.default_rng(1), times, 1.1 * forces)
+    assert wrong.covered == [False, False]
+    found = fit_coverage.summary([right, wrong])
+    assert list(found["coverage"].values()) == [0.5, 0.5]
+    assert found["evaluations_most"] == max(right.evaluations, wrong.evaluations)

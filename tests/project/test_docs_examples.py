@@ -30,7 +30,19 @@ pytestmark = pytest.mark.serial
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PAGES = [page for page in PAGES if not {"_build", "gallery"} & set(page.parts)]
 COMMANDS = (
-    *("run", "sweep", "explore", "look", "check", "report", "compare", "verify", "new", "schema"),
+    *(
+        "run",
+        "sweep",
+        "fit",
+        "explore",
+        "look",
+        "check",
+        "report",
+        "compare",
+        "verify",
+        "new",
+        "schema",
+    ),
     "completion",
 )
 # Programs of others, whose words are not looked at.

@@ -12,6 +12,7 @@ from scipy import optimize
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.results.fit_record import FitRecord, FittedParameter
+from fenics_contact.simulation.description import units_of
 from fenics_contact.simulation.fits.curves import Answer, curve_of
 from fenics_contact.simulation.fits.intervals import CONFIDENCE, Intervals
 from fenics_contact.simulation.fits.measured import Measured, read_measured
@@ -240,6 +241,7 @@ class _Search:
             checks=sorted(failed),
             title=scene.title,
             measured=measured.source,
+            units=units_of(scene, [measured.quantity]),
         )
 
     def _fitted(

@@ -143,7 +143,7 @@ def _require_quantity(path: Path, name: str, scene: Scene) -> None:
     try:
         found = scene.names.find(name)
     except ValueError as error:
-        raise InputError(f"{path}: column {error}") from None
+        raise InputError(f"{path}: a column has an unknown name: {error}") from None
     if found.axis is None and name + "_x" in _components(name, scene):
         raise InputError(f"{path}: column '{name}' is a vector; name its components, as {name}_x")
 

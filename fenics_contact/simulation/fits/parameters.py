@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from fenics_contact.common.errors import InputError
-from fenics_contact.scene.reading import value_of
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.sensitivities.values import found_in
 
@@ -50,11 +49,20 @@ def parameters_of(scene: Scene, given: Given) -> list[Parameter]:
     pairs = list(given.items()) if isinstance(given, Mapping) else [_read(word) for word in given]
     if not pairs:
         raise InputError("--parameters: name at least one key of the scene, such as KEY=LOW:HIGH")
+    pairs = [(_numbered(scene, key), bounds) for key, bounds in pairs]
     keys = [key for key, _ in pairs]
     for key in keys:
         if keys.count(key) > 1:
             raise InputError(f"--parameters {key}: it is named twice")
     return [_parameter(scene, key, bounds) for key, bounds in pairs]
+
+
+def _numbered(scene: Scene, key: str) -> str:
+    """A key of a table that there is once, as files may write it, with the number of the entry."""
+    table, _, rest = key.partition(".")
+    entries = getattr(scene, table, None)
+    is_only = isinstance(entries, tuple) and len(entries) == 1
+    return f"{table}.0.{rest}" if is_only and not rest[:1].isdigit() else key
 
 
 def _parameter(scene: Scene, key: str, bounds: tuple[float, float] | None) -> Parameter:
@@ -88,8 +96,10 @@ def _read(word: str) -> tuple[str, tuple[float, float] | None]:
     key, equals, text = word.partition("=")
     if not equals:
         return key.strip(), None
-    ends = [value_of(end) for end in text.split(":")]
-    numbers = [float(end) for end in ends if isinstance(end, float | int)]
-    if len(ends) != 2 or len(numbers) != 2 or any(map(math.isnan, numbers)):
+    try:
+        low, high = (float(end) for end in text.split(":"))
+    except ValueError:
+        low = high = math.nan
+    if math.isnan(low) or math.isnan(high):
         raise InputError(f"--parameters {word}: write it as KEY or KEY=LOW:HIGH, with two numbers")
-    return key.strip(), (numbers[0], numbers[1])
+    return key.strip(), (low, high)

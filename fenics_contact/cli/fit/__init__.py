@@ -1,0 +1,1 @@
+"""``fenics-contact fit``: its options, and what it says."""

@@ -1,0 +1,74 @@
+"""What ``fenics-contact fit`` does and says."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+from collections.abc import Iterator
+from pathlib import Path
+
+from mpi4py import MPI
+
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.plain_text import one_line
+from fenics_contact.report.fit.files import CURVE, PAGE, RECORD
+from fenics_contact.report.fit.page import write_fit_page
+from fenics_contact.report.fit.tables import interval_in_words
+from fenics_contact.results.fit_record import FitRecord
+from fenics_contact.scene.reading import load_scene
+from fenics_contact.scene.writing import SCENE_FILE
+from fenics_contact.simulation.fits.fit import fit as find
+from fenics_contact.simulation.fits.output import write_fit
+from fenics_contact.simulation.output.run_folder import require_writable
+from fenics_contact.simulation.studies.study import Study
+
+logger = logging.getLogger(__name__)
+
+
+def fit(options: argparse.Namespace) -> int:
+    """Find values of a scene's numbers, write what was found, and return the exit code.
+
+    Args:
+        options: Of the command line.
+
+    Raises:
+        InputError: It is wrong, or the scene or the data cannot be used.
+        NotConvergedError: The scene has no answer where the search begins.
+        MachineError: The machine failed.
+    """
+    if MPI.COMM_WORLD.size > 1:  # before each of them reads the scene
+        raise InputError("fit: it runs on one rank; start it without mpirun")
+    words = [word.strip() for words in options.parameters for word in words.split(",")]
+    if not words:
+        raise InputError("fit: --parameters KEY[=LOW:HIGH],… is missing")
+    folder = options.out or Path("results") / f"{options.scene.stem}_fit"
+    require_writable(folder, MPI.COMM_SELF)
+    study = Study(load_scene(options.scene, options.overrides), MPI.COMM_SELF)
+    try:
+        found = find(study, options.measured, words, options.of)
+    finally:
+        study.close()
+    record = write_fit(folder, found, study.changed(found.changes), str(options.scene))
+    _draw(folder)
+    if not options.quiet or record.exit_code:
+        print("\n".join(one_line(line) for line in _said(record, folder)))
+    return record.exit_code
+
+
+def _draw(folder: Path) -> None:
+    """The page: the files stand without it."""
+    try:
+        write_fit_page(folder)
+    except InputError as error:
+        logger.warning("no page: %s", error)
+
+
+def _said(record: FitRecord, folder: Path) -> Iterator[str]:
+    """Values and intervals, what to know of them, and the files."""
+    for key in record.parameters:
+        yield f"{key} = {interval_in_words(record, key)}"
+    yield f"{record.verdict} {record.evaluations} curves were solved for."
+    yield from record.notes
+    names = (RECORD, CURVE, SCENE_FILE, PAGE)
+    written = [name for name in names if (folder / name).exists()]
+    yield f"Wrote {', '.join(written)} in {folder}"
