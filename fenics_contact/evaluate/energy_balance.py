@@ -184,6 +184,8 @@ def _work_at_edges(
     """
     kinematics, last = contact.kinematics, contact.last_step.state
     passed = np.isfinite(contact.last_step.gap) != np.isfinite(kinematics.gap)
+    if total(contact.spaces.comm, passed.sum()) == 0:
+        return 0.0
     jump = contact.trace.at_points(kinematics.relative_or_own(moved)) - motion
     pressure = 0.5 * (last.contact_pressure + state.contact_pressure)
     both = contact.moduli.reference / contact.moduli.combined

@@ -1,5 +1,7 @@
 """A wrong projection between two bodies, for tests of what notices it."""
 
+import dataclasses
+
 import numpy as np
 
 from fenics_contact.contact.mortar.projection import Projection
@@ -13,10 +15,17 @@ class Shuffled:
     """
 
     def __init__(self, pairing) -> None:
+        self._pairing = pairing
         self._straight, self._comm = pairing.projection, pairing.master.comm
         count = pairing.master.space.dofmap.index_map.size_global
         self._order = np.random.default_rng(7).permutation(count)
         self._mine = pairing.master.numbers[: pairing.master.owned_nodes]
+
+    def take_over(self):
+        """Be the projection of the pairing."""
+        present = dataclasses.replace(self._pairing._present, projection=self)
+        present.__dict__["whole"] = self.whole(self._pairing.whole_projection())
+        self._pairing._present = present
 
     def apply(self, values):
         return self._straight.apply(self._whole(values)[self._order][self._mine])

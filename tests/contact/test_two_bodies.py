@@ -438,9 +438,7 @@ def test_forces_handed_over_at_the_wrong_place_are_noticed():
     """A projection whose columns are shuffled: resultants balance, moments do not."""
     prepared = Run(pressed(solver=SolverSettings(solver="full")), COMM, box_pair("quadrilateral"))
     pairing = prepared.problem.contacts[0].kinematics.pairing
-    shuffled = Shuffled(pairing)
-    pairing._whole = shuffled.whole(pairing.whole_projection())
-    pairing.projection = shuffled
+    Shuffled(pairing).take_over()
     result = prepared.solve()
     assert not result.checks["action_and_reaction"].passed
     assert run(pressed(), COMM, box_pair("quadrilateral")).passed

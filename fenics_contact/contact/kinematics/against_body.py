@@ -40,7 +40,7 @@ class BodyKinematics(ContactKinematics):
         super().__init__(trace)
         self._opposite = opposite
         self.pairing = pairing
-        pairing.as_meshed()
+        pairing.update()
         self._face()
         self._require_reached(
             self.reached,

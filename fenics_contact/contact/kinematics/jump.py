@@ -263,13 +263,18 @@ class ContactKinematics(ABC):
         """
         starts, ends = self._places[reached], self._places[beyond]
         normals = self.trace.normals[reached]
-        low, high = np.zeros(len(starts)), np.ones(len(starts))
-        for _ in range(40):
+        # Mostly it goes all the way, and the point beyond is only open.
+        found = np.where(np.isfinite(self._gap(ends, normals)), 1.0, 0.0)
+        cut = np.flatnonzero(found == 0.0)
+        starts, ends, normals = starts[cut], ends[cut], normals[cut]
+        low, high = np.zeros(len(cut)), np.ones(len(cut))
+        for _ in range(40 if len(cut) else 0):
             middle = 0.5 * (low + high)
             points = starts + middle[:, None] * (ends - starts)
             inside = np.isfinite(self._gap(points, normals))
             low, high = np.where(inside, middle, low), np.where(inside, high, middle)
-        return low
+        found[cut] = low
+        return found
 
     def _require_reached(self, points: Flags, refusal: str) -> None:
         if total(self._spaces.comm, points.sum()) == 0:

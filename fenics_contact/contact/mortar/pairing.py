@@ -11,6 +11,7 @@ the matrices between the two are spread over the ranks.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -47,18 +48,35 @@ class _Faced:
     faced: Flags
 
 
+@dataclass(frozen=True, eq=False)
+class _Paired:
+    """A pairing as it was found.
+
+    Attributes:
+        faced: What faces what, on this rank.
+        master: The master's facets, where they stood.
+        rows: The mortar integrals of this rank.
+        projection: P, spread over the ranks.
+    """
+
+    faced: _Faced
+    master: FacetMesh
+    rows: SlaveRows
+    projection: SpreadProjection
+
+    @cached_property
+    def whole(self) -> Projection:
+        """P of the whole surfaces, on every rank; collective when first asked for."""
+        return self.rows.gathered()
+
+
 class Pairing:
     """A slave surface and its master.
 
+    That of the bodies as meshed is kept: every problem on them begins with it.
+
     Attributes:
-        normals: Mean normals at the slave's nodes of this rank, (nodes, components).
-        centre_normals: At ``Trace.centres``.
-        gaps: Along them from the slave's contact points to what faces them, as meshed: what
-            moves is the jump's; infinite where there is nothing (length).
-        shares: Of the slave's facets of this rank, how much faces the master.
-        projection: P: the displacement opposite is P u.
         master: The surface of the master.
-        faced: Nodes of this rank at which anything is opposite; the others have no jump, (nodes,).
         sagitta: How far facets of either surface are from smooth ones, about (length).
 
     Args:
@@ -78,8 +96,7 @@ class Pairing:
         held[constrained] = True
         at_nodes = held.reshape(-1, slave.spaces.components)[slave.all_nodes]
         self._mirrored = slave.symmetry.in_planes() & at_nodes
-        self._is_moved = False
-        self._pair(*self._surfaces)
+        self._as_meshed = self._present = self._pair(*self._surfaces)
 
     @property
     def dofs(self) -> Integers:
@@ -92,40 +109,66 @@ class Pairing:
         Args:
             displacement: At the body's nodes of this rank, (nodes, components) (length).
         """
-        slave, master = self._surfaces
+        if self._present is not self._as_meshed:
+            self._present.projection.destroy()
+            self._present = self._as_meshed
         if displacement is not None:
+            slave, master = self._surfaces
             slave = slave.moved(displacement[self._slave.all_nodes])
             master = master.moved(self.master.gathered(displacement[self._master.all_nodes]))
-        self.projection.destroy()
-        self._is_moved = displacement is not None
-        self._pair(slave, master)
+            self._present = self._pair(slave, master)
 
-    def _pair(self, slave: FacetMesh, master: FacetMesh) -> None:
-        faced = self._find(slave, master)
-        self._moved_master, surface = master, self._slave.surface
-        self._rows = SlaveRows(surface, self.master, faced.integrals, self._mirrored, faced.faced)
-        self.projection = SpreadProjection(self._rows)
-        self._whole: Projection | None = None
-        self.faced = faced.faced
-        self.normals = self._slave.symmetry.mirrored(faced.normals)
-        self.shares = faced.integrals.coverage
-        self.centre_normals = faced.centre_normals
-        self.gaps = np.concatenate([faced.gaps[self._slave.numbers], faced.centre_gaps])
+    def _pair(self, slave: FacetMesh, master: FacetMesh) -> _Paired:
+        faced, surface = self._find(slave, master), self._slave.surface
+        rows = SlaveRows(surface, self.master, faced.integrals, self._mirrored, faced.faced)
+        return _Paired(faced, master, rows, SpreadProjection(rows))
+
+    @property
+    def projection(self) -> SpreadProjection:
+        """P: the displacement opposite is P u."""
+        return self._present.projection
+
+    @property
+    def normals(self) -> Array:
+        """Mean normals at the slave's nodes of this rank, (nodes, components)."""
+        return self._slave.symmetry.mirrored(self._present.faced.normals)
+
+    @property
+    def centre_normals(self) -> Array:
+        """The same at ``Trace.centres``."""
+        return self._present.faced.centre_normals
+
+    @property
+    def gaps(self) -> Array:
+        """Along the normals from the slave's contact points to what faces them (length).
+
+        As meshed: what moves is the jump's; infinite where there is nothing.
+        """
+        faced = self._present.faced
+        return np.concatenate([faced.gaps[self._slave.numbers], faced.centre_gaps])
+
+    @property
+    def shares(self) -> Array:
+        """Of the slave's facets of this rank, how much faces the master."""
+        return self._present.faced.integrals.coverage
+
+    @property
+    def faced(self) -> Flags:
+        """Nodes of this rank at which anything is opposite; the others have no jump, (nodes,)."""
+        return self._present.faced.faced
+
+    @property
+    def is_as_meshed(self) -> bool:
+        """Whether it is that of the bodies as meshed."""
+        return self._present is self._as_meshed
 
     def whole_projection(self) -> Projection:
         """P of the whole surfaces, on every rank: for solvers that write it out; collective."""
-        if self._whole is None:
-            self._whole = self._rows.gathered()
-        return self._whole
+        return self._present.whole
 
     def whole_faced(self) -> Flags:
         """``faced`` of all nodes of the slave, on every rank; collective."""
         return self._slave.surface.gathered(self.faced)
-
-    def as_meshed(self) -> None:
-        """Find what faces what on the bodies as meshed, if it is of displaced ones; collective."""
-        if self._is_moved:
-            self.update()
 
     def _find(self, slave: FacetMesh, master: FacetMesh) -> _Faced:
         trace, surface = self._slave, self._slave.surface
@@ -181,12 +224,12 @@ class Pairing:
 
     def faced_masters(self) -> Flags:
         """Which of the body's nodes are the master's and move the slave at all; collective."""
-        moves = self._rows.coupled_masters()[self.master.numbers]
+        moves = self._present.rows.coupled_masters()[self.master.numbers]
         return self.master.on_body(moves.astype(np.float64)) > 0
 
     def distances_from(self, points: Array, normals: Array) -> Array:
         """Along normals (points, components) from points (points, 3) to the master (length)."""
-        return hits(self._moved_master, points[:, : normals.shape[1]], normals).distance
+        return hits(self._present.master, points[:, : normals.shape[1]], normals).distance
 
     def missed_opposite(self, points: Array, normals: Array) -> Array:
         """How far the curve lies outside of the master's facets, where points face them (length).
@@ -197,7 +240,7 @@ class Pairing:
             points: Of the slave as it stands, (points, 3) (length).
             normals: At these, (points, components).
         """
-        found = hits(self._moved_master, points[:, : normals.shape[1]], normals)
+        found = hits(self._present.master, points[:, : normals.shape[1]], normals)
         faces = found.facet >= 0
         missed = np.zeros(len(points))
         facets, reference = found.facet[faces], found.reference[faces]

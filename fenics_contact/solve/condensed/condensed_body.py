@@ -14,6 +14,7 @@ from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.timings import Timings
+from fenics_contact.contact.mortar.projection import Projection
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
@@ -25,6 +26,7 @@ from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.preload_border import CondensedPreloads
 from fenics_contact.solve.condensed.rows.body_rows import BodyRows
 from fenics_contact.solve.condensed.rows.row import RowMaker
+from fenics_contact.solve.condensed.unknowns import ContactVariables
 
 # Columns of half-spaces that are kept: an obstacle that moves along the surface makes others.
 _MOST_FAR = 8
@@ -101,6 +103,7 @@ class CondensedBody:
         self.loads = CondensedLoads(self.bulk)
         self.rows = BodyRows(RowMaker(self.stiffness, self.held, self.dofs, self.bulk))
         self._of_schur: OfSchur | None = None
+        self._of_jumps: tuple[list[Projection], OfSchur] | None = None
         self._far: list[tuple[Array, FarLoad]] = []
 
     def far_load(self, column: Array | None, places: Integers) -> FarLoad:
@@ -130,6 +133,21 @@ class CondensedBody:
         if self._of_schur is None and self.bulk.schur is not None:
             self._of_schur = OfSchur(self.bulk.schur)
         return self._of_schur
+
+    def of_unknowns(self, variables: ContactVariables) -> OfSchur | None:
+        """The same of S between unknowns that are jumps where bodies touch; on rank 0.
+
+        Kept of the bodies as meshed, with which every problem on them begins.
+        """
+        schur, projections = self.bulk.schur, variables.projections
+        if schur is None or not variables.has_jumps:
+            return self.of_schur
+        if self._of_jumps is not None and self._of_jumps[0] == projections:
+            return self._of_jumps[1]
+        found = OfSchur(variables.stiffness(schur))
+        if variables.is_as_meshed:
+            self._of_jumps = projections, found
+        return found
 
     @property
     def factorisations(self) -> int:

@@ -23,7 +23,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ContactScalar
 from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
-from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
+from fenics_contact.solve.condensed.constant_tangent import ConstantTangent, OfSchur
 from fenics_contact.solve.condensed.contact_jump import ContactJump
 from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.condensed.tangent_operator import TangentOperator
@@ -117,20 +117,25 @@ class CondensedSystem(System):
 
     def _dense_tangent(self) -> ContactTangent | None:
         """A on rank 0, with what resultants do to the contact dofs through the bulk."""
-        once = self._is_own and not self.problem.can_pair_anew
-        schur = self._body.take_schur() if once else self._body.bulk.schur
+        schur = self._schur()
         if schur is None:
             return None
         condensed = [self.variables.forces(far.condensed) for far in self._far]
         columns = -np.array(condensed).reshape(len(self._driving), len(self.dofs.free)).T
         own = np.array([unknown.own for unknown in self._driving])
         variables = self.variables
-        transformed = variables.stiffness(schur)
-        known = self._body.of_schur if transformed is self._body.bulk.schur else None
-        constant = ConstantTangent(transformed, columns, own, variables.derived, known)
+        constant = ConstantTangent(schur.matrix, columns, own, variables.derived, schur)
         nodes = self.dofs.free // self.problem.spaces.components
         border = self._preloads.border(variables, self._inner)
         return ContactTangent(constant, nodes, border)
+
+    def _schur(self) -> OfSchur | None:
+        """S between the unknowns, on rank 0; that of a body of its own is given up with it."""
+        if not self._is_own:
+            return self._body.of_unknowns(self.variables)
+        can_change = self.problem.can_pair_anew
+        schur = self._body.bulk.schur if can_change else self._body.take_schur()
+        return None if schur is None else OfSchur(self.variables.stiffness(schur))
 
     def _create_vectors(self) -> None:
         own = self._size if self._root else 0
@@ -189,6 +194,16 @@ class CondensedSystem(System):
     def position_of(self, displacement: Array) -> Array:
         """The same of nodal displacements; collective."""
         return np.asarray(self.dofs.gathered(displacement.reshape(-1))[self.dofs.is_free])
+
+    def at_contacts(self, find_body: FindBody) -> Array:
+        """Without a solve inside the body, where its dofs are those of all contacts.
+
+        What faces a body has no half-space behind it, so supports tell all that is held.
+        """
+        if None in self._jumps:
+            return super().at_contacts(find_body)
+        found = self.dofs.placed(self.position()).reshape(-1, self.problem.spaces.components)
+        return found + self._supported(self.problem.prescribed)
 
     def begin_at(self, position: Array) -> None:
         """Start from displacements of the free contact dofs; collective."""

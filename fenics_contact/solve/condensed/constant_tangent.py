@@ -19,6 +19,7 @@ class OfSchur:
     """What S tells whatever the conditions, each found when it is asked for first.
 
     Attributes:
+        matrix: S.
         compliance: Its inverse, and the springs that it took: set by who finds them.
 
     Args:
@@ -27,15 +28,15 @@ class OfSchur:
 
     def __init__(self, schur: Array) -> None:
         _make_symmetric(schur)
-        self._schur = schur
+        self.matrix = schur
         self.compliance: tuple[Array, Array] | None = None
 
     @cached_property
     def column_sums(self) -> Array:
         """Σ |S| over the rows, (displacements,)."""
-        found = np.zeros(len(self._schur))
-        for start in range(0, len(self._schur), _ROWS):
-            found += np.abs(self._schur[start : start + _ROWS]).sum(axis=0)
+        found = np.zeros(len(self.matrix))
+        for start in range(0, len(self.matrix), _ROWS):
+            found += np.abs(self.matrix[start : start + _ROWS]).sum(axis=0)
         return found
 
 

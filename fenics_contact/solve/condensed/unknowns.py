@@ -20,7 +20,7 @@ from functools import cached_property
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Integers
-from fenics_contact.contact.mortar.projection import NodalProjection
+from fenics_contact.contact.mortar.projection import NodalProjection, Projection
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 
@@ -62,6 +62,7 @@ class ContactVariables:
     Attributes:
         count: Number of unknowns.
         derived_count: Number of jumps that are no unknowns.
+        is_as_meshed: Whether all bodies are paired as meshed.
     """
 
     def __init__(self, dofs: ContactDofs, surfaces: Sequence[SurfaceMatrix]) -> None:
@@ -74,6 +75,7 @@ class ContactVariables:
             for surface in surfaces
             if (pairing := surface.contact.kinematics.pairing) is not None
         }
+        self.is_as_meshed = all(pairing.is_as_meshed for pairing in pairings.values())
         self._projections = {one: found.whole_projection() for one, found in pairings.items()}
         self._faced = {one: found.whole_faced() for one, found in pairings.items()}
         self._blocks = {surface: self._blocks_of(surface) for surface in surfaces}
@@ -94,6 +96,16 @@ class ContactVariables:
             self._units[surface] = unit, self._unknown_of[self._places[surface][unit]]
             self._first_derived[surface] = others, self.derived_count
             self.derived_count += len(others)
+
+    @property
+    def projections(self) -> list[Projection]:
+        """Those that jumps are measured by, contact by contact; they are the same objects."""
+        return list(self._projections.values())
+
+    @property
+    def has_jumps(self) -> bool:
+        """Whether any unknown is the jump of two bodies."""
+        return bool(self._transform)
 
     def _blocks_of(self, surface: SurfaceMatrix) -> list[_Block]:
         """P of a contact by components, where it has entries; held slaves have no unknowns."""

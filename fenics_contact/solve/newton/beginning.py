@@ -77,13 +77,14 @@ class Beginning:
         """Follow bodies that slid along each other in the last load step; collective.
 
         Args:
-            last: Of the step.
+            last: Of the step, whose state is the present one.
         """
         slid = [c for c in self._problem.contacts if c.slid_share() > _SLID]
         self.paired_anew = bool(slid)
+        moved = self._system.at_contacts(last.find_body) if slid else None
         for contact in slid:
             logger.debug("  '%s': finding anew what faces what", contact.label)
-            contact.pair_anew(last.displacement)
+            contact.pair_anew(moved)
         if slid:
             self.follow_pairing()
 

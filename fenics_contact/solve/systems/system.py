@@ -66,6 +66,17 @@ class System(ABC):
     def position_of(self, displacement: Array) -> Array:
         """The same of nodal displacements (nodes, components); collective."""
 
+    def at_contacts(self, find_body: FindBody) -> Array:
+        """Displacement of the present state, at least at the contacts' nodes; collective.
+
+        Args:
+            find_body: Finds all of it.
+
+        Returns:
+            At the body's nodes of this rank, (nodes, components) (length).
+        """
+        return find_body().displacement
+
     @abstractmethod
     def begin_at(self, position: Array) -> None:
         """Start a solve from displacements as ``position`` gives them; collective."""

@@ -293,7 +293,7 @@ def test_ranks_hold_a_part_of_the_integrals():
     """In proportion to their facets of the slave, however few these are."""
     problem = problem_of(((12, 12), (11, 11)))
     pairing = problem.contacts[0].kinematics.pairing
-    own = pairing._rows.integrals
+    own = pairing._present.rows.integrals
     sizes = np.array(COMM.allgather((len(pairing.shares), own.coupling.nnz)))
     assert sizes[:, 0].sum() == 144
     assert (sizes[:, 1] <= 36 * sizes[:, 0]).all()  # four nodes, each opposite to nine
