@@ -105,6 +105,7 @@ class Problem:
         self.body = self.spaces.body
         self.comm = self.spaces.comm
         self.disturbance: Array | None = None
+        self._shares: list[float] | None = None  # of the loads, at the present time
         self.tightening = np.zeros(len(scene.preload))
         self.stabilisation: list[AppliedSupport] = []
         with timings.phase("compile"):
@@ -252,14 +253,7 @@ class Problem:
 
     def set_time(self, time: float) -> None:
         """Bring loads, supports and obstacles to a pseudo-time; collective."""
-        self.pressure_load = np.zeros((len(self.spaces.coordinates), self.spaces.components))
-        for array, path in self._pressures:
-            self.pressure_load += array * path(time)
-        self.load = self.pressure_load.copy()
-        for array, path in self._loads:
-            self.load += array * path(time)
-        if self.disturbance is not None:
-            self.load += self.disturbance * time
+        self._set_loads(time)
         for contact in self.contacts:
             contact.set_time(time)
         for preload, more in zip(self.preloads, self.tightening, strict=True):
@@ -271,6 +265,22 @@ class Problem:
                 values += (contact.force or 0.0) * self.far_field.columns[number]
             order = np.argsort(np.concatenate([self.supports.dofs, self.far_field.dofs]))
             self.prescribed = np.concatenate([self.prescribed, values])[order]
+
+    def _set_loads(self, time: float) -> None:
+        """Loads at a pseudo-time: other arrays, but where all are what they were."""
+        shares = [path(time) for _, path in (*self._pressures, *self._loads)]
+        if shares == self._shares and self.disturbance is None:
+            return
+        self.pressure_load = np.zeros((len(self.spaces.coordinates), self.spaces.components))
+        for array, path in self._pressures:
+            self.pressure_load += array * path(time)
+        self.load = self.pressure_load.copy()
+        for array, path in self._loads:
+            self.load += array * path(time)
+        self._shares = shares
+        if self.disturbance is not None:
+            self.load += self.disturbance * time
+            self._shares = None
 
     def _refuse_held_contacts(self) -> None:
         """Friction on a surface that supports hold everywhere does nothing: surely a slip."""

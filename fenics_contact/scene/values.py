@@ -221,13 +221,19 @@ RAMP = Path(time=(0.0, 1.0), factor=(0.0, 1.0))
 CONSTANT = Path(time=(0.0,), factor=(1.0,))
 
 
+# What has no parts: most of a scene, which is looked through whenever it is changed.
+PLAIN: frozenset[type] = frozenset((str, int, float, bool, type(None)))
+
+
 def profiles_of(part: object) -> Iterator[Profile]:
     """All profiles inside a scene or a part of it."""
+    if type(part) in PLAIN:
+        return
     if isinstance(part, Profile):
         yield part
     elif dataclasses.is_dataclass(part):
-        for field in dataclasses.fields(part):
-            yield from profiles_of(getattr(part, field.name))
+        for value in vars(part).values():
+            yield from profiles_of(value)
     elif isinstance(part, Mapping):
         for value in part.values():
             yield from profiles_of(value)

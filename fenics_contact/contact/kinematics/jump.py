@@ -63,6 +63,7 @@ class ContactKinematics(ABC):
         self.gap = self._drawn = np.zeros(len(trace.weights))
         self.interference = 0.0
         self._places = trace.coordinates
+        self._at_points: Array | None = None
 
     @abstractmethod
     def relative(self, displacement: Array) -> Array:
@@ -219,10 +220,15 @@ class ContactKinematics(ABC):
             self.indentation = indentation
         jump = relative - self.motion
         self.jump.x.array[:] = jump.reshape(-1)
+        self._at_points = None
 
     def jump_at_points(self) -> Array:
-        """The present jump, shape (points, components) (length)."""
-        return self.trace.at_points(self.jump.x.array.reshape(-1, self._spaces.components))
+        """The present jump, (points, components), the same array until it moves (length)."""
+        if self._at_points is None:
+            jump = self.jump.x.array.reshape(-1, self._spaces.components)
+            self._at_points = self.trace.at_points(jump)
+            self._at_points.flags.writeable = False
+        return self._at_points
 
     def normal(self, vectors: Array) -> Array:
         """Normal part of vectors given at the contact points, or at their nodes."""

@@ -108,12 +108,16 @@ class PointDensity:
             scalars = [scalar for own in self._scalars.values() for scalar in own]
             parts = [_lowered(part) for part in self._derivatives(along)]
             self._programs[along] = _Program(scalars, parts)
+        program = self._programs[along]
+        if program.vanishes:
+            counts = [len(np.atleast_1d(value)) for value in values.values()]
+            return np.zeros((max(counts, default=1), program.count))
         given: list[Array] = []
         for name in self._scalars:
             value = np.asarray(values[name], dtype=np.float64)
             given += list(value.T) if value.ndim == 2 else [value]
         count = max((len(value) for value in given if value.ndim), default=1)
-        return self._programs[along].run(given, count)
+        return program.run(given, count)
 
     def _derivatives(self, along: tuple[str, ...]) -> list[Expr]:
         found = [self._density]
@@ -136,6 +140,10 @@ class _Program:
     Args:
         variables: Scalar variables whose numbers are given.
         expressions: Without derivatives and indices.
+
+    Attributes:
+        count: Number of expressions.
+        vanishes: Whether all of them are 0 whatever the variables are.
     """
 
     def __init__(self, variables: Sequence[Expr], expressions: Sequence[Expr]) -> None:
@@ -144,8 +152,8 @@ class _Program:
         self._known: dict[str, Any] = {}
         self._lines: list[str] = []
         found = [self._name(expression) for expression in expressions]
-        self._vanishes = all(self._known.get(name) == 0.0 for name in found)
-        self._count = len(found)
+        self.vanishes = all(self._known.get(name) == 0.0 for name in found)
+        self.count = len(found)
         set_all = [f"found[:, {column}] = {name}" for column, name in enumerate(found)]
         body = "\n    ".join([*self._lines, *set_all])
         # Of our own names and numpy's operations: nothing in it comes from a scene.
@@ -175,9 +183,7 @@ class _Program:
             given: Of the variables, (points,) or one for all, ().
             count: Number of points.
         """
-        if self._vanishes:
-            return np.zeros((count, self._count))
-        found = np.empty((count, self._count))
+        found = np.empty((count, self.count))
         with np.errstate(all="ignore"):  # both sides of a condition are evaluated
             self._work_out(found, *given)
         return found

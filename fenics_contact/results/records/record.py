@@ -40,9 +40,12 @@ class Record(Mapping[str, Any]):
         return sum(1 for _ in self)
 
     def __getitem__(self, key: str) -> Any:
-        if key not in tuple(self):
+        if key not in self:
             raise KeyError(key)
         return getattr(self, key)
+
+    def __contains__(self, key: object) -> bool:
+        return key in self.__dataclass_fields__ and self.is_written(str(key))
 
     def as_dict(self) -> dict[str, Any]:
         """With all that is in it, as dictionaries and lists."""

@@ -13,7 +13,7 @@ from fenics_contact.common.errors import SceneError
 from fenics_contact.scene.messages import written
 from fenics_contact.scene.units.dimensions import Dimension, WithUnit, dimension_of
 from fenics_contact.scene.units.names import UnitNames
-from fenics_contact.scene.values import Text, scene_class
+from fenics_contact.scene.values import PLAIN, Text, scene_class
 
 if TYPE_CHECKING:
     from fenics_contact.scene.scene import Scene
@@ -139,6 +139,8 @@ class _Conversion:
             path: Of its key.
             dimension: What its numbers measure.
         """
+        if type(value) in PLAIN:
+            return value
         if isinstance(value, WithUnit):
             assert dimension is not None
             return self._number(value.text, path, dimension)
@@ -166,6 +168,8 @@ class _Conversion:
         changes = {}
         for name, dimension in _dimensions(table):
             value = getattr(table, name)
+            if type(value) in PLAIN:
+                continue
             of_value = dimension.of(table, outer) if dimension is not None else None
             found = self.of(value, [*path, name], of_value)
             if found is not value:

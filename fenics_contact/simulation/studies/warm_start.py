@@ -9,7 +9,9 @@ is asked to follow.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,12 +19,17 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.scene import Scene
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.coulomb.friction_scale import set_needed, telling_pressure
 from fenics_contact.solve.coulomb.monolithic import fit_scale
 from fenics_contact.solve.coulomb.without_friction import contact_without_friction
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.uniqueness.critical_coefficient import uniqueness_limit
+
+# What has no part in the pressures without friction; contacts are compared one by one.
+_BESIDES = ("title", "contact", "friction_coefficient")
 
 _WORDS = "Newton's method on contact and friction together, from the last answer"
 
@@ -72,12 +79,61 @@ def _opposite(contact: ContactSurface) -> tuple[Array, Array]:
     return kinematics.gap, kinematics.displacement if contact.floats else kinematics.motion
 
 
+@dataclass(frozen=True, eq=False)
+class WithoutFriction:
+    """The answer without friction, whose pressures tell the ε of each Coulomb contact.
+
+    Attributes:
+        scene: Of which it is.
+        state: The unknowns.
+        pressures: At the points of each Coulomb contact, by its number in scene order; None where
+            it carries too little to tell (stress).
+    """
+
+    scene: Scene
+    state: SolvedState
+    pressures: dict[int, Array | None]
+
+    @classmethod
+    def solved(cls, newton: Newton) -> WithoutFriction:
+        """From the present state on; sets ε; collective."""
+        problem = newton.problem
+        contact_without_friction(newton)
+        pressures = {
+            number: telling_pressure(contact, newton.limit)
+            for number, contact in enumerate(problem.contacts)
+            if contact.is_coulomb
+        }
+        return cls(problem.scene, SolvedState.of(newton), pressures)
+
+    def is_of(self, problem: Problem) -> bool:
+        """Whether a problem differs from that in coefficients of friction at the most."""
+        coulomb = [n for n, contact in enumerate(problem.contacts) if contact.is_coulomb]
+        scenes = self.scene, problem.scene
+        parts = scenes, *zip(*(scene.contact for scene in scenes), strict=False)
+        return coulomb == list(self.pressures) and all(_alike(*pair) for pair in parts)
+
+    def set_scales(self, problem: Problem) -> None:
+        """Set ε as solving it again would; collective."""
+        for number, pressure in self.pressures.items():
+            contact = problem.contacts[number]
+            if pressure is not None and contact.friction.finds_scale:
+                set_needed(contact, pressure)
+
+
+def _alike(one: Any, other: Any) -> bool:
+    """Whether two scenes, or two contacts, are equal but for contacts and their friction."""
+    names = [field.name for field in dataclasses.fields(one)]
+    pairs = [(getattr(one, name), getattr(other, name)) for name in names if name not in _BESIDES]
+    return all(left is right or left == right for left, right in pairs)
+
+
 class WarmStart:
     """Solves a first load step from that of another answer on the same body; collective.
 
     Attributes:
         answer: Of the other answer's first step.
-        without_friction: The same without friction, which tells ε; None until it is found.
+        without_friction: That without friction, which tells ε; None until it is found.
 
     Args:
         newton: That has solved it.
@@ -87,7 +143,7 @@ class WarmStart:
     def __init__(self, newton: Newton, before: WarmStart | None = None) -> None:
         self.answer = SolvedState.of(newton)
         earlier = None if before is None else before.without_friction
-        self.without_friction: SolvedState | None = earlier
+        self.without_friction: WithoutFriction | None = earlier
         self._tangents = [c.friction.tangent_state for c in newton.problem.contacts]
 
     def suits(self, problem: Problem) -> bool:
@@ -110,9 +166,7 @@ class WarmStart:
             newton.run()
             return newton.solution()
         if any(contact.friction.finds_scale for contact in problem.coulomb):
-            self._place(newton, self.without_friction or self.answer)
-            contact_without_friction(newton)
-            self.without_friction = SolvedState.of(newton)
+            self._find_scales(newton)
         self._place(newton, self.answer)
         self._take_tangents(problem)
         for contact in problem.coulomb:
@@ -120,6 +174,15 @@ class WarmStart:
         newton.run(search_energy=False)
         fit_scale(newton)
         return newton.solution(0, _WORDS)
+
+    def _find_scales(self, newton: Newton) -> None:
+        """Set ε from pressures without friction: the last ones, where coefficients alone differ."""
+        known = self.without_friction
+        if known is not None and known.is_of(newton.problem):
+            known.set_scales(newton.problem)
+            return
+        self._place(newton, self.answer if known is None else known.state)
+        self.without_friction = WithoutFriction.solved(newton)
 
     def _place(self, newton: Newton, state: SolvedState) -> None:
         for preload in newton.problem.preloads:

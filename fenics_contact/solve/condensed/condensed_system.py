@@ -205,6 +205,11 @@ class CondensedSystem(System):
         found = self.dofs.placed(self.position()).reshape(-1, self.problem.spaces.components)
         return found + self._supported(self.problem.prescribed)
 
+    def begin(self, displacement: Array) -> None:
+        """Start a solve from nodal displacements (nodes, components); collective."""
+        super().begin(displacement)
+        self.take(self.state)
+
     def begin_at(self, position: Array) -> None:
         """Start from displacements of the free contact dofs; collective."""
         self.follow_loads()
@@ -213,16 +218,20 @@ class CondensedSystem(System):
                 own = self.variables.unknowns(position)
                 array[:] = np.concatenate([own, self.starting_scalars()])
         self._started = self._displacements(self._values(self.state))
-        self.take(self.state)
 
     def follow_loads(self) -> None:
         """Loads and supports at their present values; collective."""
         problem = self.problem
         present = (problem.load, problem.prescribed)
-        same = self._followed is not None and all(map(np.array_equal, present, self._followed))
+        known = self._followed
+        # Other values are other arrays; the same values may be, too.
+        same = known is not None and all(
+            one is other or np.array_equal(one, other)
+            for one, other in zip(present, known, strict=True)
+        )
         if self.comm.allreduce(same, op=MPI.LAND):
             return
-        self._followed = problem.load.copy(), problem.prescribed.copy()
+        self._followed = present
         supported = self._supported(problem.prescribed)
         self._load = self.stiffness.load(problem.load, supported, self.held)
         self._held_values = self.dofs.gathered(supported.reshape(-1))

@@ -6,6 +6,7 @@ the ε of the steps before, so that each may have its own.
 
 from __future__ import annotations
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.noise import TELLING, carries_more_than
@@ -19,9 +20,33 @@ def follow_pressure(contact: ContactSurface, imbalance: float, accuracy: float =
         imbalance: That was accepted (force).
         accuracy: To which the pressures are to be known.
     """
-    if not contact.friction.finds_scale or not carries_more_than(contact, imbalance, accuracy):
-        return
-    contact.friction.set_scale(_needed(contact))
+    pressure = telling_pressure(contact, imbalance, accuracy)
+    if contact.friction.finds_scale and pressure is not None:
+        set_needed(contact, pressure)
+
+
+def telling_pressure(
+    contact: ContactSurface, imbalance: float, accuracy: float = TELLING
+) -> Array | None:
+    """The present pressure at the points, None where it is round-off (stress); collective.
+
+    Args:
+        contact: Any.
+        imbalance: As of ``follow_pressure``.
+        accuracy: Likewise.
+    """
+    tells = carries_more_than(contact, imbalance, accuracy)
+    return contact.pressure() if tells else None
+
+
+def set_needed(contact: ContactSurface, pressure: Array) -> None:
+    """Set ε to what a pressure needs; collective.
+
+    Args:
+        contact: One whose ε is found.
+        pressure: At its points (stress).
+    """
+    contact.friction.set_scale(_needed(contact, pressure))
 
 
 def fits(contact: ContactSurface, too_large: float, too_small: float) -> bool:
@@ -34,13 +59,13 @@ def fits(contact: ContactSurface, too_large: float, too_small: float) -> bool:
     """
     if not contact.friction.finds_scale:
         return True
-    needed, chosen = _needed(contact), contact.friction.chosen_parameter
+    needed, chosen = _needed(contact, contact.pressure()), contact.friction.chosen_parameter
     return (
         contact.friction.is_scaled and needed <= too_small * chosen and chosen <= too_large * needed
     )
 
 
-def _needed(contact: ContactSurface) -> float:
-    """The ε whose bias is below .1 % at the present pressure, 0 without one; collective."""
-    bound = contact.friction.bound_of(contact.pressure())
+def _needed(contact: ContactSurface, pressure: Array) -> float:
+    """The ε whose bias is below .1 % at a pressure, 0 without one; collective."""
+    bound = contact.friction.bound_of(pressure)
     return contact.scales.regularisation_parameter(largest(contact.spaces.comm, bound))

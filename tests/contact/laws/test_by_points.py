@@ -42,8 +42,7 @@ def displaced(contact, random):
     """Most points touch, and some slip."""
     into = contact.trace.normals_at_nodes
     jump = 0.02 * into + 0.01 * random.normal(size=into.shape)
-    contact.kinematics.jump.x.array[:] = jump.reshape(-1)
-    contact.kinematics.jump.x.scatter_forward()
+    contact.kinematics.move(contact.trace.surface.of_owners(jump) + contact.kinematics.motion)
     return contact.kinematics.tangential(contact.kinematics.jump_at_points())
 
 

@@ -42,7 +42,7 @@ class RegularisedFriction(FrictionLaw):
         super().__init__(site, normal, rule)
         self._tangent_state = TangentState(site.trace)
         self._forms = FrictionForms(rule, self._tangent_state, self.follows_path)
-        self._chosen, self._left = 1.0, 1.0
+        self._chosen, self._left, self._used = 1.0, 1.0, 1.0
         self._held = np.zeros_like(self.reference)
         self._strength = 1.0
         self.stick_all()
@@ -80,7 +80,7 @@ class RegularisedFriction(FrictionLaw):
     @property
     def regularisation_parameter(self) -> float:
         """ε as used (length)."""
-        return float(self._forms.epsilon.value)
+        return self._used
 
     @property
     def chosen_parameter(self) -> float:
@@ -95,7 +95,8 @@ class RegularisedFriction(FrictionLaw):
 
     def _choose(self, epsilon: float) -> None:
         self._chosen = epsilon
-        self._forms.epsilon.value = epsilon * self._left
+        self._used = epsilon * self._left
+        self._forms.epsilon.value = self._used
 
     def regularise_less(self, left: float) -> None:
         """Use this part of every ε that is set, from now on."""

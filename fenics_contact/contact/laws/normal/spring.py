@@ -59,13 +59,18 @@ class _AtJump:
     def is_of(self, jump: Array, gap: Array, softness: float) -> bool:
         """Whether they are those of a jump; gaps that change are other arrays."""
         same = self.softness == softness and self.gap is gap
-        return same and np.array_equal(self.values["jump"], jump)
+        return same and (self.values["jump"] is jump or np.array_equal(self.values["jump"], jump))
 
     @cached_property
     def slopes(self) -> Array:
         """In the jump, (points, components) (stress)."""
         across = self.points.slope("depth", **self.values)[:, None] * self.normals
         return (across + self.points.slope("jump", **self.values)) / self.softness
+
+    @cached_property
+    def pressure(self) -> Array:
+        """The part of these across the surface, (points,) (stress)."""
+        return np.asarray(np.einsum("ij,ij->i", self.slopes, self.normals))
 
     @cached_property
     def across(self) -> Array:
@@ -95,6 +100,7 @@ class SpringLaw(NormalLaw):
         trace, kinematics = site.trace, site.kinematics
         self._fields = dict(self.fields())
         self._in_ufl = {name: trace.coefficient(found) for name, found in self._fields.items()}
+        self._softened = 1.0
         self._softness = fem.Constant(trace.surface.mesh, 1.0)
         self._held: Array | None = None  # pressures
         self._held_force: Array | None = None
@@ -206,16 +212,17 @@ class SpringLaw(NormalLaw):
 
     def _at(self, jump: Array) -> _AtJump:
         """What the density does at a jump; forces, pressures and tangents ask for it one by one."""
-        known, gap, softness = self._known, self.site.kinematics.gap, float(self._softness.value)
+        known, gap, softness = self._known, self.site.kinematics.gap, self._softened
         if known is None or not known.is_of(jump, gap, softness):
             normals = self.site.trace.normals
-            known = _AtJump(self._at_points, self._values(jump.copy()), gap, normals, softness)
+            kept = jump.copy() if jump.flags.writeable else jump
+            known = _AtJump(self._at_points, self._values(kept), gap, normals, softness)
             self._known = known
         return known
 
     def pressure(self, jump: Array) -> Array:
         """Contact pressure at the points at a jump, > 0 in compression (stress)."""
-        return self.site.kinematics.normal(self._slopes(jump))
+        return self._at(jump).pressure
 
     def at_points(self) -> Array:
         """Traction on the body at the points, (points, components) (stress)."""
@@ -242,7 +249,7 @@ class SpringLaw(NormalLaw):
     def stiffness(self, depth: Array) -> Array:
         """Derivative of the pressure in the depth, at a depth of the points (stress/length)."""
         found = self._at_points.curvature("depth", **self._at_depth(depth))
-        return found / float(self._softness.value)
+        return found / self._softened
 
     def traction(self, jump: Array) -> Array:
         """Traction along the surface on the body at a jump, (points, components) (stress)."""
@@ -250,12 +257,12 @@ class SpringLaw(NormalLaw):
 
     def stored(self, jump: Array) -> Array:
         """ψ at the points at a jump (energy/area)."""
-        return self._at_points.value(**self._values(jump)) / float(self._softness.value)
+        return self._at_points.value(**self._values(jump)) / self._softened
 
     def pulled_back(self, jump: Array, of_slopes: Array, of_energy: Array) -> NormalGradient:
         """By ψ's own derivatives, as its forces and tangents are."""
         acts, values = self.acts(self.pressure(jump)), self._values(jump)
-        factor = np.where(acts, 1 / float(self._softness.value), 0.0)
+        factor = np.where(acts, 1 / self._softened, 0.0)
         across = factor * self.site.kinematics.normal(of_slopes)
         along, energy = factor[:, None] * of_slopes, factor * of_energy
 
@@ -315,4 +322,4 @@ class PenaltyLaw(SpringLaw):
 
     def soften(self, factor: float) -> None:
         """Divide the stiffness by a factor, from now on."""
-        self._softness.value = factor
+        self._softened = self._softness.value = factor
