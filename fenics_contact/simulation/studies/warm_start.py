@@ -10,6 +10,7 @@ is asked to follow.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,8 +29,8 @@ from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.uniqueness.critical_coefficient import uniqueness_limit
 
-# What has no part in the pressures without friction; contacts are compared one by one.
-_BESIDES = ("title", "contact", "friction_coefficient")
+# Keys that have no part in the pressures without friction, and those that are looked at further.
+_OF_SCENE, _OF_COULOMB = ("title", "contact"), ("friction_coefficient",)
 
 _WORDS = "Newton's method on contact and friction together, from the last answer"
 
@@ -107,11 +108,15 @@ class WithoutFriction:
         return cls(problem.scene, SolvedState.of(newton), pressures)
 
     def is_of(self, problem: Problem) -> bool:
-        """Whether a problem differs from that in coefficients of friction at the most."""
+        """Whether a problem differs from that in coefficients of such contacts at the most."""
         coulomb = [n for n, contact in enumerate(problem.contacts) if contact.is_coulomb]
-        scenes = self.scene, problem.scene
-        parts = scenes, *zip(*(scene.contact for scene in scenes), strict=False)
-        return coulomb == list(self.pressures) and all(_alike(*pair) for pair in parts)
+        if coulomb != list(self.pressures) or not _alike(self.scene, problem.scene, _OF_SCENE):
+            return False
+        contacts = zip(self.scene.contact, problem.scene.contact, strict=True)
+        return all(
+            _alike(*pair, _OF_COULOMB if number in self.pressures else ())
+            for number, pair in enumerate(contacts)
+        )
 
     def set_scales(self, problem: Problem) -> None:
         """Set ε as solving it again would; collective."""
@@ -121,10 +126,10 @@ class WithoutFriction:
                 set_needed(contact, pressure)
 
 
-def _alike(one: Any, other: Any) -> bool:
-    """Whether two scenes, or two contacts, are equal but for contacts and their friction."""
+def _alike(one: Any, other: Any, besides: Sequence[str]) -> bool:
+    """Whether two scenes, or two contacts, are equal but for some keys."""
     names = [field.name for field in dataclasses.fields(one)]
-    pairs = [(getattr(one, name), getattr(other, name)) for name in names if name not in _BESIDES]
+    pairs = [(getattr(one, name), getattr(other, name)) for name in names if name not in besides]
     return all(left is right or left == right for left, right in pairs)
 
 

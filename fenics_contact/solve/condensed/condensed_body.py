@@ -24,6 +24,7 @@ from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.preload_border import CondensedPreloads
+from fenics_contact.solve.condensed.present_loads import LoadsOfBody
 from fenics_contact.solve.condensed.rows.body_rows import BodyRows
 from fenics_contact.solve.condensed.rows.row import RowMaker
 from fenics_contact.solve.condensed.unknowns import ContactVariables
@@ -58,6 +59,7 @@ class CondensedBody:
         held: Which of this rank's unknowns of the stiffness supports hold.
         bulk: The factorisation, and S on rank 0.
         loads: Those condensed so far.
+        loads_at: What loads and supports of a moment do.
         preloads: What shortenings of preloaded parts do.
         rows: Those of numbers that are linear in the displacement.
 
@@ -101,6 +103,15 @@ class CondensedBody:
             parts = discrete.elastic.preloaded
             self.preloads = CondensedPreloads(parts, self.stiffness, self.bulk, self.held)
         self.loads = CondensedLoads(self.bulk)
+        self.loads_at = LoadsOfBody(
+            self.stiffness,
+            self.held,
+            self.dofs,
+            self.loads,
+            self.preloads,
+            constrained,
+            discrete.is_kept,
+        )
         self.rows = BodyRows(RowMaker(self.stiffness, self.held, self.dofs, self.bulk))
         self._of_schur: OfSchur | None = None
         self._of_jumps: tuple[list[Projection], OfSchur] | None = None

@@ -25,6 +25,7 @@ from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent, OfSchur
 from fenics_contact.solve.condensed.contact_jump import ContactJump
+from fenics_contact.solve.condensed.present_loads import PresentLoads
 from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.condensed.tangent_operator import TangentOperator
 from fenics_contact.solve.condensed.unknowns import ContactVariables
@@ -87,7 +88,7 @@ class CondensedSystem(System):
         """The unknowns, the jumps over them and the tangent; collective."""
         acting = [surface for surface in self._surfaces if surface is not None]
         self.variables = ContactVariables(self.dofs, acting)
-        self._followed: tuple[Array, Array] | None = None  # loads and prescribed displacements
+        self._present: PresentLoads | None = None
         self._jumps = [None if s is None else self._jump(s) for s in self._surfaces]
         self._dense = self._dense_tangent()
 
@@ -101,12 +102,6 @@ class CondensedSystem(System):
         with self.state as array:
             if self._root:
                 array[:count] = self.variables.unknowns(displacements)
-
-    def _supported(self, at_constrained: Array) -> Array:
-        """Displacements (nodes, components) of what is constrained, 0 elsewhere."""
-        found = np.zeros(self.dofs.constrained.shape)
-        found[self.problem.constrained] = at_constrained
-        return found.reshape(-1, self.problem.spaces.components)
 
     def _jump(self, surface: SurfaceMatrix) -> ContactJump:
         places, variables = self.dofs.places(surface.dofs), self.variables
@@ -202,8 +197,9 @@ class CondensedSystem(System):
         """
         if None in self._jumps:
             return super().at_contacts(find_body)
-        found = self.dofs.placed(self.position()).reshape(-1, self.problem.spaces.components)
-        return found + self._supported(self.problem.prescribed)
+        components = self.problem.spaces.components
+        found = self.dofs.placed(self.position()).reshape(-1, components)
+        return found + self._body.loads_at.supported(self.problem.prescribed, components)
 
     def begin(self, displacement: Array) -> None:
         """Start a solve from nodal displacements (nodes, components); collective."""
@@ -221,28 +217,21 @@ class CondensedSystem(System):
 
     def follow_loads(self) -> None:
         """Loads and supports at their present values; collective."""
-        problem = self.problem
-        present = (problem.load, problem.prescribed)
-        known = self._followed
-        # Other values are other arrays; the same values may be, too.
-        same = known is not None and all(
-            one is other or np.array_equal(one, other)
-            for one, other in zip(present, known, strict=True)
-        )
-        if self.comm.allreduce(same, op=MPI.LAND):
+        present = self._body.loads_at.at(self.problem.load, self.problem.prescribed)
+        if present is self._present:
             return
-        self._followed = present
-        supported = self._supported(problem.prescribed)
-        self._load = self.stiffness.load(problem.load, supported, self.held)
-        self._held_values = self.dofs.gathered(supported.reshape(-1))
+        self._present = present
         self._held_parts = [
-            None if jump is None else self.variables.held_part(jump.surface, self._held_values)
+            None if jump is None else self.variables.held_part(jump.surface, present.held)
             for jump in self._jumps
         ]
-        self._condensed = self.variables.forces(self._body.loads.condense(self._load))
-        self._along_loads = self._preloads.from_loads(
-            self._load, self.stiffness.at_unknowns(supported)
-        )
+        self._condensed = self.variables.forces(present.condensed)
+
+    @property
+    def _loads(self) -> PresentLoads:
+        """Those that were followed last."""
+        assert self._present is not None
+        return self._present
 
     def follow_supports(self) -> None:
         """Bring supports and loads to their present values; collective."""
@@ -256,7 +245,7 @@ class CondensedSystem(System):
 
     def _displacements(self, values: Array) -> Array:
         """Of all contact dofs."""
-        found = self._held_values.copy()
+        found = self._loads.held.copy()
         found[self.dofs.is_free] = self.variables.displacements(values[: len(self.dofs.free)])
         for value, far in zip(self._scalars_of(values), self._far, strict=False):
             found += value * far.displacements
@@ -299,7 +288,7 @@ class CondensedSystem(System):
         found = np.zeros(0)
         if self._dense is not None:
             found = self._dense.times(values)
-            found[self._inner :] += self._along_loads
+            found[self._inner :] += self._loads.along_parts
         self._note_along_parts(found)
         return found
 
@@ -351,7 +340,7 @@ class CondensedSystem(System):
         At once where contacts that exert no forces follow it, a mean stress or a preload.
         """
         values = self._values(self.state)
-        load = self._load.copy()
+        load = self._loads.load.copy()
         loads = [*(far.load for far in self._far), *self._preloads.loads]
         for value, one in zip(self._scalars_of(values), loads, strict=True):
             load += value * one

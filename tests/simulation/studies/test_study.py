@@ -20,6 +20,7 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.common import form_cache
+from fenics_contact.simulation.studies import warm_start
 from tests.scenes import ROOT, box_body, slab
 from tests.simulation.studies.cases import CASES, DEPTH, MU, ON_A_FLOOR, square
 
@@ -257,6 +258,35 @@ def test_an_obstacle_that_has_moved_is_followed_in_a_few_steps():
         anew = study.quantities(changes)
         assert anew.start == "cold"
         assert force == pytest.approx(anew.quantities["normal_force"], rel=1e-9)
+
+
+def test_contact_without_friction_serves_all_coefficients_of_coulomb(monkeypatch):
+    """It tells ε, and is solved again where anything else changes: friction that is given, too."""
+    rubbed = Contact("x0", pressure=2, friction_coefficient=0.5)
+    scene = dataclasses.replace(ON_A_FLOOR, contact=(*ON_A_FLOOR.contact, rubbed))
+    solved, solve = [], warm_start.contact_without_friction
+
+    def counted(newton):
+        solved.append(newton)
+        return solve(newton)
+
+    monkeypatch.setattr(warm_start, "contact_without_friction", counted)
+    study, other = Study(scene, COMM, square()), "contact.1.friction_coefficient"
+    times = []
+    for changes in (
+        {},
+        {MU: 0.31},
+        {MU: 0.32},
+        {MU: 0},
+        {MU: 0.3},
+        {other: 0.1},
+        {other: 0.1, MU: 0.2},
+    ):
+        found = study.quantities(changes)
+        require_same_answer(found, study.solve(changes))
+        times.append(len(solved))
+        assert found.start == ("cold" if not changes else "warm")
+    assert times == [0, 1, 1, 1, 1, 2, 2]
 
 
 def test_cattaneo_from_one_body():

@@ -1,0 +1,105 @@
+"""What loads and prescribed displacements of a moment do to the contact dofs, remembered.
+
+Most answers of a study, and most load steps of the next one, have loads that were there before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+
+from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
+from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
+from fenics_contact.solve.condensed.contact_dofs import ContactDofs
+from fenics_contact.solve.condensed.preload_border import CondensedPreloads
+
+_MOST = 8
+
+
+@dataclass(frozen=True, eq=False)
+class PresentLoads:
+    """Loads and supports of a moment, condensed.
+
+    Attributes:
+        nodal: The loads that they are of, at this rank's nodes (force).
+        prescribed: The displacements likewise, of what is constrained (length).
+        load: Both on this rank's unknowns (force).
+        held: Prescribed displacements at all contact dofs (length).
+        condensed: The load condensed onto the free ones, on rank 0 (force).
+        along_parts: What they do along preloaded parts (force).
+    """
+
+    nodal: Array
+    prescribed: Array
+    load: Array
+    held: Array
+    condensed: Array
+    along_parts: Array
+
+    def is_of(self, nodal: Array, prescribed: Array) -> bool:
+        """Whether loads and displacements are the same, on this rank."""
+        pairs = (self.prescribed, prescribed), (self.nodal, nodal)
+        return all(one is other or np.array_equal(one, other) for one, other in pairs)
+
+
+class LoadsOfBody:
+    """Condenses loads and prescribed displacements, unless they are remembered; collective.
+
+    Args:
+        stiffness: That of each rank's cells.
+        held: Which of this rank's unknowns of the stiffness supports hold.
+        dofs: The contact dofs.
+        loads: Those condensed so far.
+        preloads: What shortenings of preloaded parts do.
+        constrained: Dofs that supports hold (local indices, owned and ghost).
+        is_kept: Whether it is for many answers.
+    """
+
+    def __init__(
+        self,
+        stiffness: LocalStiffness,
+        held: Flags,
+        dofs: ContactDofs,
+        loads: CondensedLoads,
+        preloads: CondensedPreloads,
+        constrained: Integers,
+        is_kept: bool,
+    ) -> None:
+        self._stiffness, self._held, self._dofs = stiffness, held, dofs
+        self._loads, self._preloads, self._constrained = loads, preloads, constrained
+        self._most = _MOST if is_kept else 1
+        self._known: list[PresentLoads] = []
+
+    def supported(self, prescribed: Array, components: int) -> Array:
+        """Displacements (nodes, components) of what is constrained, 0 elsewhere (length)."""
+        found = np.zeros(self._dofs.constrained.shape)
+        found[self._constrained] = prescribed
+        return found.reshape(-1, components)
+
+    def at(self, nodal: Array, prescribed: Array) -> PresentLoads:
+        """Those of a moment: the same object where they were there before; collective.
+
+        Args:
+            nodal: Loads at this rank's nodes, (nodes, components) (force).
+            prescribed: Displacements of what is constrained (length).
+        """
+        same = np.array([known.is_of(nodal, prescribed) for known in self._known], dtype=bool)
+        self._stiffness.comm.Allreduce(MPI.IN_PLACE, same, op=MPI.LAND)
+        for number in np.flatnonzero(same)[:1]:
+            self._known.append(self._known.pop(number))
+            return self._known[-1]
+        supported = self.supported(prescribed, nodal.shape[1])
+        load = self._stiffness.load(nodal, supported, self._held)
+        found = PresentLoads(
+            nodal=nodal,
+            prescribed=prescribed,
+            load=load,
+            held=self._dofs.gathered(supported.reshape(-1)),
+            condensed=self._loads.condense(load),
+            along_parts=self._preloads.from_loads(load, self._stiffness.at_unknowns(supported)),
+        )
+        self._known = [*self._known[1 - self._most :], found] if self._most > 1 else [found]
+        return found
