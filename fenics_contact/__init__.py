@@ -29,7 +29,11 @@ if TYPE_CHECKING:
     from fenics_contact.scene.accuracy import Accuracy
     from fenics_contact.scene.conditions import Load, Point, Preload, Support
     from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
-    from fenics_contact.scene.laws.friction_laws import CoulombFriction
+    from fenics_contact.scene.laws.friction_laws import (
+        ComplianceFriction,
+        CoulombFriction,
+        PressureDependentFriction,
+    )
     from fenics_contact.scene.laws.normal_laws import NormalCompliance, PressureFormula
     from fenics_contact.scene.material import Material
     from fenics_contact.scene.reading import load_scene
@@ -47,6 +51,7 @@ __all__ = [
     "Accuracy",
     "Body",
     "Check",
+    "ComplianceFriction",
     "Contact",
     "ContactPoints",
     "CoulombFriction",
@@ -68,6 +73,7 @@ __all__ = [
     "Path",
     "Point",
     "Preload",
+    "PressureDependentFriction",
     "PressureFormula",
     "Profile",
     "Result",
@@ -103,7 +109,11 @@ _MODULES = {
     "scene.conditions": ("Load", "Point", "Preload", "Support"),
     "scene.accuracy": ("Accuracy",),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
-    "scene.laws.friction_laws": ("CoulombFriction",),
+    "scene.laws.friction_laws": (
+        "ComplianceFriction",
+        "CoulombFriction",
+        "PressureDependentFriction",
+    ),
     "scene.laws.normal_laws": ("NormalCompliance", "PressureFormula"),
     "scene.reading": ("load_scene",),
     "scene.material": ("Material",),

@@ -270,6 +270,8 @@ class Contact:
             if self.kind == kind and getattr(self, key) != _DEFAULTS[key]:
                 raise ValueError(f"{key}: {words}")
         self._require_fit()
+        if self.friction_law is not None:
+            self.friction_law.require_fit(self.kind, self.friction_coefficient)
         if isinstance(self.pressure_path, Path) and min(self.pressure_path.factor) < 0:
             raise ValueError("pressure_path: the factors must be ≥ 0, contact does not pull")
         for key in ("pressure", "friction_coefficient", "foundation_stiffness"):
@@ -301,6 +303,18 @@ class Contact:
             return self.contact
         given = (kind for kind, key in _NEEDS.items() if getattr(self, key) is not None)
         return next(given, "unilateral")
+
+    @property
+    def coulomb_coefficient(self) -> float | None:
+        """The coefficient, where that one number bounds friction; None where it varies."""
+        given, law = self.friction_coefficient, self.friction_law
+        is_plain = law is None or law.is_proportional
+        return float(given) if is_plain and isinstance(given, float | int) else None
+
+    @property
+    def is_rough(self) -> bool:
+        """Whether it has friction, as far as the scene says it without the points."""
+        return self.friction_coefficient != 0 or self.friction_law is not None
 
     @property
     def label(self) -> str:

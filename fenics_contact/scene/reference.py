@@ -157,11 +157,17 @@ def render() -> str:
             text += _section(f"`{header}`", "a list" if key.is_list else "a table", table)
             for inner in keys_of(table):
                 for of_inner in inner.tables:
-                    title = f"`[{key.name}.{inner.name}]`"
+                    title = f"`[{key.name}.{inner.name}]`{_of_kind(inner, of_inner)}"
                     text += _section(title, f"a table of the last {header}", of_inner)
     text += _section("A profile", "in place of a number", Profile)
     text += ["", "```toml", 'pressure = { along = "x", at = [0, 8], values = [100, 300] }', "```"]
     return "\n".join(text) + "\n"
+
+
+def _of_kind(key: Key, table: type) -> str:
+    """What tells the tables of a key apart, where there are several."""
+    kind = next((one for one in keys_of(table) if one.name == "kind"), None)
+    return f", kind = {kind.accepts}" if kind is not None and len(key.tables) > 1 else ""
 
 
 def _section(title: str, subtitle: str, table: type) -> list[str]:

@@ -124,8 +124,7 @@ def regularisation_of(contact: ContactSurface) -> float | None:
 
 def _parameters_of(contact: ContactSurface) -> dict[str, Any]:
     """A contact's parameters as used; what varies in space is said so."""
-    scene = contact.contact
-    given = contact.parameters | {"friction_coefficient": scene.friction_coefficient}
+    given = contact.parameters | contact.friction.parameters
     used = {
         "regularisation_parameter": regularisation_of(contact),
         "penalty_parameter": contact.penalty_parameter or None,

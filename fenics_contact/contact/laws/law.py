@@ -40,12 +40,17 @@ class ContactLaw:
     kind: ClassVar[str] = ""
     model: ClassVar[str] = ""
     checks: ClassVar[tuple[str, ...]] = ()
-    state: ClassVar[tuple[PointArray, ...]] = ()
+    state: tuple[PointArray, ...] = ()
     follows_jump: ClassVar[bool] = False
 
     def __init__(self, site: LawSite) -> None:
         self.site = site
         self.name = f"{self.model} on {site.contact.label}"
+
+    @property
+    def called(self) -> str:
+        """What messages call it."""
+        return f"law '{self.kind}'"
 
     @property
     def forms(self) -> tuple[CompiledForm, ...]:

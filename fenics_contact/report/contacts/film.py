@@ -269,9 +269,8 @@ class _Line:
         whole = SurfaceLine.of(film.body, film.zone, film.contact)
         self._lines = [whole.then(frame) for frame in film.frames]
         self._view = whole.view
-        given = film.contact.parameters["friction_coefficient"]
         rough = film.contact.carries_shear
-        self._coefficient = float(given) if isinstance(given, float | int) and rough else None
+        self._coefficient = film.contact.coulomb_coefficient if rough else None
         self._values = [
             line.traction if rough else line.rows.numbers["contact_pressure"]
             for line in self._lines

@@ -81,10 +81,11 @@ def friction_along(line: SurfaceLine, contact: ContactRecord) -> LineValues:
         line: The contact line.
         contact: Its entry in ``result.json``.
     """
-    traction, coefficient = line.traction, contact.parameters["friction_coefficient"]
-    bounds = []
-    if isinstance(coefficient, float | int) and coefficient != 0:
-        bound = coefficient * line.rows.numbers["contact_pressure"]
+    traction, numbers = line.traction, line.rows.numbers
+    bounds, bound = [], numbers.get("friction_bound")
+    if bound is None and contact.coulomb_coefficient:
+        bound = contact.coulomb_coefficient * numbers["contact_pressure"]
+    if bound is not None:
         sides = [side for side in (1, -1) if (side * traction > 0.02 * bound.max()).any()]
         bounds = [side * bound for side in sides]
     words = labelled(r"friction traction, $\sigma_T$", "stress")

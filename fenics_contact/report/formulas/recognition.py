@@ -247,11 +247,11 @@ def _sheared(
     Shear that went to and fro before has left nothing where it is as large now as ever.
     """
     contact, history = scene.contact[0], History.of(result)
-    coefficient = contact.friction_coefficient
+    coefficient = contact.coulomb_coefficient
     normal, tangential = (
         history.of_contact(0, name) for name in ("normal_force", "friction_force")
     )
-    if contact.law != "incremental" or not isinstance(coefficient, float | int):
+    if contact.law != "incremental" or coefficient is None:
         return smooth
     if not _is_held_as_one(scene):
         return smooth
@@ -264,7 +264,7 @@ def _sheared(
     if not axes:
         return smooth
     direction = max(axes, key=lambda axis: abs(tangential[-1, axis]))
-    shear, most = tangential[:, direction], float(coefficient) * normal[-1]
+    shear, most = tangential[:, direction], coefficient * normal[-1]
     share = abs(shear[-1]) / most
     pressed = np.abs(shear) < 1e-3 * most
     steady = np.abs(normal / normal[-1] - 1) < _STEADY

@@ -107,6 +107,14 @@ class ContactRecord(Record):
         return self._answers.carries_shear
 
     @property
+    def coulomb_coefficient(self) -> float | None:
+        """The coefficient, where that one number bounds friction; None where it varies."""
+        given = self.parameters.get("friction_coefficient")
+        if "friction_law" in self.parameters or not isinstance(given, float | int):
+            return None
+        return float(given)
+
+    @property
     def _answers(self) -> LawAnswers:
         """Those of the file; in earlier ones, of before they were written, those of its laws."""
         return self.answers or LawAnswers(

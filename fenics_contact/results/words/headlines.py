@@ -87,9 +87,9 @@ class _Words:
 
 def _share(contact: ContactRecord, force: float) -> str:
     """How much of what friction could hold it does, where the coefficient is one number."""
-    coefficient = contact.parameters.get("friction_coefficient")
+    coefficient = contact.coulomb_coefficient
     pressing = contact.quantities.get("pressure_integral")
-    if not isinstance(coefficient, float) or not isinstance(pressing, float):
+    if coefficient is None or not isinstance(pressing, float):
         return ""
     limit = coefficient * pressing
     return f" ({100 * force / limit:.3g} % of its limit)" if limit > 0 else ""

@@ -5,18 +5,79 @@ A new one is a class here: what it says of itself are its keys.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+import dataclasses
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from fenics_contact.scene.laws.kinds import chosen_by_kind
-from fenics_contact.scene.values import scene_class
+from fenics_contact.scene.units.dimensions import STIFFNESS_OF_POWER, STRESS
+from fenics_contact.scene.values import Number, Value, scene_class
+
+_Shares = Annotated[
+    tuple[Annotated[Number, Field(ge=0)], ...],
+    Field(
+        min_length=2,
+        max_length=20,
+        description="share of the friction_coefficient at each; constant beyond the ends",
+    ),
+]
 
 
 class FrictionLawTable:
-    """What all of them have: the kind by which results and messages name the law."""
+    """What all of them have.
+
+    Attributes:
+        kind: By which results and messages name the law.
+        is_proportional: Whether it is one coefficient times the pressure.
+    """
 
     kind: str
+    is_proportional: ClassVar[bool] = False
+
+    @property
+    def shown(self) -> str:
+        """The law and its numbers in words, for results."""
+        keys: Any = self
+        values = {field.name: getattr(self, field.name) for field in dataclasses.fields(keys)}
+        words = [f"{key} {_shown(value)}" for key, value in values.items() if key != "kind"]
+        return f"{self.kind}: {', '.join(words)}" if words else self.kind
+
+    def require_fit(self, kind: str, coefficient: Value) -> None:
+        """See that it fits the contact that it is of.
+
+        Args:
+            kind: The law across the contact, as results name it.
+            coefficient: The contact's friction_coefficient.
+
+        Raises:
+            ValueError: It does not.
+        """
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_shown, value))}]"
+    return f"{value:.4g}" if isinstance(value, float) else "varies" if callable(value) else value
+
+
+def require_increase(key: str, places: Sequence[float], shares: Sequence[float]) -> None:
+    """See that a table has as many places as shares, from 0 or more, one after the other.
+
+    Args:
+        key: Of the places.
+        places: At which shares are given.
+        shares: Given there.
+
+    Raises:
+        ValueError: It has not.
+    """
+    if len(places) != len(shares):
+        raise ValueError(f"{key} has {len(places)} entries and shares {len(shares)}")
+    if places[0] < 0 or any(b <= a for a, b in pairwise(places)):
+        raise ValueError(f"{key} must be ≥ 0 and increase")
 
 
 @scene_class
@@ -27,7 +88,66 @@ class CoulombFriction(FrictionLawTable):
     'coulomb'
     """
 
+    is_proportional: ClassVar[bool] = True
     kind: Annotated[Literal["coulomb"], Field(description="which law it is")]
+
+
+@scene_class
+class ComplianceFriction(FrictionLawTable):
+    """Friction of surfaces that give way: c d^m at a depth d (Oden and Martins 1985).
+
+    It belongs to contact by normal compliance or on a Winkler foundation, and stands in place of
+    a friction coefficient.
+
+    >>> ComplianceFriction(kind="compliance", coefficient=1e4, exponent=2).shown
+    'compliance: coefficient 1e+04, exponent 2'
+    """
+
+    kind: Annotated[Literal["compliance"], Field(description="which law it is")]
+    coefficient: Annotated[
+        Value,
+        STIFFNESS_OF_POWER,
+        Field(description="c ≥ 0 of the largest friction traction; 0 leaves friction out"),
+    ]
+    exponent: Annotated[Number, Field(ge=1, description="m ≥ 1")]
+
+    def __post_init__(self) -> None:
+        if isinstance(self.coefficient, float | int) and self.coefficient < 0:
+            raise ValueError(f"coefficient = {self.coefficient} must be ≥ 0")
+
+    def require_fit(self, kind: str, coefficient: Value) -> None:
+        """It needs a depth, and no friction coefficient."""
+        if kind not in ("normal compliance", "winkler"):
+            raise ValueError(
+                f"friction_law: compliance follows the depth of normal compliance or of a winkler "
+                f"foundation, but the contact is {kind}"
+            )
+        if coefficient != 0:
+            raise ValueError(
+                "friction_coefficient: friction by compliance has a coefficient of its own, in "
+                "friction_law"
+            )
+
+
+@scene_class
+class PressureDependentFriction(FrictionLawTable):
+    """Coulomb's friction with a coefficient that depends on the pressure, by a table.
+
+    >>> law = PressureDependentFriction(
+    ...     kind="pressure dependent", pressures=(0, 100), shares=(1, 0.6))
+    >>> law.shares
+    (1.0, 0.6)
+    """
+
+    kind: Annotated[Literal["pressure dependent"], Field(description="which law it is")]
+    pressures: Annotated[
+        tuple[Annotated[Number, STRESS], ...],
+        Field(min_length=2, max_length=20, description="increasing contact pressures, ≥ 0"),
+    ]
+    shares: _Shares
+
+    def __post_init__(self) -> None:
+        require_increase("pressures", self.pressures, self.shares)
 
 
 if TYPE_CHECKING:

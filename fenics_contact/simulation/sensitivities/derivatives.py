@@ -70,7 +70,7 @@ def require_laws(problem: Problem) -> None:
         for law in (contact.normal, contact.friction):
             if not law.has_derivatives:
                 raise InputError(
-                    f"derivatives: the law '{law.kind}' of '{contact.label}' has none of its own"
+                    f"derivatives: the {law.called} of '{contact.label}' has none of its own"
                 )
 
 

@@ -165,6 +165,8 @@ class SceneChanges:
                 raise _refused(key, "without friction, it is no parameter of the model")
             coefficient = self._at_points(contact, key, scene.friction_coefficient, rest[1:])
             return Change(contacts={number: GivenChange(coefficient=coefficient)})
+        if rest[0] == "friction_law":
+            raise _refused(key, "derivatives by the numbers of a friction law are not made")
         if rest[0] == "pressure" and scene.pressure is not None:
             return self._of_pressure(
                 number, contact, self._at_points(contact, key, scene.pressure, rest[1:])

@@ -215,6 +215,8 @@ class Uniqueness:
 
     def _is_below(self, system: CondensedSystem, number: int, contact: ContactSurface) -> bool:
         comm = contact.spaces.comm
+        if not contact.friction.rule.is_proportional:
+            return False
         coefficient = contact.friction.largest_coefficient
         most = largest(comm, coefficient)
         if contact.kinematics.pairing is not None or smallest(comm, coefficient) < most:

@@ -112,7 +112,7 @@ def _opened(members: Sequence[Point]) -> tuple[int, ...]:
 
 def _frictional(point: Point) -> int:
     assert point.scene is not None
-    return sum(contact.friction_coefficient != 0 for contact in point.scene.contact)
+    return sum(contact.is_rough for contact in point.scene.contact)
 
 
 class _Contents:

@@ -37,7 +37,8 @@ _TOLERANCE = 1e-3
 def uniqueness_limit(system: CondensedSystem, number: int, every: bool = False) -> float | None:
     """Largest friction coefficient of a contact that leaves one answer, estimated; collective.
 
-    The others are taken to be open. Where the coefficient varies, its largest value counts, the
+    The others are taken to be open. The coefficient is the derivative of the bound in the pressure,
+    μ of Coulomb's law. Where the coefficient varies, its largest value counts, the
     others being in proportion.
 
     Points count whose gap is no wider than the largest displacement across the contact.
@@ -71,7 +72,9 @@ def _points(contact: ContactSurface, every: bool) -> Array:
     """Place among the surface's nodes, coefficient and normal of the points to look at."""
     trace, comm = contact.trace, contact.spaces.comm
     count = len(contact.nodes)
-    coefficient = contact.friction.largest_coefficient[:count]
+    friction = contact.friction
+    steepest = friction.largest_coefficient if every else friction.bound_slope(contact.pressure())
+    coefficient = steepest[:count]
     counted = contact.owned_nodes & contact.supports.free_across & (coefficient > 0)
     # Points that displacements as large as those found may close.
     kinematics = contact.kinematics

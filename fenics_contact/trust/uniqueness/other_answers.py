@@ -78,7 +78,7 @@ def look_around(load_steps: LoadSteps) -> OtherAnswers:
     for number, contact in enumerate(problem.contacts):
         if contact.is_coulomb and isinstance(system, CondensedSystem):
             limit = uniqueness_limit(system, number)
-            coefficient = contact.friction.largest_coefficient
+            coefficient = contact.friction.bound_slope(contact.pressure())
             if limit is not None:
                 limits[contact.label] = limit, largest(problem.comm, coefficient)
     branches, without_answer = [], 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -64,7 +64,7 @@ class FrictionLaw(ContactLaw):
     rubs: ClassVar[bool] = False
     carries_shear: ClassVar[bool] = False
     follows_path: ClassVar[bool] = False
-    state: ClassVar[tuple[PointArray, ...]] = (
+    state: tuple[PointArray, ...] = (
         PointArray("reference", "length", is_vector=True, is_written=False),
         PointArray("bound", "stress", is_written=False),
     )
@@ -76,6 +76,13 @@ class FrictionLaw(ContactLaw):
         self.bound = np.zeros(len(site.trace.weights))
         self.reference = np.zeros_like(site.trace.normals)
         self.is_scaled = False
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """What the scene gives of it, by its names, for results."""
+        coefficient, law = self.site.contact.friction_coefficient, self.site.contact.friction_law
+        shown = {} if law is None or law.is_proportional else {"friction_law": law.shown}
+        return {"friction_coefficient": coefficient, **shown}
 
     @property
     def depends_on_pressure(self) -> bool:
@@ -126,6 +133,10 @@ class FrictionLaw(ContactLaw):
 
     def present_bound(self, pressure: Array) -> Array:
         """The bound at a pressure of its normal law (stress)."""
+        return np.zeros(len(pressure))
+
+    def bound_slope(self, pressure: Array) -> Array:
+        """Derivative of ``bound_of`` in the pressure at the points, (points,)."""
         return np.zeros(len(pressure))
 
     def stick_all(self) -> None:

@@ -21,6 +21,10 @@ from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import OPEN, SLIP, STICK
+from fenics_contact.results.point_arrays import PointArray
+
+# Where the bound is not to be seen from the pressure, results have it at the points.
+_WRITTEN_BOUND = PointArray("bound", "stress", column="friction_bound")
 
 
 class RegularisedFriction(FrictionLaw):
@@ -40,6 +44,10 @@ class RegularisedFriction(FrictionLaw):
 
     def __init__(self, site: LawSite, normal: NormalLaw, rule: FrictionRule) -> None:
         super().__init__(site, normal, rule)
+        if not rule.is_proportional:
+            self.state = tuple(
+                _WRITTEN_BOUND if array.name == "bound" else array for array in self.state
+            )
         self._tangent_state = TangentState(site.trace)
         self._forms = FrictionForms(rule, self._tangent_state, self.follows_path)
         self._chosen, self._left, self._used = 1.0, 1.0, 1.0
@@ -49,6 +57,16 @@ class RegularisedFriction(FrictionLaw):
         given = site.contact.regularisation_parameter
         if given != "auto":
             self.set_scale(float(given))
+
+    @property
+    def has_derivatives(self) -> bool:
+        """Whether its rule has derivatives, too."""
+        return super().has_derivatives and self.rule.has_derivatives
+
+    @property
+    def called(self) -> str:
+        """The law, or what bounds it where that is not Coulomb's rule."""
+        return super().called if self.rule.is_proportional else f"friction law '{self.rule.kind}'"
 
     @property
     def energy(self) -> Form:
@@ -121,6 +139,10 @@ class RegularisedFriction(FrictionLaw):
         """G that the rule gives at the points (stress)."""
         return float(self._forms.share.value) * self.rule.at(pressure)
 
+    def bound_slope(self, pressure: Array) -> Array:
+        """Derivative of ``bound_of`` in the pressure at the points, (points,)."""
+        return float(self._forms.share.value) * self.rule.slope(pressure)
+
     @property
     def largest_coefficient(self) -> Array:
         """Largest ratio of the bound to a pressure, at the points."""
@@ -177,7 +199,7 @@ class RegularisedFriction(FrictionLaw):
         found = state.tangent
         if self.mode == "coupled":
             jump = self.site.kinematics.jump_at_points()
-            steep = float(self._forms.share.value) * self.rule.slope(self.normal.pressure(jump))
+            steep = self.bound_slope(self.normal.pressure(jump))
             found += state.coupling(steep[:, None] * self.normal.pressure_slope(jump))
         return found
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar
 
+import numpy as np
+
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.normal.law import Parameter
@@ -32,6 +34,12 @@ class Foundation(SpringLaw):
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
         """Of the stiffness in what the scene gives."""
         return {"stiffness": self.site.given(unit, key)} if key == "foundation_stiffness" else {}
+
+    @property
+    def power_of_depth(self) -> tuple[Array, Array]:
+        """K and 1."""
+        stiffness = self._fields["stiffness"]
+        return stiffness, np.ones(len(stiffness))
 
     @staticmethod
     def density(depth: Expr, jump: Expr, **fields: Expr) -> Expr:

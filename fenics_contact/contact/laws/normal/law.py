@@ -91,6 +91,11 @@ class NormalLaw(ContactLaw):
         """Derivative of ``pressure_ufl`` in the jump, (points, components) (stress/length)."""
         return np.zeros_like(jump)
 
+    @property
+    def power_of_depth(self) -> tuple[Array, Array]:
+        """C and m at the points of a law p = c ⟨d⟩^m of the depth d (stress/length^m, none)."""
+        raise NotImplementedError(f"{self.kind} contact is no power of a depth")
+
     def set_time(self, time: float) -> None:
         """Bring what is given to a pseudo-time."""
 

@@ -43,6 +43,11 @@ class NormalCompliance(SpringLaw):
         name = key.removeprefix("normal_law.")
         return {name: self.site.given(unit, key)} if name != key and name in self._fields else {}
 
+    @property
+    def power_of_depth(self) -> tuple[Array, Array]:
+        """Both at the points."""
+        return self._fields["coefficient"], self._fields["exponent"]
+
     @staticmethod
     def density(depth: Expr, jump: Expr, **fields: Expr) -> Expr:
         """The density c ⟨d⟩^(m + 1)/(m + 1)."""

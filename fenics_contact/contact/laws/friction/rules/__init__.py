@@ -1,16 +1,22 @@
-"""How large friction may be, one file a rule: Coulomb's.
+"""How large friction may be, one file a rule: Coulomb's, by pressure, compliance.
 
 A new rule is a file of its own, a line in ``RULES`` and a class in ``scene/laws/friction_laws.py``.
 """
 
 from __future__ import annotations
 
+from fenics_contact.contact.laws.friction.rules.by_pressure import ByPressure
+from fenics_contact.contact.laws.friction.rules.compliance import Compliance
 from fenics_contact.contact.laws.friction.rules.coulomb import Coulomb
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 
-RULES: tuple[type[FrictionRule], ...] = (Coulomb,)
+RULES: tuple[type[FrictionRule], ...] = (
+    Coulomb,
+    ByPressure,
+    Compliance,
+)
 
 
 def friction_rule(site: LawSite, normal: NormalLaw) -> FrictionRule:

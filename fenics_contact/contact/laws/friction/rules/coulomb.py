@@ -13,6 +13,7 @@ class Coulomb(FrictionRule):
     """g = μ p (paper, (1.6)); under a pressure that is given, the paper's case (i)."""
 
     kind: ClassVar[str] = "coulomb"
+    is_proportional: ClassVar[bool] = True
 
     @staticmethod
     def bound(pressure: Expr, **fields: Expr) -> Expr:

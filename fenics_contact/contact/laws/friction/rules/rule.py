@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
+from dolfinx import fem
+
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.normal.law import NormalLaw
@@ -39,6 +41,8 @@ class FrictionRule:
         kind: As a scene's ``friction_law`` names it.
         site: Where it acts.
         normal: The law across the contact.
+        is_proportional: Whether the bound is one coefficient times the pressure.
+        has_derivatives: Whether ``pulled_back`` is all that quantities derive through the bound.
         coefficient: The scene's friction coefficient at the points, (points,).
 
     Args:
@@ -50,6 +54,8 @@ class FrictionRule:
     """
 
     kind: ClassVar[str]
+    is_proportional: ClassVar[bool] = False
+    has_derivatives: ClassVar[bool] = True
 
     def __init__(self, site: LawSite, normal: NormalLaw) -> None:
         self.site, self.normal = site, normal
@@ -61,6 +67,11 @@ class FrictionRule:
         """Parameters of ``bound`` at the points, by name, each (points,)."""
         return {"coefficient": self.coefficient}
 
+    @property
+    def constants(self) -> Mapping[str, float]:
+        """Its other parameters, which are numbers, by name."""
+        return {}
+
     @staticmethod
     @abstractmethod
     def bound(pressure: Expr, **fields: Expr) -> Expr:
@@ -68,7 +79,7 @@ class FrictionRule:
 
         Args:
             pressure: Contact pressure (stress).
-            fields: As ``fields`` names them.
+            fields: As ``fields`` and ``constants`` name them.
         """
 
     @property
@@ -82,7 +93,7 @@ class FrictionRule:
         Args:
             pressure: At the points (stress).
         """
-        return self._at_points.value(pressure=pressure, **self.fields)
+        return self._at_points.value(pressure=pressure, **self._values)
 
     def slope(self, pressure: Array) -> Array:
         """Its derivative in the pressure at the points, (points,).
@@ -90,7 +101,7 @@ class FrictionRule:
         Args:
             pressure: At the points (stress).
         """
-        return self._at_points.slope("pressure", pressure=pressure, **self.fields)
+        return self._at_points.slope("pressure", pressure=pressure, **self._values)
 
     def in_ufl(self, pressure: Expr) -> Expr:
         """The bound on the surface in UFL, for forms (stress).
@@ -100,7 +111,9 @@ class FrictionRule:
         """
         trace = self.site.trace
         fields = {name: trace.coefficient(values) for name, values in self.fields.items()}
-        return self.bound(pressure, **fields)
+        mesh = trace.surface.mesh
+        numbers = {name: fem.Constant(mesh, value) for name, value in self.constants.items()}
+        return self.bound(pressure, **fields, **numbers)
 
     def pulled_back(self, pressure: Array, of_bound: Array) -> BoundGradient:
         """What a quantity's derivatives in the bound are in what the bound follows from.
@@ -109,12 +122,16 @@ class FrictionRule:
             pressure: At the points (stress).
             of_bound: Derivatives of the quantity in the bound, (points,).
         """
-        points, values = self._at_points, {"pressure": pressure, **self.fields}
+        points, values = self._at_points, {"pressure": pressure, **self._values}
         return BoundGradient(
             pressure=points.slope("pressure", **values) * of_bound,
             coefficient=points.slope("coefficient", **values) * of_bound,
         )
 
     @cached_property
+    def _values(self) -> Mapping[str, Array | float]:
+        return {**self.fields, **self.constants}
+
+    @cached_property
     def _at_points(self) -> PointDensity:
-        return point_density(self.bound, pressure=0, **dict.fromkeys(self.fields, 0))
+        return point_density(self.bound, pressure=0, **dict.fromkeys(self._values, 0))

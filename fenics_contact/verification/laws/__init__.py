@@ -1,0 +1,1 @@
+"""Laws of friction beside Coulomb's, against formulas for bodies that are much stiffer."""

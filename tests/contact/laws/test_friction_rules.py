@@ -1,0 +1,220 @@
+"""Rules of how large friction may be: their tangents, all ways to solve, files, and refusals."""
+
+import csv
+import dataclasses
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import Contact, Load, Material, Obstacle, Run, Scene, Steps, Study, Support, run
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.parallel import on_root
+from fenics_contact.problem.problem import Problem
+from fenics_contact.simulation.output import run_folder as files
+from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
+from tests.contact.laws.test_by_points import both, displaced, matrix_of
+from tests.scenes import box_body
+from tests.simulation.restart.test_state_file import resumed, stopped_after
+
+COMM = MPI.COMM_WORLD
+COMPLIANCE = {
+    "normal_law": {"kind": "normal compliance", "coefficient": 4e3, "exponent": 2},
+    "friction_law": {"kind": "compliance", "coefficient": 60.0, "exponent": 1.5},
+}
+BY_PRESSURE = {
+    "friction_coefficient": 0.4,
+    "friction_law": {
+        "kind": "pressure dependent",
+        "pressures": [0, 8, 20],
+        "shares": [1, 0.9, 0.3],
+    },
+}
+LAWS = {"compliance": COMPLIANCE, "pressure dependent": BY_PRESSURE}
+DEPTH = "contact.0.obstacle.indentation"
+
+
+def bound(name, pressure):
+    """By its formula, in NumPy."""
+    if name == "compliance":
+        return 60 * (pressure / 4e3) ** 0.75
+    return 0.4 * np.interp(pressure, [0, 8, 20], [1, 0.9, 0.3]) * pressure
+
+
+def sheared(keys, dimension=2, **scene):
+    """A block that is held on its left, pressed onto the ground and sheared along it."""
+    load = (3.0, *((1.0,) if dimension == 3 else ()), -10.0)
+    axis = "xyz"[dimension - 1]
+    return Scene(
+        kinematics="3D" if dimension == 3 else "plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("x0", dict.fromkeys("xyz"[:dimension], 0)),),
+        load=(Load(f"{axis}1", traction=load),),
+        contact=(Contact(f"{axis}0", **keys),),
+        **scene,
+    )
+
+
+def rubbed(keys, **scene):
+    """A parabola pressed into a block and moved along it."""
+    obstacle = Obstacle(
+        "parabola", radius=0.5, indentation=0.02, position=(0.5, 1), displacement=(0.01, 0)
+    )
+    return Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(Contact("y1", obstacle=obstacle, **keys),),
+        **scene,
+    )
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("strategy", ["campos", "lagged", "monolithic"])
+@pytest.mark.parametrize("law", ["static", "incremental"])
+def test_points_that_slip_carry_the_bound(name, strategy, law):
+    scene = sheared({**LAWS[name], "law": law}, solver={"strategy": strategy})
+    result = run(scene, COMM, box_body((6, 3)))
+    assert result.passed, result.verdict
+    slips, pressure = result.points.status == "SLIP", result.points.contact_pressure
+    traction = np.linalg.norm(result.points.friction_traction, axis=1)
+    assert slips.sum() > 2
+    assert traction[slips] == pytest.approx(bound(name, pressure[slips]), rel=1e-6)
+    assert np.all(traction <= bound(name, pressure) * (1 + 1e-9) + 1e-9)
+    assert result.points.own["bound"] == pytest.approx(bound(name, pressure), rel=1e-6)
+    assert result.contacts[0].parameters["friction_law"].startswith(f"{name}: ")
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_forms_and_points_have_one_tangent(name, dimension):
+    """In every mode, and coupled it is what the bound's difference quotient says."""
+    problem = Problem.on_mesh(sheared(LAWS[name], dimension), box_body((3, 2, 2)[:dimension]))
+    (contact,) = problem.contacts
+    surface, random = SurfaceMatrix(contact), np.random.default_rng(3)
+    contact.friction.set_scale(0.005)
+    for mode in ("law", "coupled", "status"):
+        slip = displaced(contact, random)
+        contact.friction.mode = mode
+        contact.friction.follow(0.7 * slip)
+        contact.friction.follow(slip)
+        contact.friction.set_bound(contact.friction.bound_of(contact.pressure()))
+        expected, found = both(contact, lambda: matrix_of(surface))
+        assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
+    pressure = contact.pressure()
+    steps = 1e-6 * pressure
+    up, down = (contact.friction.bound_of(pressure + sign * steps) for sign in (1, -1))
+    slope = contact.friction.bound_slope(pressure)
+    touched = pressure > 0
+    assert COMM.allreduce(int(touched.sum())) > 2
+    quotient = (up - down)[touched] / (2 * steps[touched])
+    assert slope[touched] == pytest.approx(quotient, rel=1e-5)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_study_answers_as_runs_do(name):
+    scene, body = rubbed(LAWS[name]), box_body((12, 6))
+    study = Study(scene, body=body)
+    for depth in (0.02, 0.025):
+        quick = study.solve({DEPTH: depth})
+        obstacle = dataclasses.replace(scene.contact[0].obstacle, indentation=depth)
+        contact = dataclasses.replace(scene.contact[0], obstacle=obstacle)
+        whole = run(dataclasses.replace(scene, contact=(contact,)), COMM, body)
+        assert whole.passed, whole.verdict
+        for key in ("normal_force", "strain_energy", "slip_area", "friction_work"):
+            assert quick.quantities[key] == pytest.approx(whole.quantities[key], rel=1e-8), key
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_run_is_restarted_on_other_ranks(name, folder):
+    scene = rubbed({**LAWS[name], "law": "incremental"}, steps=Steps(number=4))
+    whole = run(scene, COMM, box_body((12, 6)))
+    assert whole.passed, whole.verdict
+    if COMM.rank == 0:
+        stopped_after(scene, box_body((12, 6), comm=MPI.COMM_SELF), folder, 2)
+    COMM.barrier()
+    found = resumed(scene, box_body((12, 6)), folder)
+    for key in ("normal_force", "friction_work", "strain_energy"):
+        assert found.quantities[key] == pytest.approx(whole.quantities[key], rel=1e-7), key
+
+
+def test_files_have_the_bound(folder):
+    files.solve_and_write(Run(rubbed(BY_PRESSURE), COMM, box_body((12, 6))), folder)
+
+    def read():
+        with (folder / "contact.csv").open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        pressure = np.array([float(row["contact_pressure"]) for row in rows])
+        found = np.array([float(row["friction_bound"]) for row in rows])
+        assert pressure.max() > 20
+        np.testing.assert_allclose(found, bound("pressure dependent", pressure), rtol=1e-6)
+
+    on_root(COMM, read)
+
+
+@pytest.mark.errors
+@pytest.mark.parametrize("name", LAWS)
+def test_error_bars_cover_what_a_finer_mesh_finds(name):
+    coarse, fine = (run(rubbed(LAWS[name]), COMM, box_body(n)) for n in ((12, 6), (48, 24)))
+    for key in ("strain_energy", "max_contact_pressure"):
+        error = abs(coarse.quantities[key] - fine.quantities[key])
+        assert error < 1.5 * coarse.errors[key]["total"], key
+    assert coarse.errors["friction_force"]["total"] > 0
+    assert coarse.errors["friction_work"]["total"] > 0
+
+
+def test_the_same_exponent_twice_is_coulombs_law():
+    """μ = c_t/c: to the tolerance of the solver."""
+    same = COMPLIANCE["friction_law"] | {"coefficient": 0.3 * 4e3, "exponent": 2}
+    answers = [
+        run(sheared({"normal_law": COMPLIANCE["normal_law"], **keys}), COMM, box_body((6, 3)))
+        for keys in ({"friction_law": same}, {"friction_coefficient": 0.3})
+    ]
+    assert answers[0].passed, answers[0].verdict
+    for key in ("strain_energy", "friction_work", "max_slip", "stick_area"):
+        one, other = (answer.quantities[key] for answer in answers)
+        assert one == pytest.approx(other, rel=1e-7), key
+
+
+def test_derivatives_follow_the_pressure_or_are_refused():
+    """Of the coefficient, against differences of answers; compliance says that it has none."""
+    key = "contact.0.friction_coefficient"
+    fixed = {"regularisation_parameter": 1e-6, "penalty_parameter": 1e-6}
+    study = Study(sheared(BY_PRESSURE | fixed), body=box_body((6, 3)))
+    found = study.derivatives(["strain_energy"], [key])["strain_energy"][key]
+    up, down = (
+        study.solve({key: 0.4 + sign * 1e-5}).quantities["strain_energy"] for sign in (1, -1)
+    )
+    assert found == pytest.approx((up - down) / 2e-5, rel=1e-5)
+    with pytest.raises(InputError, match=r"friction_law.shares.1"):
+        study.derivatives(["strain_energy"], ["contact.0.friction_law.shares.1"])
+    refused = Study(sheared(COMPLIANCE), body=box_body((6, 3)))
+    with pytest.raises(InputError, match="the friction law 'compliance' of 'y0' has none"):
+        refused.derivatives(["strain_energy"], ["load.0.traction.0"])
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"friction_law": {"kind": "sticky"}}, "friction_law.kind = 'sticky': must be 'coulomb', "),
+        ({"friction_law": {}}, "the key 'friction_law.kind' is missing"),
+        ({"friction_law": "static"}, "friction_law = 'static': must be a dictionary"),
+        ({"friction_law": COMPLIANCE["friction_law"]}, "but the contact is unilateral"),
+        (COMPLIANCE | {"friction_coefficient": 0.1}, "has a coefficient of its own"),
+        (
+            {"friction_law": BY_PRESSURE["friction_law"] | {"pressures": [0, 9, 3]}},
+            "pressures must be ≥ 0 and increase",
+        ),
+        (
+            {"friction_law": BY_PRESSURE["friction_law"] | {"pressures": [0, 9]}},
+            "pressures has 2 entries and shares 3",
+        ),
+        (
+            {"friction_law": BY_PRESSURE["friction_law"] | {"share": 1}},
+            "did you mean 'shares'.*accepted here: kind, pressures, shares",
+        ),
+    ],
+)
+def test_contradictions_are_refused(keys, message):
+    with pytest.raises(ValueError, match=message):
+        Contact("top", **keys)
