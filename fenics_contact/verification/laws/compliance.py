@@ -27,7 +27,8 @@ def parabola_integral(power: float, radius: float = _RADIUS, depth: float = _DEP
         depth: The depth d in the middle (length).
     """
     half_width = sqrt(2 * radius * depth)
-    return depth**power * half_width * sqrt(pi) * gamma(power + 1) / gamma(power + 1.5)
+    shape = sqrt(pi) * gamma(power + 1) / gamma(power + 1.5)
+    return float(depth**power * half_width * shape)
 
 
 def _uniform(quick: bool) -> Iterator[Finding]:

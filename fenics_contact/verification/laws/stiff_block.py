@@ -9,6 +9,7 @@ from fenics_contact.scene.conditions import Support
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.values import AXES
 from fenics_contact.verification.boxes import Box, boxes
 
 LENGTH, HEIGHT = 1.0, 0.2
@@ -26,11 +27,11 @@ def stiff_block(
         contact: Keys of the contact at its lower side.
         scene: Other keys of the scene.
     """
-    axes = "xyz"[: len(shift) + 1]
+    axes = AXES[: len(shift) + 1]
     moved = dict(zip(axes, (*shift, -depth), strict=True))
     return Scene(
         kinematics="3D" if len(shift) == 2 else "plane strain",
-        material=Material(_MODULUS, 0.0),
+        material=(Material(_MODULUS, 0.0),),
         support=(Support(f"block.{axes[-1]}1", moved),),
         contact=(Contact(f"block.{axes[-1]}0", **contact),),
         **scene,
@@ -46,7 +47,7 @@ def stiff_pad(contact: dict[str, Any], **scene: Any) -> Scene:
     """
     return Scene(
         kinematics="plane strain",
-        material=Material(_MODULUS, 0.0),
+        material=(Material(_MODULUS, 0.0),),
         support=(Support("block.y0", {"x": 0, "y": 0}),),
         contact=(Contact("block.y1", **contact),),
         **scene,
