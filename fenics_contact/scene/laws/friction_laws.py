@@ -116,7 +116,15 @@ class ComplianceFriction(FrictionLawTable):
             raise ValueError(f"coefficient = {self.coefficient} must be ≥ 0")
 
     def require_fit(self, kind: str, coefficient: Value) -> None:
-        """It needs a depth, and no friction coefficient."""
+        """It needs a depth, and no friction coefficient.
+
+        Args:
+            kind: The law across the contact, as results name it.
+            coefficient: The contact's friction_coefficient.
+
+        Raises:
+            ValueError: It is of another contact.
+        """
         if kind not in ("normal compliance", "winkler"):
             raise ValueError(
                 f"friction_law: compliance follows the depth of normal compliance or of a winkler "
