@@ -22,6 +22,7 @@ from fenics_contact.trust.error_estimates.budget import ErrorBudget
 from tests import compiled_headers
 from tests.scenes import ROOT
 
+from ffcx.codegeneration import jit  # isort: skip
 from mpi4py import MPI  # isort: skip
 from petsc4py import PETSc  # isort: skip
 
@@ -122,6 +123,12 @@ def cases_for_two_ranks(items, share):
     return set(several) - cases_left_out(several, share, ranks=2)
 
 
+def pytest_collection_finish(session):
+    """All that is imported by now stays: garbage is not looked for in it again and again."""
+    gc.collect()
+    gc.freeze()
+
+
 def pytest_runtest_logreport(report):
     """A test that fails on one rank leaves the others waiting: end the run, and say why."""
     if COMM.size > 1 and report.failed:
@@ -163,7 +170,8 @@ def _fonts_drawn_quickly(request, monkeypatch):
 def _forms_compiled_quickly(tmp_path_factory):
     """The C compiler does not optimise forms: small meshes never give back the time it takes.
 
-    Nor does it read Python's headers again for each of them.
+    Nor does it read Python's headers again for each of them, and what a process has loaded it does
+    not look for again.
 
     A file for dolfinx says so, hence programs that tests start find it too. Its cache holds these
     forms beside those of users, for the compiler's options are part of a form's name. And
@@ -178,7 +186,28 @@ def _forms_compiled_quickly(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CONFIG_HOME", str(config))
         patch.setattr(importlib.metadata, "entry_points", entry_points)
+        patch.setattr(jit, "get_cached_module", loaded_once(jit.get_cached_module))
         yield
+
+
+def loaded_once(load):
+    """FFCx's search for compiled forms, but for those that this process has.
+
+    It lists all files of the cache, thousands, for each form. What is no longer there is searched
+    for as ever, for it is to be compiled anew.
+    """
+    loaded = {}
+
+    def find(module_name, object_names, cache_dir, timeout):
+        wanted = (str(cache_dir), module_name, *object_names)
+        if wanted in loaded and Path(cache_dir, f"{module_name}.c.cached").exists():
+            return loaded[wanted]
+        objects, module = load(module_name, object_names, cache_dir, timeout)
+        if module is not None:
+            loaded[wanted] = objects, module
+        return objects, module
+
+    return find
 
 
 @pytest.fixture(scope="session")

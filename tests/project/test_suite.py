@@ -1,5 +1,6 @@
 """What `make test` leaves out on one rank, and on two; and how it has forms compiled."""
 
+import gc
 import subprocess
 from collections import namedtuple
 
@@ -12,6 +13,7 @@ from tests.conftest import (
     cases_left_out,
     cases_of_tests,
     left_to_others,
+    loaded_once,
     on_two_ranks_elsewhere,
 )
 
@@ -108,3 +110,28 @@ def test_the_compiler_takes_the_headers_that_it_has_compiled(tmp_path):
     for included in ([], ["-include", compiled()]):
         done = subprocess.run([*command, *included], capture_output=True, text=True, check=True)
         assert ("/object.h" in done.stderr) is not bool(included), done.stderr
+
+
+def test_forms_are_searched_for_once_and_again_when_they_have_gone(tmp_path):
+    searched = []
+
+    def load(name, objects, folder, timeout):
+        searched.append(name)
+        return (["a form"], "its module") if done.exists() else (None, None)
+
+    done = tmp_path / "form.c.cached"
+    find = loaded_once(load)
+    assert find("form", ["a"], tmp_path, 1) == (None, None)  # it is to be compiled
+    done.touch()
+    for _ in range(3):
+        assert find("form", ["a"], tmp_path, 1) == (["a form"], "its module")
+    assert len(searched) == 2
+    find("form", ["b"], tmp_path, 1)
+    find("form", ["a"], tmp_path / "other", 1)
+    assert len(searched) == 4
+    done.unlink()
+    assert find("form", ["a"], tmp_path, 1) == (None, None)
+
+
+def test_no_garbage_is_looked_for_in_what_is_imported():
+    assert gc.get_freeze_count() > 10_000
