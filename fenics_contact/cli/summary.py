@@ -19,7 +19,7 @@ from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, RigidMotion
 from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.result import Check, Result
-from fenics_contact.results.words.derivatives import derivative_rows
+from fenics_contact.results.words.derivatives import derivative_rows, uncertainty_rows
 from fenics_contact.results.words.headlines import headlines
 from fenics_contact.results.words.short_forms import (
     in_figures,
@@ -213,12 +213,12 @@ def _print_branches(console: Terminal, result: Result) -> None:
 
 def _print_derivatives(console: Terminal, result: Result) -> None:
     """What quantities depend on, where the scene asks for it."""
-    rows = derivative_rows(result)
-    if rows:
-        table = _table(*map(escape, rows[0]))
-        for row in rows[1:]:
-            table.add_row(*map(escape, row))
-        console.print(table)
+    for rows in (derivative_rows(result), uncertainty_rows(result)):
+        if rows:
+            table = _table(*map(escape, rows[0]))
+            for row in rows[1:]:
+                table.add_row(*map(escape, row))
+            console.print(table)
 
 
 def _print_levels(console: Terminal, result: Result) -> None:

@@ -108,7 +108,7 @@ def as_accuracy(value: Any) -> Any:
     further = value.get("of", {})
     if not isinstance(further, Mapping):
         return value  # refused for its type
-    named = [*_flat(beside), *_flat(further)]
+    named = [*flat_names(beside), *flat_names(further)]
     for number, (name, share) in enumerate(named):
         if any(name == other for other, _ in named[:number]):
             raise ValueError(f"'{name}' is given twice")
@@ -126,7 +126,7 @@ def _is_name(key: str, value: object) -> bool:
     return isinstance(value, Mapping) or (looks_like_quantity(key) and key not in QUANTITIES)
 
 
-def _flat(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+def flat_names(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
     """Names and values: dotted keys, which make tables in tables, mean the same as in quotes.
 
     Raises:
@@ -136,6 +136,6 @@ def _flat(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any
         raise ValueError(f"'{before[:-1]}' is an empty table")
     for key, value in table.items():
         if isinstance(value, Mapping):
-            yield from _flat(value, f"{before}{key}.")
+            yield from flat_names(value, f"{before}{key}.")
         else:
             yield before + key, value

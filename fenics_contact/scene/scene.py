@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
 from fenics_contact.scene.accuracy import Accuracy, Share, as_accuracy
 from fenics_contact.scene.asked.derivatives import AskedDerivatives
+from fenics_contact.scene.asked.tolerances import as_tolerances
 from fenics_contact.scene.conditions import Load, Point, Preload, Support
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene.material import Material
@@ -213,6 +214,15 @@ class Scene(HasUnits):
         AskedDerivatives | None,
         Field(description="derivatives of quantities in numbers of the scene that are to be found"),
     ] = None
+    tolerances: Annotated[
+        Mapping[str, Positive],
+        BeforeValidator(as_tolerances, json_schema_input_type=Mapping[str, Any]),
+        Field(
+            description="how far numbers of the scene may be off: key as of `--set` → ±, such as "
+            "`contact.0.friction_coefficient = 0.05`; what that makes of each quantity of "
+            "`[derivatives]` is told beside its error bar"
+        ),
+    ] = Field(default_factory=dict)
     steps: Annotated[Steps, Field(description="load steps, by default one")] = Field(
         default_factory=Steps
     )
@@ -336,6 +346,10 @@ def _require_bolt(scene: Scene, preload: Preload, key: str) -> None:
 
 def _require_known(scene: Scene) -> None:
     """Every quantity that an accuracy or derivatives are asked of is one of the scene."""
+    if scene.tolerances and scene.derivatives is None:
+        raise ValueError(
+            "tolerances: say in [derivatives] of which quantities, such as of = ['normal_force']"
+        )
     asked = [("accuracy", name) for name in (() if scene.accuracy is None else scene.accuracy.of)]
     derivatives = scene.derivatives
     asked += [("derivatives.of", name) for name in (() if derivatives is None else derivatives.of)]

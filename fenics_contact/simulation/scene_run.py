@@ -32,7 +32,8 @@ from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
 from fenics_contact.scene.units.table import names_of
 from fenics_contact.simulation import verdict
-from fenics_contact.simulation.asked_derivatives.asked import asked_derivatives, require_known
+from fenics_contact.simulation.asked_derivatives.asked import asked_derivatives, keys_asked_of
+from fenics_contact.simulation.asked_derivatives.uncertainty import uncertainties
 from fenics_contact.simulation.description import model_of, record_of, units_of
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
@@ -118,8 +119,7 @@ class Run:
             self.problem = Problem.on_mesh(scene, body, self.timings)
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)
-        if is_asked:
-            require_known(self.problem)
+        self._keys = keys_asked_of(self.problem) if is_asked else []
         self.choice: SolverChoice = choose_solver(self.problem, self._kept is not None)
         forces_of = partial(BulkForces, self.problem)
         self._history = StepHistory(self.problem, self.timings, forces_of)
@@ -250,12 +250,13 @@ class Run:
             if kept is None:
                 kept = KeptBody(self.scene, self.problem.body, Timings(), KnownFactors())
             try:
-                found = asked_derivatives(kept, self.scene)
+                found = asked_derivatives(kept, self.scene, self._keys)
             except NotConvergedError as error:
                 logger.warning("no derivatives: %s", error)
                 return result
         seconds = Seconds(**self.timings.summary(self.problem.comm))
-        return dataclasses.replace(result, derivatives=found, timings=seconds)
+        result = dataclasses.replace(result, derivatives=found, timings=seconds)
+        return dataclasses.replace(result, uncertainty=uncertainties(self.scene, result))
 
     def contacts(self, quantities: Sequence[Quantities] | None = None) -> list[ContactRecord]:
         """``contacts`` of ``result.json``.

@@ -17,7 +17,7 @@ from fenics_contact.report.page import tables
 from fenics_contact.report.page.templates import render
 from fenics_contact.results.accuracy_messages import level_rows
 from fenics_contact.results.records.run import RunRecord
-from fenics_contact.results.words.derivatives import derivative_rows
+from fenics_contact.results.words.derivatives import derivative_rows, uncertainty_rows
 from fenics_contact.results.words.headlines import headlines
 from fenics_contact.results.words.tables import branch_rows
 
@@ -74,7 +74,7 @@ SECTIONS = (
         ),
     ),
     Section("quantities", "Quantities and errors", lambda content: bool(content.result.quantities)),
-    Section("derivatives", "Derivatives", lambda content: bool(content.result.derivatives)),
+    Section("sensitivities", "Sensitivities", lambda content: bool(content.result.derivatives)),
     Section("scene", "Scene"),
     Section("model", "Model"),
     Section("contacts", "Contacts", lambda content: bool(content.result.contacts)),
@@ -107,6 +107,7 @@ def page(content: Content) -> str:
         branches=branch_rows(result.branches, result.units),
         levels=level_rows(result),
         derivatives=derivative_rows(result),
+        uncertainties=uncertainty_rows(result),
         last_imbalances=", ".join(imbalances) or "none",
         ranks=result.model.ranks,
         is_of_script=result.scene.startswith("# This file cannot be run"),

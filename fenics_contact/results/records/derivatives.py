@@ -17,12 +17,15 @@ class Derivative(Record):
         spread: How far derivatives of single answers in the window lie from it.
         discrete: Exact derivative of the discrete answer, automatic parameters held; null of areas
             and radii.
+        normalised: The value times the number over the quantity: percent of the one for a percent
+            of the other; null where one of them is 0.
         one_sided: Whether points just touch, or just slip, so that the discrete answer has a kink.
     """
 
     value: float | None
     spread: float | None
     discrete: float | None
+    normalised: float | None = None
     one_sided: bool
 
 

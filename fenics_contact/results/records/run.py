@@ -16,6 +16,7 @@ from fenics_contact.results.records.derivatives import Derivative
 from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Model, Seconds
 from fenics_contact.results.records.record import Errors, Quantities, Record
 from fenics_contact.results.records.steps import BranchRecord, CheckRecord, StepRecord
+from fenics_contact.results.records.uncertainty import Uncertainty
 from fenics_contact.results.records.units import UnitsRecord
 
 
@@ -41,13 +42,16 @@ class Outcome(Record):
         levels: Meshes on the way; left out where the scene asks for no accuracy.
         accuracy: What it asked for, and whether that was reached.
         derivatives: Quantity → key of the scene → what it depends on it by, where it was asked for.
+        uncertainty: Quantity → how far tolerances of the scene let it be off, and its error bar.
         error_notes: Sentences that say which errors were not estimated, and why.
         timings: Where the time went.
         versions: Program or library → version.
         units: Of all numbers of its files, where the scene has units.
     """
 
-    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"accuracy", "derivatives", "preloads", "units"})
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
+        {"accuracy", "derivatives", "preloads", "uncertainty", "units"}
+    )
 
     title: str
     converged: bool
@@ -65,6 +69,7 @@ class Outcome(Record):
     levels: list[LevelRecord] = field(default_factory=list)
     accuracy: AccuracyRecord | None = None
     derivatives: Mapping[str, Mapping[str, Derivative]] = field(default_factory=dict)
+    uncertainty: Mapping[str, Uncertainty] = field(default_factory=dict)
     error_notes: list[str] = field(default_factory=list)
     timings: Seconds
     versions: Mapping[str, str]

@@ -1,10 +1,11 @@
-"""Derivatives of a result as rows of a table."""
+"""Derivatives of a result, and what tolerances make of it, as rows of tables."""
 
 from __future__ import annotations
 
 from fenics_contact.results.records.derivatives import Derivative
 from fenics_contact.results.records.run import Outcome
-from fenics_contact.results.words.rounding import UNKNOWN, rounded
+from fenics_contact.results.records.uncertainty import Uncertainty
+from fenics_contact.results.words.rounding import UNKNOWN, bar_in_words, rounded
 
 _HEAD = ["derivative of", "in", "value", "±", "of the discrete answer", ""]
 
@@ -32,3 +33,28 @@ def _mean(found: Derivative) -> tuple[str, str]:
 
 def _discrete(found: Derivative) -> str:
     return UNKNOWN if found.discrete is None else f"{found.discrete:.6g}"
+
+
+def uncertainty_rows(result: Outcome) -> list[list[str]]:
+    """A table of what tolerances and the mesh make of each quantity; empty without tolerances.
+
+    Args:
+        result: The result.
+    """
+    rows = [
+        [
+            name,
+            *map(bar_in_words, (found.data, found.data_at_most, found.numerical)),
+            UNKNOWN if found.larger is None else f"the {found.larger}",
+            _largest(found),
+        ]
+        for name, found in result.uncertainty.items()
+    ]
+    head = ["± of", "by tolerances", "at most", "error bar", "larger", "most of the data by"]
+    return [head, *rows] if rows else []
+
+
+def _largest(found: Uncertainty) -> str:
+    """The key whose tolerance makes most of a quantity."""
+    parts = {key: part for key, part in found.by.items() if part}
+    return max(parts, key=lambda key: parts[key]) if parts else ""

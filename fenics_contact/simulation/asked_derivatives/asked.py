@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from fenics_contact.common.errors import InputError
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.derivatives import Derivative, Derivatives
@@ -9,6 +11,7 @@ from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.asked_derivatives.means import Mean, Means
 from fenics_contact.simulation.sensitivities.derivatives import keys_of
 from fenics_contact.simulation.sensitivities.state_gradients import Quantities
+from fenics_contact.simulation.sensitivities.values import found_in
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
 
@@ -16,23 +19,31 @@ from fenics_contact.simulation.studies.solved_derivatives import solved_derivati
 _MEANS_ALONE = ("contact_area", "stick_area", "slip_area", "contact_radius", "stick_radius")
 
 
-def require_known(problem: Problem) -> None:
-    """Refuse quantities and keys that have no derivative before anything is solved; collective.
+def keys_asked_of(problem: Problem) -> list[str]:
+    """Keys of the numbers in which a scene asks for derivatives; collective.
+
+    Those that it names, or all that there are, and those with tolerances.
 
     Args:
         problem: Of a scene that asks for derivatives.
 
     Raises:
-        InputError: One that is named has none.
+        InputError: A quantity or a key that is named has none.
     """
-    asked = problem.scene.derivatives
+    scene, time = problem.scene, problem.scene.steps.last
+    asked = scene.derivatives
     assert asked is not None
     try:
-        for name in _with_exact(problem.scene):
+        for name in _with_exact(scene):
             Quantities(problem).find(name)
-        keys_of(problem, problem.scene.steps.last, asked.by)
+        keys = keys_of(problem, time, asked.by)
     except InputError as error:
         raise InputError(f"derivatives.{error}") from None
+    try:
+        tolerated = keys_of(problem, time, list(scene.tolerances))
+    except InputError as error:
+        raise InputError(f"tolerances: {str(error).removeprefix('by: ')}") from None
+    return list(dict.fromkeys([*keys, *tolerated]))
 
 
 def _with_exact(scene: Scene) -> list[str]:
@@ -42,38 +53,55 @@ def _with_exact(scene: Scene) -> list[str]:
     return [name for name in asked.of if scene.names.find(name).quantity not in _MEANS_ALONE]
 
 
-def asked_derivatives(kept: KeptBody, scene: Scene) -> Derivatives:
+def asked_derivatives(kept: KeptBody, scene: Scene, keys: Sequence[str]) -> Derivatives:
     """Derivatives of the answer of a scene, as it asks for them; collective.
 
     Args:
         kept: Its body.
         scene: A scene that asks for derivatives.
+        keys: As of ``keys_asked_of``.
 
     Raises:
-        InputError: A quantity or a key has none.
+        InputError: A quantity has none.
         NotConvergedError: There is no answer.
     """
     asked = scene.derivatives
     assert asked is not None
-    of = _with_exact(scene) or ["strain_energy"]  # of which the keys are
     try:
-        exact = solved_derivatives(kept, scene, of, asked.by)
+        exact = solved_derivatives(kept, scene, _with_exact(scene), keys)
     except InputError as error:
         raise InputError(f"derivatives.{error}") from None
-    means = Means(kept, scene, list(asked.of), exact)
+    means = Means(kept, scene, list(asked.of), keys, exact)
     found: Derivatives = {name: {} for name in asked.of}
-    for key in exact.slopes[of[0]]:
-        mean = means.by(key)
+    for key in keys:
+        mean, number = means.by(key), float(found_in(scene, key))
         for name in asked.of:
-            discrete = exact.slopes.get(name, {}).get(key)
-            found[name][key] = _derivative(mean.get(name), discrete, exact.one_sided)
+            one = mean.get(name), exact.slopes.get(name, {}).get(key)
+            size = means.quantity(name)
+            found[name][key] = _derivative(*one, number / size if size else 0.0, exact.one_sided)
     return found
 
 
-def _derivative(mean: Mean | None, discrete: float | None, one_sided: bool) -> Derivative:
-    """With a spread that reaches the exact one, too."""
+def _derivative(
+    mean: Mean | None, discrete: float | None, ratio: float, one_sided: bool
+) -> Derivative:
+    """With a spread that reaches the exact one, too.
+
+    Args:
+        mean: And its spread.
+        discrete: The exact one.
+        ratio: Of the number to the quantity, 0 where there is none.
+        one_sided: Whether the answer has a kink.
+    """
     value = spread = None
     if mean is not None:
         value, spread = mean
         spread = spread if discrete is None else max(spread, abs(discrete - value))
-    return Derivative(value=value, spread=spread, discrete=discrete, one_sided=one_sided)
+    best = discrete if value is None else value
+    return Derivative(
+        value=value,
+        spread=spread,
+        discrete=discrete,
+        normalised=None if best is None or not ratio else best * ratio,
+        one_sided=one_sided,
+    )

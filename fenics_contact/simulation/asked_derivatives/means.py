@@ -6,7 +6,7 @@ exact derivatives are averaged instead, along a multiple of all that loads the s
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 from fenics_contact.body.description import BodyDescription
@@ -38,15 +38,26 @@ class Means:
         kept: The body.
         scene: The scene.
         names: Of quantities.
+        keys: Of numbers.
         exact: Derivatives of the answer itself.
     """
 
     def __init__(
-        self, kept: KeptBody, scene: Scene, names: list[str], exact: SolvedDerivatives
+        self,
+        kept: KeptBody,
+        scene: Scene,
+        names: list[str],
+        keys: Sequence[str],
+        exact: SolvedDerivatives,
     ) -> None:
-        self._kept, self._scene, self._names, self._exact = kept, scene, names, exact
+        self._kept, self._scene, self._names, self._keys = kept, scene, names, keys
+        self._with_exact = list(exact.slopes)
         self._answers = WindowAnswers(kept, scene)
         self._middle = self._answers.of(scene)
+
+    def quantity(self, name: str) -> float | None:
+        """The quantity itself, None where there is none."""
+        return None if self._middle is None else self._middle.values.get(name)
 
     def by(self, key: str) -> Mapping[str, Mean]:
         """Of each quantity that has one, the mean in a number; collective.
@@ -115,11 +126,9 @@ class Means:
     def _of_body(self) -> dict[str, dict[str, Mean]]:
         """Key → quantity → mean, of numbers that the body depends on; collective."""
         keys = [
-            key
-            for key in next(iter(self._exact.slopes.values()))
-            if self._is_of_body(key, float(found_in(self._scene, key)))
+            key for key in self._keys if self._is_of_body(key, float(found_in(self._scene, key)))
         ]
-        names = [name for name in self._names if name in self._exact.slopes]
+        names = self._with_exact
         samples, window = self._along_drive(names, keys)
         if not samples or window is None:
             return {}

@@ -62,7 +62,7 @@ def points_of(file: SceneFile, overrides: Sequence[str], grid: Grid) -> list[Poi
     for number, settings in enumerate(grid.settings()):
         try:
             data = file.data(overrides, settings)
-            scene = replace(file.scene(overrides, settings), derivatives=None)  # of rows, none
+            scene = replace(file.scene(overrides, settings), derivatives=None, tolerances={})
         except InputError as error:
             first = first or error
             points.append(Point(number, _digest(settings), None, str(error)))

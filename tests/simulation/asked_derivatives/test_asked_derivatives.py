@@ -81,6 +81,41 @@ def test_where_no_edge_moves_both_are_those_of_the_formula():
         assert not found[key].one_sided
 
 
+def test_tolerances_add_up_as_independent_errors():
+    """Of the block that touches everywhere, F = W δ / c."""
+    c = HEIGHT * (1 - 0.3**2) / 1000 + PENALTY
+    force, down = WIDTH * DELTA / c, "support.0.displacement.y"
+    scene = asking(uniform_block(), ("normal_force",), ())
+    scene = dataclasses.replace(scene, tolerances={E: 50.0, down: 1e-5})
+    result = run(scene, body=box_body((3, 2), (WIDTH, HEIGHT)))
+    parts = [force / c * HEIGHT * (1 - 0.3**2) / 1000**2 * 50, WIDTH / c * 1e-5]
+    found = result.uncertainty["normal_force"]
+    assert list(found.by.values()) == pytest.approx(parts, rel=1e-4)
+    assert found.data == pytest.approx(np.hypot(*parts), rel=1e-4)
+    assert found.data_at_most == pytest.approx(sum(parts), rel=1e-4)
+    assert found.numerical is None and found.larger is None  # no bars were asked for
+
+
+@pytest.mark.parametrize(
+    ("tolerances", "said"),
+    [
+        ({"solver.tolerance": 1e-3}, "tolerances: 'solver.tolerance' has no derivative"),
+        ({"contact.0.nothing": 1.0}, "tolerances: 'contact.0.nothing': the scene has no such key"),
+    ],
+)
+def test_tolerances_of_what_has_no_derivative_are_refused(tolerances, said):
+    scene = dataclasses.replace(asking(ON_A_FLOOR, ("normal_force",)), tolerances=tolerances)
+    with pytest.raises(InputError, match=said):
+        Run(scene, body=square())
+
+
+def test_tolerances_are_of_quantities_that_are_named():
+    with pytest.raises(InputError, match=r"say in \[derivatives\] of which quantities"):
+        dataclasses.replace(ON_A_FLOOR, tolerances={MU: 0.1})
+    with pytest.raises(InputError, match="greater than 0"):
+        dataclasses.replace(asking(ON_A_FLOOR, ("normal_force",)), tolerances={MU: 0.0})
+
+
 def test_discrete_ones_are_those_of_a_study():
     scene = asking(BALL, ("normal_force", "friction_work"), (MU, DEPTH))
     found = run(scene, body=box_body((8, 8), (1, 1))).derivatives
@@ -152,14 +187,30 @@ def test_a_scene_file_asks_and_the_files_tell(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["new", "own", "--quiet"]) == 0
     text = (tmp_path / "own.toml").read_text()
-    asked = '\n[derivatives]\nof = ["friction_force_x"]\nby = ["load.1.traction.0"]\n'
+    asked = """
+[derivatives]
+of = ["friction_force_x"]
+by = ["load.1.traction.0"]
+
+[tolerances]
+load.1.traction.0 = 0.3
+"load.0.pressure" = 1
+"""
     (tmp_path / "own.toml").write_text(text + asked)
     assert main(["run", "own.toml", "--out", "out"]) == 0
-    found = json.loads((tmp_path / "out" / "result.json").read_text())["derivatives"]
-    slope = found["friction_force_x"]["load.1.traction.0"]
-    assert set(slope) == {"value", "spread", "discrete", "one_sided"}
+    result = json.loads((tmp_path / "out" / "result.json").read_text())
+    slope = result["derivatives"]["friction_force_x"]["load.1.traction.0"]
+    assert set(slope) == {"value", "spread", "discrete", "normalised", "one_sided"}
+    assert slope["normalised"] == pytest.approx(1.0, rel=1e-6)
+    unsure = result["uncertainty"]["friction_force_x"]
+    assert unsure["data"] == pytest.approx(0.3, rel=1e-6)  # the pressure has no part in it
+    assert unsure["by"]["load.0.pressure"] == pytest.approx(0.0, abs=1e-6)
+    assert unsure["numerical"] is unsure["larger"] is None  # histories have no bars by themselves
     assert slope["value"] == pytest.approx(-1.0, rel=1e-6)  # equilibrium
     assert slope["discrete"] == pytest.approx(-1.0, rel=1e-8)
-    assert "derivative of" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "derivative of" in printed and "by tolerances" in printed
     assert main(["report", "out", "--quiet"]) == 0
-    assert "friction_force_x" in (tmp_path / "out" / "report.html").read_text()
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "friction_force_x: which number moves it most" in page
+    assert "The data or the mesh" in page
