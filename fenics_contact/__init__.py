@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.laws.friction_laws import (
         ComplianceFriction,
         CoulombFriction,
+        NonlocalFriction,
         PressureDependentFriction,
     )
     from fenics_contact.scene.laws.normal_laws import NormalCompliance, PressureFormula
@@ -67,6 +68,7 @@ __all__ = [
     "Measured",
     "MeshSource",
     "NoEquilibriumError",
+    "NonlocalFriction",
     "NormalCompliance",
     "NotConvergedError",
     "Obstacle",
@@ -112,6 +114,7 @@ _MODULES = {
     "scene.laws.friction_laws": (
         "ComplianceFriction",
         "CoulombFriction",
+        "NonlocalFriction",
         "PressureDependentFriction",
     ),
     "scene.laws.normal_laws": ("NormalCompliance", "PressureFormula"),

@@ -13,6 +13,7 @@ from fenics_contact.verification.published import hertz_pair as hertz_pair_cases
 from fenics_contact.verification.published import incline as incline_cases
 from fenics_contact.verification.published import joint as joint_cases
 from fenics_contact.verification.published import line as line_cases
+from fenics_contact.verification.published import nonlocal_friction as nonlocal_cases
 from fenics_contact.verification.published import pair as pair_cases
 from fenics_contact.verification.published import pair_ways as pair_ways_cases
 from fenics_contact.verification.published import point as point_cases
@@ -33,6 +34,7 @@ CASES: tuple[Case, ...] = (
     *pair_ways_cases.CASES,
     *hertz_pair_cases.CASES,
     *incline_cases.CASES,
+    *nonlocal_cases.CASES,
     *press_fit_cases.CASES,
     *joint_cases.CASES,
     *compliance_cases.CASES,

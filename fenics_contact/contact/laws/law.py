@@ -11,6 +11,7 @@ from fenics_contact.body.forms import CompiledForm
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import ContactState
+from fenics_contact.contact.surface.averaging import SurfaceAverage
 from fenics_contact.results.point_arrays import PointArray
 
 # What a law says twice: by forms, and at the points.
@@ -103,6 +104,20 @@ class ContactLaw:
         """
         normals = self.site.trace.normals
         return np.zeros((*normals.shape, normals.shape[1]))
+
+    @property
+    def neighbours(self) -> SurfaceAverage | None:
+        """What makes its forces at a point follow the jump at others; None where nothing does."""
+        return None
+
+    def tangent_between_points(self) -> Array:
+        """Minus the derivative of its traction in the jump at other points; collective.
+
+        Of each pair of ``neighbours``, beside ``tangent_at_points``, (pairs, components,
+        components) (stress/length).
+        """
+        size = self.site.trace.normals.shape[1]
+        return np.zeros((0, size, size))
 
     def kept(self) -> dict[str, Array]:
         """The arrays of ``state`` as they are, by name."""

@@ -19,7 +19,7 @@ force is lost at edges. Away from edges s is constant.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import coo_matrix, csr_matrix, diags
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.contact.surface.mirrored_places import MirroredPlaces
@@ -86,22 +86,38 @@ class SurfaceAverage:
 
     def transposed(self, values: Array) -> Array:
         """Wᵀ times values at the points, each of which counts once; (points,)."""
-        found = self._areas[self._mine] * self._scaled(self._scale * self._places.gathered(values))
+        found = self._areas[self.places] * self._scaled(self._scale * self._places.gathered(values))
         return np.asarray(found)
 
     @property
     def weights(self) -> Array:
         """W of ``rows`` and ``columns``, (pairs,)."""
         column = self._areas * self._scale
-        return np.asarray(self._scale[self._mine][self.rows] * self._values * column[self.columns])
+        return np.asarray(self._scale[self.places][self.rows] * self._values * column[self.columns])
 
     def gathered(self, values: Array) -> Array:
-        """Values at the points of all ranks, by their places, 0 at those that are no points."""
+        """Values at the points of all ranks, by their places, 0 at those that are no points.
+
+        Args:
+            values: At the points, first axis points.
+        """
         return self._places.gathered(values)
 
     @property
-    def _mine(self) -> Integers:
+    def matrix(self) -> csr_matrix:
+        """W between all places."""
+        columns = self._areas * self._scale
+        return csr_matrix(diags(self._scale) @ self._kernel @ diags(columns))
+
+    @property
+    def places(self) -> Integers:
+        """Numbers of this rank's points among the places of all ranks; nodes by theirs."""
         return self._places.mine
+
+    @property
+    def nodes_of_places(self) -> tuple[Integers, Array]:
+        """Nodes of the surface that each place moves with, and their shares, (places, 1 or 6)."""
+        return self._places.nodes_of_places
 
     @property
     def _areas(self) -> Array:
@@ -112,7 +128,7 @@ class SurfaceAverage:
 
     def _scaled(self, at_places: Array) -> Array:
         """Kernel and scale times values at all places, at the points of this rank."""
-        return np.asarray((self._scale * (self._kernel @ at_places))[self._mine])
+        return np.asarray((self._scale * (self._kernel @ at_places))[self.places])
 
 
 def bump(ratio: Array) -> Array:

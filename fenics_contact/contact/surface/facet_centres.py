@@ -22,7 +22,7 @@ _CENTRE = np.array([[1 / 3, 1 / 3]])
 # Weights on the reference triangle (area 1/2): vertices, midpoints, centre.
 _VERTEX, _MIDPOINT, _MIDDLE = 1 / 40, 1 / 15, 9 / 40
 # The six shape functions at the centre: vertices, midpoints.
-_AT_CENTRE = np.array([-1 / 9] * 3 + [4 / 9] * 3)
+AT_CENTRE = np.array([-1 / 9] * 3 + [4 / 9] * 3)
 
 
 def custom_rule(points: Array, weights: Array) -> Rule:
@@ -83,18 +83,18 @@ class FacetCentres:
 
     def interpolate(self, nodal: Array) -> Array:
         """Values at the centres of a function given at all nodes."""
-        return np.tensordot(nodal[self.nodes], _AT_CENTRE, axes=(1, 0))
+        return np.tensordot(nodal[self.nodes], AT_CENTRE, axes=(1, 0))
 
     def collected(self, values: Array) -> Array:
         """Σ N_i × vectors (centres, components), at all nodes of this rank; collective."""
         nodal = np.zeros((len(self._surface.coordinates), values.shape[1]))
-        np.add.at(nodal, self.nodes, values[:, None, :] * _AT_CENTRE[:, None])
+        np.add.at(nodal, self.nodes, values[:, None, :] * AT_CENTRE[:, None])
         return self._surface.summed(nodal)
 
     def spread(self, values: Array) -> Array:
         """Σ |N_i| × values over the centres, at all nodes of this rank; collective."""
         nodal = np.zeros(len(self._surface.coordinates))
-        np.add.at(nodal, self.nodes, values[:, None] * np.abs(_AT_CENTRE))
+        np.add.at(nodal, self.nodes, values[:, None] * np.abs(AT_CENTRE))
         return self._surface.summed(nodal)
 
     def vector_correction(self, nodal: Function, values: Array) -> Function:

@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import gather_rows
+from fenics_contact.contact.surface.facet_centres import AT_CENTRE
 from fenics_contact.contact.surface.trace import Trace
 
 # Over the extent of the surface: places nearer than that are one.
@@ -32,6 +33,7 @@ class MirroredPlaces:
         mine: Places of this rank's contact points, (points,).
         coordinates: Of all places, (places, 3) (length).
         normals: Likewise, (places, components).
+        nodes_of_places: Nodes that each place moves with, and their shares, (places, 1 or 6).
         signs: Of the mirror images along the axes, the surface itself first, (copies, 3).
 
     Args:
@@ -51,12 +53,13 @@ class MirroredPlaces:
         first = len(nodes) + _before_this_rank(trace)
         own = np.arange(first, first + len(trace.centres))
         self.mine: Integers = np.concatenate([numbers, own])
+        self.nodes_of_places = self._nodes_of_places()
         self.signs, self._offsets = _images(trace, reach)
         self._same = self._identified()
         self._steps = self._neighbouring(own)
 
     def gathered(self, values: Array) -> Array:
-        """Values at this rank's points, (points,), at all places; 0 at those that are no points.
+        """Values at this rank's points, first axis points, at all places; 0 where is no point.
 
         Collective.
         """
@@ -65,6 +68,20 @@ class MirroredPlaces:
         return np.concatenate(
             [at_nodes, gather_rows(trace.surface.comm, values[len(trace.nodes) :])]
         )
+
+    def _nodes_of_places(self) -> tuple[Integers, Array]:
+        """A node moves with itself, a centre with the nodes of its facet; collective."""
+        trace, surface = self._trace, self._trace.surface
+        count = surface.space.dofmap.index_map.size_global
+        itself = np.arange(count)[:, None]
+        if trace.nodal:
+            return itself, np.ones((count, 1))
+        facets = gather_rows(surface.comm, surface.numbers[surface.facet_nodes].astype(np.int64))
+        width = facets.shape[1]
+        nodes = np.concatenate([np.repeat(itself, width, axis=1), facets])
+        shares = np.tile(AT_CENTRE, (len(nodes), 1))
+        shares[:count] = np.eye(1, width)
+        return nodes, shares
 
     def _copy(self, number: int) -> Array:
         """Coordinates of one of the copies, (places, 3)."""

@@ -83,7 +83,7 @@ class LimitAnalysis:
         self._has_known = bool((cones.bounds > 0).any())
         self._load = np.append(force / unit, 1.0) if self._has_known else force / unit
         self._sizes = np.linalg.norm(cones.closing, axis=1)
-        self._rubs = cones.coefficients * np.linalg.norm(cones.slips, axis=(1, 2))
+        self._rubs = cones.resisted(np.linalg.norm(cones.slips, axis=(1, 2)))
         self._count = len(force)
 
     def used_share(self) -> tuple[float, Array]:
@@ -144,10 +144,10 @@ class LimitAnalysis:
         rays = []
         if len(cones.closing):
             vectors, lengths = _slips(cones.slips, motion)
-            works = cones.closing @ motion + share * cones.coefficients * lengths
+            works = cones.closing @ motion + share * cones.resisted(lengths)
             point = int(np.argmax(works / (self._sizes + share * self._rubs + 1e-300)))
-            along = vectors[point] / (lengths[point] or 1.0) @ cones.slips[point]
-            ray = cones.closing[point] + share * cones.coefficients[point] * along
+            along = vectors / np.where(lengths > 0, lengths, 1.0)[:, None]
+            ray = cones.closing[point] + share * cones.rubbing(point, along)
             rays.append(Ray(np.append(ray, 0.0) if self._has_known else ray, point))
         if self._has_known:
             slope = self._known(motion)[1]
@@ -168,13 +168,12 @@ class LimitAnalysis:
     def _trial(self, share: float, found: Separation) -> _Trial:
         """What a motion found at a share says of the share to be found."""
         motion, cones = found.motion[: self._count], self._cones
-        falls = 0.0
+        falls, resisted = 0.0, cones.resisted(_slips(cones.slips, motion)[1])
         for ray, amount in zip(found.rays, found.amounts, strict=True):
             if ray.origin == _KNOWN_FRICTION:
                 falls += amount * self._known(motion)[0]
             elif ray.origin != _UNUSED_FRICTION:
-                slipped = np.linalg.norm(cones.slips[ray.origin] @ motion)
-                falls += amount * cones.coefficients[ray.origin] * slipped
+                falls += amount * resisted[ray.origin]
         return _Trial(share, found, falls, self._shown_share(share, found))
 
     def _shown_share(self, share: float, found: Separation) -> float:
@@ -182,7 +181,7 @@ class LimitAnalysis:
         motion, cones = found.motion[: self._count], self._cones
         dissipated = self._known(motion)[0]
         _, lengths = _slips(cones.slips, motion)
-        rubs = cones.coefficients * lengths
+        rubs = cones.resisted(lengths)
         rises = rubs > 1e-9 * np.linalg.norm(motion)
         shares = -(cones.closing @ motion)[rises] / rubs[rises]
         work = self._load[: self._count] @ motion

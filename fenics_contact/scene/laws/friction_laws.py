@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from fenics_contact.scene.laws.kinds import chosen_by_kind
-from fenics_contact.scene.units.dimensions import STIFFNESS_OF_POWER, STRESS
-from fenics_contact.scene.values import Number, Value, scene_class
+from fenics_contact.scene.units.dimensions import LENGTH, STIFFNESS_OF_POWER, STRESS
+from fenics_contact.scene.values import Number, Positive, Value, scene_class
 
 _Shares = Annotated[
     tuple[Annotated[Number, Field(ge=0)], ...],
@@ -90,6 +90,25 @@ class CoulombFriction(FrictionLawTable):
 
     is_proportional: ClassVar[bool] = True
     kind: Annotated[Literal["coulomb"], Field(description="which law it is")]
+
+
+@scene_class
+class NonlocalFriction(FrictionLawTable):
+    """Nonlocal friction: Coulomb's, of the pressure averaged around each point (Duvaut 1980).
+
+    >>> NonlocalFriction(kind="nonlocal", averaging_radius=0.3).averaging_radius
+    0.3
+    """
+
+    kind: Annotated[Literal["nonlocal"], Field(description="which law it is")]
+    averaging_radius: Annotated[
+        Positive,
+        LENGTH,
+        Field(
+            description="ρ up to which pressures along the surface are averaged; where cells are "
+            "larger, it is Coulomb's law"
+        ),
+    ]
 
 
 @scene_class

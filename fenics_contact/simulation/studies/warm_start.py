@@ -206,7 +206,7 @@ class Uniqueness:
     """
 
     def __init__(self) -> None:
-        self._limits: dict[int, float | None] = {}
+        self._limits: dict[tuple[int, float], float | None] = {}
 
     def is_sure(self, system: CondensedSystem) -> bool:
         """Whether the present problem has but one answer, by the estimate; collective."""
@@ -215,13 +215,15 @@ class Uniqueness:
 
     def _is_below(self, system: CondensedSystem, number: int, contact: ContactSurface) -> bool:
         comm = contact.spaces.comm
-        if not contact.friction.rule.is_proportional:
+        if not contact.friction.rule.is_linear:
             return False
         coefficient = contact.friction.largest_coefficient
         most = largest(comm, coefficient)
         if contact.kinematics.pairing is not None or smallest(comm, coefficient) < most:
             return False
-        if number not in self._limits:
-            self._limits[number] = uniqueness_limit(system, number, every=True)
-        limit = self._limits[number]
+        neighbours = contact.friction.neighbours
+        key = number, 0.0 if neighbours is None else neighbours.radius
+        if key not in self._limits:
+            self._limits[key] = uniqueness_limit(system, number, every=True)
+        limit = self._limits[key]
         return limit is not None and most <= limit

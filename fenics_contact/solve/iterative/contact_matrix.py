@@ -64,12 +64,8 @@ class ContactMatrix(AddedTangents):
 
     def _at_places(self, surface: SurfaceMatrix) -> Pairs:
         """Pairs of dofs, one for each entry of a contact's tangent."""
-        assembled = surface.assembled
-        if assembled is None:
-            none = np.zeros(0, dtype=np.int64)
-            return none, none
-        rows, columns = surface.dofs[assembled.rows], surface.dofs[assembled.columns]
-        return self._matrix_rows(rows), self._matrix_rows(columns)
+        rows, columns = surface.places
+        return self._matrix_rows(surface.dofs[rows]), self._matrix_rows(surface.dofs[columns])
 
     def _with_scalar(self, number: int) -> Pairs:
         """Pairs of a scalar with what it may be coupled with."""

@@ -102,10 +102,7 @@ class PairMatrix:
         self._stiffness: PETSc.Mat = PETSc.Mat().createAIJ(
             ((owned, PETSc.DETERMINE), (owned, PETSc.DETERMINE)), comm=slave.comm
         )
-        assembled = surface.assembled
-        none = np.zeros(0, dtype=np.int64)
-        places = (none, none) if assembled is None else (assembled.rows, assembled.columns)
-        preallocate_places(self._stiffness, *places)
+        preallocate_places(self._stiffness, *surface.places)
         self.dofs = PairDofs(slave, pairing, body)
         self._jump, self._force = self.dofs.slave_vector(), self.dofs.slave_vector()
 

@@ -13,6 +13,7 @@ from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ScalarUnknown
 from fenics_contact.solve.systems.bordered_tangent import AddedTangents
+from fenics_contact.solve.systems.petsc_library import preallocate_places, set_at_places
 
 
 class LinearSystem(AddedTangents):
@@ -27,7 +28,7 @@ class LinearSystem(AddedTangents):
         super().__init__(problem, displacement)
         self._mixed = problem.elastic.mixed
         self._far_volumes: list[Array] = []
-        displacement = self._with_opposites(displacement)
+        displacement = self._with_neighbours(self._with_opposites(displacement))
         if self._mixed is None and self.scalars == 0:
             self.stiffness = displacement
             return
@@ -63,6 +64,20 @@ class LinearSystem(AddedTangents):
         room.setPreallocationNNZ(tuple(counts.astype(PETSc.IntType)))
         self._reserve_pairs(room)
         room.assemble()
+        room.axpy(1.0, displacement, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        displacement.destroy()
+        return room
+
+    def _with_neighbours(self, displacement: PETSc.Mat) -> PETSc.Mat:
+        """K with room for what couples points of a contact with each other; collective."""
+        alone = [s for s in self.surfaces if s.pair is None and s.between_points]
+        if not alone:
+            return displacement
+        every = [(s.dofs[one.rows], s.dofs[one.columns]) for s in alone for one in s.between_points]
+        rows, columns = (np.concatenate(part) for part in zip(*every, strict=True))
+        room: PETSc.Mat = PETSc.Mat().createAIJ(displacement.getSizes(), comm=self._problem.comm)
+        preallocate_places(room, rows, columns)
+        set_at_places(room, np.zeros(len(rows)))
         room.axpy(1.0, displacement, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
         displacement.destroy()
         return room

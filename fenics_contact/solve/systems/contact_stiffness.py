@@ -13,6 +13,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.mortar.pairing import Pairing
 from fenics_contact.contact.surface.point_rule import needs_centres
 from fenics_contact.contact.surface.space import SurfaceSpace
+from fenics_contact.solve.systems.neighbour_stiffness import NeighbourStiffness
 from fenics_contact.solve.systems.pair_stiffness import Entries, PairStiffness
 
 
@@ -43,11 +44,40 @@ class SurfaceMatrix:
             return None
         return AssembledForms(first, self._surface, not needs_centres(self._surface.spaces))
 
+    @cached_property
+    def between_points(self) -> list[NeighbourStiffness]:
+        """Of the laws whose forces at a point follow the jump at others; collective."""
+        terms = self.contact.terms
+        found = [(term, term.neighbours) for term in terms]
+        return [NeighbourStiffness(term, by) for term, by in found if by is not None]
+
+    @property
+    def places(self) -> tuple[Integers, Integers]:
+        """Rows and columns of ``entries``, where laws go by their forms; collective."""
+        none = np.zeros(0, dtype=np.int64)
+        own = self.assembled
+        rows, columns = (none, none) if own is None else (own.rows, own.columns)
+        return self._with_neighbours(rows, columns)
+
+    def _with_neighbours(self, rows: Integers, columns: Integers) -> tuple[Integers, Integers]:
+        return (
+            np.concatenate([rows, *(one.rows for one in self.between_points)]),
+            np.concatenate([columns, *(one.columns for one in self.between_points)]),
+        )
+
     def entries(self) -> Entries:
         """Rows, columns (dofs of the surface) and values; every rank has some of them.
 
-        They are at the same places every time.
+        They are at the same places every time; collective.
         """
+        rows, columns, values = self._entries_at_points()
+        if self.between_points:
+            rows, columns = self._with_neighbours(rows, columns)
+            values = np.concatenate([values, *(one.values() for one in self.between_points)])
+        return rows, columns, values
+
+    def _entries_at_points(self) -> Entries:
+        """The same of each point by itself."""
         if self.contact.by_points:
             trace = self.contact.trace
             blocks = sum(term.tangent_at_points() for term in self.contact.terms)

@@ -171,8 +171,10 @@ def dissipation(contacts: list[ComparedFriction]) -> Check | None:
     """
 
     def given(compared: ComparedFriction) -> tuple[float, Place]:
-        # Open points move far, and carry nothing: beside their slip all others are short.
-        slip = np.where((compared.status != OPEN)[:, None], compared.slip, 0.0)
+        # Open points move far, and carry nothing: beside their slip all others are short. Only
+        # where neighbours' pressures give them a bound they carry friction, too.
+        carries = (compared.status != OPEN) | (compared.bound > 0)
+        slip = np.where(carries[:, None], compared.slip, 0.0)
         power = np.einsum("ij,ij->i", compared.bulk, slip)
         longest = largest(compared.comm, np.linalg.norm(slip, axis=1)) or 1.0
         if compared.nodal:

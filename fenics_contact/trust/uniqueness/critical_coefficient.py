@@ -2,10 +2,11 @@
 
 Points that touch and slip one way satisfy p ≥ 0, gap ≥ 0, p · gap = 0, gap = G_nn p ± G_nt M p + c.
 The compliance G of the body (or of both) at the contact says how far forces across and along it
-move its points across it, and M is the friction coefficient. If pᵀ(G_nn ± G_nt M) p > 0 for all
-p ≠ 0, such a problem has exactly one answer, whatever the loads (R. W. Cottle, J.-S. Pang, R. E.
-Stone, The Linear Complementarity Problem, SIAM 2009, Theorem 3.1.6). Beyond, there may be several:
-P. Hild, C. R. Acad. Sci. Paris, Ser. I 337 (2003) 685-688. It is an estimate, as points may also
+move its points across it, and M is the friction coefficient; of nonlocal friction it is M Wᵀ, as
+bounds follow the pressures' averages W. If pᵀ(G_nn ± G_nt M) p > 0 for all p ≠ 0, such a problem
+has exactly one answer, whatever the loads (R. W. Cottle, J.-S. Pang, R. E. Stone, The Linear
+Complementarity Problem, SIAM 2009, Theorem 3.1.6). Beyond, there may be several: P. Hild, C. R.
+Acad. Sci. Paris, Ser. I 337 (2003) 685-688. It is an estimate, as points may also
 stick, and slip in several directions at once.
 """
 
@@ -16,7 +17,7 @@ from contextlib import suppress
 
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky, solve_triangular
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, diags
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from fenics_contact.common.arrays import Array, Integers
@@ -63,7 +64,11 @@ def uniqueness_limit(system: CondensedSystem, number: int, every: bool = False) 
     across = _along(places, normals, system.surface_size(number))
     ways = [_along(places, way, system.surface_size(number)) for way in _tangents(normals)]
     found = system.compliances(number, across, ways)
-    share = None if found is None else _largest_share(*found, coefficient)
+    neighbours = contact.friction.neighbours
+    friction = diags(coefficient)  # M, of forces at points
+    if neighbours is not None:  # a pressure's share in the bounds around it, as forces
+        friction = friction @ neighbours.matrix[places][:, places].T
+    share = None if found is None else _largest_share(*found, friction)
     share = from_root(system.comm, share)
     return float(coefficient.max() / share) if share is not None and share > _NONE else None
 
@@ -114,7 +119,7 @@ def _tangents(normals: Array) -> list[Array]:
     return found
 
 
-def _largest_share(across: Array, couplings: list[Array], coefficient: Array) -> float | None:
+def _largest_share(across: Array, couplings: list[Array], friction: csr_matrix) -> float | None:
     """Largest |pᵀ G_nt M p| over pᵀ G_nn p."""
     try:
         root = cholesky(across, lower=True)
@@ -122,7 +127,7 @@ def _largest_share(across: Array, couplings: list[Array], coefficient: Array) ->
         return None
     worst = 0.0
     for coupling in couplings:
-        slipping = coupling * coefficient
+        slipping = np.asarray(coupling @ friction)
         symmetric = 0.5 * (slipping + slipping.T)
 
         def scaled(vector: Array, symmetric: Array = symmetric) -> Array:

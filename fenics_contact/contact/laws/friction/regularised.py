@@ -21,6 +21,7 @@ from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import OPEN, SLIP, STICK
+from fenics_contact.contact.surface.averaging import SurfaceAverage
 from fenics_contact.results.point_arrays import PointArray
 
 # Where the bound is not to be seen from the pressure, results have it at the points.
@@ -91,9 +92,9 @@ class RegularisedFriction(FrictionLaw):
     @property
     def tangents(self) -> tuple[CompiledForm, ...]:
         """Forms of the tangent in the present mode."""
-        if self.mode == "coupled":
+        if self.mode == "coupled" and self.neighbours is None:
             return (self.tangent, self._forms.coupling)
-        return (self.tangent,) if self.mode in ("law", "status") else ()
+        return (self.tangent,) if self.mode in ("law", "status", "coupled") else ()
 
     @property
     def regularisation_parameter(self) -> float:
@@ -197,11 +198,29 @@ class RegularisedFriction(FrictionLaw):
             return super().tangent_at_points()
         state = self._primal_dual
         found = state.tangent
-        if self.mode == "coupled":
+        if self.mode == "coupled" and self.neighbours is None:
             jump = self.site.kinematics.jump_at_points()
             steep = self.bound_slope(self.normal.pressure(jump))
             found += state.coupling(steep[:, None] * self.normal.pressure_slope(jump))
         return found
+
+    @property
+    def neighbours(self) -> SurfaceAverage | None:
+        """Those whose pressures the bound averages."""
+        return self.rule.neighbours
+
+    def tangent_between_points(self) -> Array:
+        """What a bound that follows the pressures of neighbours adds; collective."""
+        neighbours = self.neighbours
+        size = self.reference.shape[1]
+        if neighbours is None or self.mode != "coupled":
+            return np.zeros((0 if neighbours is None else len(neighbours.rows), size, size))
+        jump = self.site.kinematics.jump_at_points()
+        steep = self.bound_slope(self.normal.pressure(jump))
+        slopes = neighbours.gathered(self.normal.pressure_slope(jump))
+        along = self._primal_dual.along * steep[:, None, None]
+        weighted = neighbours.weights[:, None] * slopes[neighbours.columns]
+        return np.asarray(along[neighbours.rows] * weighted[:, None, :])
 
     @property
     def _primal_dual(self) -> PrimalDual:

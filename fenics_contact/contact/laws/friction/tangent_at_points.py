@@ -48,13 +48,17 @@ class PrimalDual:
         Args:
             slope: Its derivative in the jump, (points, components) (stress/length).
         """
+        return self.along * slope[:, None, :]
+
+    @property
+    def along(self) -> Array:
+        """Minus the traction for a unit of the bound, (points, components, 1)."""
         size = self.jump.shape[1]
         names = ("test", "normal", "direction")
         points = point_density(_coulomb, **dict.fromkeys(names, size), bound=0)
-        along = points.curvatures(
+        return points.curvatures(
             "test", "bound", **{name: self._values[name] for name in (*names, "bound")}
         )
-        return along * slope[:, None, :]
 
     @property
     def _density(self) -> PointDensity:

@@ -1,4 +1,4 @@
-"""How large friction may be, one file a rule: Coulomb's, by pressure, compliance.
+"""How large friction may be, one file a rule: Coulomb's, by pressure, compliance, nonlocal.
 
 A new rule is a file of its own, a line in ``RULES`` and a class in ``scene/laws/friction_laws.py``.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 from fenics_contact.contact.laws.friction.rules.by_pressure import ByPressure
 from fenics_contact.contact.laws.friction.rules.compliance import Compliance
 from fenics_contact.contact.laws.friction.rules.coulomb import Coulomb
+from fenics_contact.contact.laws.friction.rules.nonlocal_friction import Nonlocal
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
@@ -16,6 +17,7 @@ RULES: tuple[type[FrictionRule], ...] = (
     Coulomb,
     ByPressure,
     Compliance,
+    Nonlocal,
 )
 
 

@@ -19,6 +19,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.contact.surface.averaging import SurfaceAverage
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +45,7 @@ class FrictionRule:
         is_proportional: Whether the bound is one coefficient times the pressure.
         has_derivatives: Whether ``pulled_back`` is all that quantities derive through the bound.
         coefficient: The scene's friction coefficient at the points, (points,).
+        neighbours: How it averages the pressure; None where each point goes by its own.
 
     Args:
         site: Where it acts.
@@ -56,6 +58,7 @@ class FrictionRule:
     kind: ClassVar[str]
     is_proportional: ClassVar[bool] = False
     has_derivatives: ClassVar[bool] = True
+    neighbours: SurfaceAverage | None = None
 
     def __init__(self, site: LawSite, normal: NormalLaw) -> None:
         self.site, self.normal = site, normal
@@ -66,6 +69,11 @@ class FrictionRule:
     def fields(self) -> Mapping[str, Array]:
         """Parameters of ``bound`` at the points, by name, each (points,)."""
         return {"coefficient": self.coefficient}
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the bound grows in proportion with all pressures."""
+        return self.is_proportional
 
     @property
     def constants(self) -> Mapping[str, float]:
@@ -87,21 +95,37 @@ class FrictionRule:
     def largest_coefficient(self) -> Array:
         """Largest ratio of the bound to a pressure, over all pressures, (points,)."""
 
-    def at(self, pressure: Array) -> Array:
-        """The bound at the points (stress).
+    def averaged(self, pressure: Array) -> Array:
+        """The pressure that the bound follows at each point (stress); collective.
 
         Args:
             pressure: At the points (stress).
         """
-        return self._at_points.value(pressure=pressure, **self._values)
+        return pressure
+
+    def averaged_back(self, of_averaged: Array) -> Array:
+        """What a quantity's derivatives in ``averaged`` are in the pressure; collective.
+
+        Args:
+            of_averaged: At the points, (points,).
+        """
+        return of_averaged
+
+    def at(self, pressure: Array) -> Array:
+        """The bound at the points (stress); collective.
+
+        Args:
+            pressure: At the points (stress).
+        """
+        return self._at_points.value(pressure=self.averaged(pressure), **self._values)
 
     def slope(self, pressure: Array) -> Array:
-        """Its derivative in the pressure at the points, (points,).
+        """Its derivative in the pressure that it follows, at the points, (points,); collective.
 
         Args:
             pressure: At the points (stress).
         """
-        return self._at_points.slope("pressure", pressure=pressure, **self._values)
+        return self._at_points.slope("pressure", pressure=self.averaged(pressure), **self._values)
 
     def in_ufl(self, pressure: Expr) -> Expr:
         """The bound on the surface in UFL, for forms (stress).
@@ -118,13 +142,15 @@ class FrictionRule:
     def pulled_back(self, pressure: Array, of_bound: Array) -> BoundGradient:
         """What a quantity's derivatives in the bound are in what the bound follows from.
 
+        Collective.
+
         Args:
             pressure: At the points (stress).
             of_bound: Derivatives of the quantity in the bound, (points,).
         """
-        points, values = self._at_points, {"pressure": pressure, **self._values}
+        points, values = self._at_points, {"pressure": self.averaged(pressure), **self._values}
         return BoundGradient(
-            pressure=points.slope("pressure", **values) * of_bound,
+            pressure=self.averaged_back(points.slope("pressure", **values) * of_bound),
             coefficient=points.slope("coefficient", **values) * of_bound,
         )
 
