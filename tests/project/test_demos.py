@@ -35,6 +35,8 @@ LONG = {
         "steps.times=[1, 1.5, 2, 3, 4, 6]",
     ],
 }
+# Another of their kind runs on two ranks: for them it is enough that the scene is the script's.
+ON_ONE_RANK = ("annulus", "incline")
 # One of each kind has its pictures drawn here; the documentation has those of all demos.
 DRAWN = ("slab", "sphere", "cylinders")
 WEIGHT, SLOPE, FRICTION = 10, 0.1, 0.3  # of the block on an incline
@@ -184,6 +186,8 @@ def test_script_and_scene_on_one_and_two_ranks(name, of_script, tmp_path):
             "scene": (from_scene, [], 1),
             "scene on 2": (from_scene, [], 2),
         }
+    elif name in ON_ONE_RANK:
+        runs = {}
     else:
         runs = {"scene on 2": (from_scene, ["--set", NO_ERRORS], 2)}
     reference = quantities(script)
@@ -222,13 +226,17 @@ def test_cylinders_against_hertz_and_cattaneo(of_script):
     assert found["stick_area"] == pytest.approx(2 * half_width * sqrt(1 - used), rel=1e-2)
 
 
-@pytest.mark.parametrize("name", LONG)
+@pytest.mark.parametrize("name", [*LONG, *ON_ONE_RANK])
 def test_script_says_what_the_scene_does(name):
     script = runpy.run_path(str(ROOT / "demos" / f"demo_{name}.py"))["scene"]
     scene = load_scene(ROOT / "demos" / f"{name}.toml", ())
-    ((mine,), (other,)) = script.mesh, scene.mesh
-    assert Path(mine.file).resolve() == Path(other.file).resolve()
-    assert replace(script, mesh=replace(mine, file=other.file)) == scene
+    assert placed(script) == placed(scene)
+
+
+def placed(scene):
+    """A scene whose files have their whole paths."""
+    meshes = [replace(mesh, file=str(Path(mesh.file).resolve())) for mesh in scene.mesh]
+    return replace(scene, mesh=meshes)
 
 
 def history_of(name, folder, ranks):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -17,20 +19,26 @@ from tests.conftest import COMM
 from tests.scenes import box_body
 
 
+@pytest.fixture(scope="module")
+def row_of():
+    """What was measured of a case, in a process of its own, once."""
+    return functools.cache(lambda case: measured(case.name, "condensed"))
+
+
 @pytest.mark.serial
 @pytest.mark.parametrize("case", [square(90), FLAT[0]])
-def test_estimate_is_near_the_peak_of_a_process(case):
+def test_estimate_is_near_the_peak_of_a_process(case, row_of):
     """Which ``fenics-contact verify memory`` tests over a longer table."""
-    row = measured(case.name, "condensed")
+    row = row_of(case)
     assert row["converged"]
     assert row["measured"] > COUNTS_FROM
     assert LEAST < row["estimate"] / row["measured"] < MOST
 
 
 @pytest.mark.serial
-def test_verify_measures_a_case_and_refuses_an_estimate_that_is_far_off(monkeypatch):
+def test_verify_measures_a_case_and_refuses_an_estimate_that_is_far_off(monkeypatch, row_of):
     run = (square(90), "condensed", 1)
-    row = check.measured(run[0].name, run[1])
+    row = dict(row_of(run[0]))
     ratio = row["estimate"] / row["measured"]
     monkeypatch.setattr(check, "measured", lambda case, solver: row)
     (found,) = check.findings_of([run])
