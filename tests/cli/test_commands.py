@@ -172,6 +172,7 @@ def test_run_writes_what_the_interface_promises(folder):
         "solve",
         "output",
         "errors",
+        "derivatives",
         "total",
     }
     phases = [seconds for phase, seconds in result["timings"].items() if phase != "total"]
