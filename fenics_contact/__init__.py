@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         CoulombFriction,
         NonlocalFriction,
         PressureDependentFriction,
+        SlipDependentFriction,
     )
     from fenics_contact.scene.laws.normal_laws import NormalCompliance, PressureFormula
     from fenics_contact.scene.material import Material
@@ -81,6 +82,7 @@ __all__ = [
     "Result",
     "Run",
     "Scene",
+    "SlipDependentFriction",
     "SolverSettings",
     "Steps",
     "Study",
@@ -116,6 +118,7 @@ _MODULES = {
         "CoulombFriction",
         "NonlocalFriction",
         "PressureDependentFriction",
+        "SlipDependentFriction",
     ),
     "scene.laws.normal_laws": ("NormalCompliance", "PressureFormula"),
     "scene.reading": ("load_scene",),

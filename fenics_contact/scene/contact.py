@@ -272,6 +272,11 @@ class Contact:
         self._require_fit()
         if self.friction_law is not None:
             self.friction_law.require_fit(self.kind, self.friction_coefficient)
+            if self.friction_law.needs_steps and self.law != "incremental":
+                raise ValueError(
+                    f"law = '{self.law}': {self.friction_law.kind} friction follows the slip of "
+                    "load steps, which needs law = 'incremental'"
+                )
         if isinstance(self.pressure_path, Path) and min(self.pressure_path.factor) < 0:
             raise ValueError("pressure_path: the factors must be ≥ 0, contact does not pull")
         for key in ("pressure", "friction_coefficient", "foundation_stiffness"):

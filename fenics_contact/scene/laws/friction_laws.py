@@ -32,10 +32,12 @@ class FrictionLawTable:
     Attributes:
         kind: By which results and messages name the law.
         is_proportional: Whether it is one coefficient times the pressure.
+        needs_steps: Whether it follows the slip of load steps, as the incremental law has it.
     """
 
     kind: str
     is_proportional: ClassVar[bool] = False
+    needs_steps: ClassVar[bool] = False
 
     @property
     def shown(self) -> str:
@@ -175,6 +177,28 @@ class PressureDependentFriction(FrictionLawTable):
 
     def __post_init__(self) -> None:
         require_increase("pressures", self.pressures, self.shares)
+
+
+@scene_class
+class SlipDependentFriction(FrictionLawTable):
+    """Coulomb's friction with a coefficient that depends on how far a point has slid, by a table.
+
+    Weakening, or running-in. It needs the incremental law, whose load steps it counts.
+
+    >>> SlipDependentFriction(kind="slip dependent", slips=(0, 0.1), shares=(1, 0.6)).shares
+    (1.0, 0.6)
+    """
+
+    needs_steps: ClassVar[bool] = True
+    kind: Annotated[Literal["slip dependent"], Field(description="which law it is")]
+    slips: Annotated[
+        tuple[Annotated[Number, LENGTH], ...],
+        Field(min_length=2, max_length=20, description="increasing lengths of slip so far, ≥ 0"),
+    ]
+    shares: _Shares
+
+    def __post_init__(self) -> None:
+        require_increase("slips", self.slips, self.shares)
 
 
 if TYPE_CHECKING:

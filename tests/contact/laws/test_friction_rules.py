@@ -30,7 +30,13 @@ BY_PRESSURE = {
         "shares": [1, 0.9, 0.3],
     },
 }
+BY_SLIP = {
+    "friction_coefficient": 0.4,
+    "law": "incremental",
+    "friction_law": {"kind": "slip dependent", "slips": [0, 0.001], "shares": [1, 0.5]},
+}
 LAWS = {"compliance": COMPLIANCE, "pressure dependent": BY_PRESSURE}
+EVERY = LAWS | {"slip dependent": BY_SLIP}
 DEPTH = "contact.0.obstacle.indentation"
 
 
@@ -85,14 +91,16 @@ def test_points_that_slip_carry_the_bound(name, strategy, law):
     assert result.contacts[0].parameters["friction_law"].startswith(f"{name}: ")
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", EVERY)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_forms_and_points_have_one_tangent(name, dimension):
     """In every mode, and coupled it is what the bound's difference quotient says."""
-    problem = Problem.on_mesh(sheared(LAWS[name], dimension), box_body((3, 2, 2)[:dimension]))
+    problem = Problem.on_mesh(sheared(EVERY[name], dimension), box_body((3, 2, 2)[:dimension]))
     (contact,) = problem.contacts
     surface, random = SurfaceMatrix(contact), np.random.default_rng(3)
     contact.friction.set_scale(0.005)
+    if name == "slip dependent":
+        contact.friction.rule.take({"slip_so_far": 0.002 * contact.trace.coordinates[:, 0]})
     for mode in ("law", "coupled", "status"):
         slip = displaced(contact, random)
         contact.friction.mode = mode
@@ -111,9 +119,9 @@ def test_forms_and_points_have_one_tangent(name, dimension):
     assert slope[touched] == pytest.approx(quotient, rel=1e-5)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", EVERY)
 def test_a_study_answers_as_runs_do(name):
-    scene, body = rubbed(LAWS[name]), box_body((12, 6))
+    scene, body = rubbed(EVERY[name], steps=Steps(number=2)), box_body((12, 6))
     study = Study(scene, body=body)
     for depth in (0.02, 0.025):
         quick = study.solve({DEPTH: depth})
@@ -125,9 +133,9 @@ def test_a_study_answers_as_runs_do(name):
             assert quick.quantities[key] == pytest.approx(whole.quantities[key], rel=1e-8), key
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", EVERY)
 def test_a_run_is_restarted_on_other_ranks(name, folder):
-    scene = rubbed({**LAWS[name], "law": "incremental"}, steps=Steps(number=4))
+    scene = rubbed({**EVERY[name], "law": "incremental"}, steps=Steps(number=4))
     whole = run(scene, COMM, box_body((12, 6)))
     assert whole.passed, whole.verdict
     if COMM.rank == 0:
@@ -161,6 +169,26 @@ def test_error_bars_cover_what_a_finer_mesh_finds(name):
         assert error < 1.5 * coarse.errors[key]["total"], key
     assert coarse.errors["friction_force"]["total"] > 0
     assert coarse.errors["friction_work"]["total"] > 0
+
+
+@pytest.mark.parametrize("strategy", ["campos", "lagged", "monolithic"])
+def test_a_coefficient_falls_with_the_slip_of_the_steps_before(strategy):
+    """At every point that slips: by the table, at the length of the point's path."""
+    scene = rubbed(BY_SLIP, steps=Steps(number=4), solver={"strategy": strategy})
+    prepared, before = Run(scene, COMM, box_body((12, 6))), []
+    (contact,) = prepared.problem.contacts
+    result = prepared.solve(accepted=lambda: before.append(contact.friction.slip_so_far.copy()))
+    assert result.passed, result.verdict
+    state = prepared.solution.states[0]
+    share = np.interp(before[-1], [0, 0.001], [1, 0.5])
+    slips = state.status == "SLIP"
+    assert COMM.allreduce(float(share[slips].min(initial=1.0)), MPI.MIN) < 0.9
+    traction = np.linalg.norm(state.friction_traction, axis=1)[slips]
+    expected = 0.4 * share[slips] * state.contact_pressure[slips]
+    assert traction == pytest.approx(expected, rel=1e-6)
+    assert np.all(state.own["slip_so_far"] >= before[-1])
+    with pytest.raises(InputError, match="the friction law 'slip dependent' of 'y1' has none"):
+        Study(scene, body=box_body((12, 6))).derivatives(["strain_energy"], [DEPTH])
 
 
 def test_the_same_exponent_twice_is_coulombs_law():
@@ -207,6 +235,7 @@ def test_derivatives_follow_the_pressure_or_are_refused():
             {"friction_law": BY_PRESSURE["friction_law"] | {"pressures": [0, 9]}},
             "pressures has 2 entries and shares 3",
         ),
+        (BY_SLIP | {"law": "static"}, "which needs law = 'incremental'"),
         (
             {"friction_law": BY_PRESSURE["friction_law"] | {"share": 1}},
             "did you mean 'shares'.*accepted here: kind, pressures, shares",

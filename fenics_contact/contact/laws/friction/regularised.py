@@ -20,7 +20,7 @@ from fenics_contact.contact.laws.friction.tangent_state import TangentState
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
-from fenics_contact.contact.state import OPEN, SLIP, STICK
+from fenics_contact.contact.state import OPEN, SLIP, STICK, ContactState
 from fenics_contact.contact.surface.averaging import SurfaceAverage
 from fenics_contact.results.point_arrays import PointArray
 
@@ -49,6 +49,10 @@ class RegularisedFriction(FrictionLaw):
             self.state = tuple(
                 _WRITTEN_BOUND if array.name == "bound" else array for array in self.state
             )
+        self.state = (*self.state, *rule.state)
+        for array in rule.state:
+            shape = self.reference.shape[: 1 + array.is_vector]
+            setattr(self, array.name, np.zeros(shape))
         self._tangent_state = TangentState(site.trace)
         self._forms = FrictionForms(rule, self._tangent_state, self.follows_path)
         self._chosen, self._left, self._used = 1.0, 1.0, 1.0
@@ -288,10 +292,27 @@ class RegularisedFriction(FrictionLaw):
             at_points: As ``remember`` gave them, among others.
         """
         super().recall(at_points)
+        self._rule_takes_kept()
         self.mode = "law"
         self.set_share(1.0)
         self.set_bound(self.bound)
         self.accept(self.reference)
+
+    def at_step_end(self, state: ContactState) -> dict[str, Array]:
+        """What its rule keeps."""
+        return self.rule.at_step_end(self.counted(state.slip), state.status != OPEN)
+
+    def advance(self, state: ContactState) -> None:
+        """A load step is done: its rule goes by what it keeps from now on.
+
+        Args:
+            state: As of ``at_step_end``.
+        """
+        super().advance(state)
+        self._rule_takes_kept()
+
+    def _rule_takes_kept(self) -> None:
+        self.rule.take({array.name: getattr(self, array.name) for array in self.rule.state})
 
     def counted(self, slip: Array) -> Array:
         """The slip that the law sees: since the start, or since the last accepted step."""

@@ -1,4 +1,4 @@
-"""How large friction may be, one file a rule: Coulomb's, by pressure, compliance, nonlocal.
+"""How large friction may be, a file a rule: Coulomb's, by pressure, by slip, compliance, nonlocal.
 
 A new rule is a file of its own, a line in ``RULES`` and a class in ``scene/laws/friction_laws.py``.
 """
@@ -6,6 +6,7 @@ A new rule is a file of its own, a line in ``RULES`` and a class in ``scene/laws
 from __future__ import annotations
 
 from fenics_contact.contact.laws.friction.rules.by_pressure import ByPressure
+from fenics_contact.contact.laws.friction.rules.by_slip import BySlip
 from fenics_contact.contact.laws.friction.rules.compliance import Compliance
 from fenics_contact.contact.laws.friction.rules.coulomb import Coulomb
 from fenics_contact.contact.laws.friction.rules.nonlocal_friction import Nonlocal
@@ -16,6 +17,7 @@ from fenics_contact.contact.laws.site import LawSite
 RULES: tuple[type[FrictionRule], ...] = (
     Coulomb,
     ByPressure,
+    BySlip,
     Compliance,
     Nonlocal,
 )

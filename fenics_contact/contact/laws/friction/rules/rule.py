@@ -15,11 +15,12 @@ from typing import ClassVar
 from dolfinx import fem
 
 from fenics_contact.body.forms import Expr
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.surface.averaging import SurfaceAverage
+from fenics_contact.results.point_arrays import PointArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +44,8 @@ class FrictionRule:
         site: Where it acts.
         normal: The law across the contact.
         is_proportional: Whether the bound is one coefficient times the pressure.
+        state: Arrays at the points that it keeps from load step to load step: the law along the
+            contact, which holds the rule, keeps them for it.
         has_derivatives: Whether ``pulled_back`` is all that quantities derive through the bound.
         coefficient: The scene's friction coefficient at the points, (points,).
         neighbours: How it averages the pressure; None where each point goes by its own.
@@ -59,6 +62,7 @@ class FrictionRule:
     is_proportional: ClassVar[bool] = False
     has_derivatives: ClassVar[bool] = True
     neighbours: SurfaceAverage | None = None
+    state: ClassVar[tuple[PointArray, ...]] = ()
 
     def __init__(self, site: LawSite, normal: NormalLaw) -> None:
         self.site, self.normal = site, normal
@@ -80,6 +84,27 @@ class FrictionRule:
         """Its other parameters, which are numbers, by name."""
         return {}
 
+    @property
+    def changing(self) -> Mapping[str, Expr]:
+        """Those that change from load step to load step, in UFL, by name."""
+        return {}
+
+    def at_step_end(self, slip: Array, closed: Flags) -> dict[str, Array]:
+        """The arrays of ``state`` at the end of a load step, by name.
+
+        Args:
+            slip: Of the step, (points, components) (length).
+            closed: Points in contact at its end.
+        """
+        return {}
+
+    def take(self, kept: Mapping[str, Array]) -> None:
+        """Go by arrays of ``state`` from now on.
+
+        Args:
+            kept: By name, each (points,) or (points, components).
+        """
+
     @staticmethod
     @abstractmethod
     def bound(pressure: Expr, **fields: Expr) -> Expr:
@@ -87,7 +112,7 @@ class FrictionRule:
 
         Args:
             pressure: Contact pressure (stress).
-            fields: As ``fields`` and ``constants`` name them.
+            fields: As ``fields``, ``constants`` and ``changing`` name them.
         """
 
     @property
@@ -137,7 +162,7 @@ class FrictionRule:
         fields = {name: trace.coefficient(values) for name, values in self.fields.items()}
         mesh = trace.surface.mesh
         numbers = {name: fem.Constant(mesh, value) for name, value in self.constants.items()}
-        return self.bound(pressure, **fields, **numbers)
+        return self.bound(pressure, **fields, **numbers, **self.changing)
 
     def pulled_back(self, pressure: Array, of_bound: Array) -> BoundGradient:
         """What a quantity's derivatives in the bound are in what the bound follows from.
@@ -154,7 +179,7 @@ class FrictionRule:
             coefficient=points.slope("coefficient", **values) * of_bound,
         )
 
-    @cached_property
+    @property
     def _values(self) -> Mapping[str, Array | float]:
         return {**self.fields, **self.constants}
 
