@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from fenics_contact.results.contact_points import ContactPoints
     from fenics_contact.results.result import Check, Result
     from fenics_contact.scene.accuracy import Accuracy
+    from fenics_contact.scene.asked.derivatives import AskedDerivatives
     from fenics_contact.scene.conditions import Load, Point, Preload, Support
     from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
     from fenics_contact.scene.laws.friction_laws import (
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.units.table import Units
     from fenics_contact.scene.values import Path, Profile
     from fenics_contact.simulation.adaptive.levels import run
+    from fenics_contact.simulation.asked_derivatives.objective import Objective
     from fenics_contact.simulation.fits.fit import Fit, fit
     from fenics_contact.simulation.fits.measured import Measured
     from fenics_contact.simulation.scene_run import Run
@@ -51,6 +53,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Accuracy",
+    "AskedDerivatives",
     "Body",
     "Check",
     "ComplianceFriction",
@@ -72,6 +75,7 @@ __all__ = [
     "NonlocalFriction",
     "NormalCompliance",
     "NotConvergedError",
+    "Objective",
     "Obstacle",
     "Path",
     "Point",
@@ -112,6 +116,7 @@ _MODULES = {
     "scene.scene": ("Discretisation", "MeshSource", "Scene"),
     "scene.conditions": ("Load", "Point", "Preload", "Support"),
     "scene.accuracy": ("Accuracy",),
+    "scene.asked.derivatives": ("AskedDerivatives",),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
     "scene.laws.friction_laws": (
         "ComplianceFriction",
@@ -126,6 +131,7 @@ _MODULES = {
     "scene.steps": ("SolverSettings", "Steps"),
     "scene.units.table": ("Units",),
     "scene.values": ("Path", "Profile"),
+    "simulation.asked_derivatives.objective": ("Objective",),
     "simulation.fits.fit": ("Fit", "fit"),
     "simulation.fits.measured": ("Measured",),
     "simulation.scene_run": ("Run",),

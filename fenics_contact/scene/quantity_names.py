@@ -26,7 +26,7 @@ OF_CONTACTS = (
 )
 _OF_SUPPORTS = ("reaction",)
 OF_PRELOADS = ("force", "elongation")
-_OF_ALL = (*OF_CONTACTS, "reaction", "strain_energy", "external_work")
+_OF_ALL = (*OF_CONTACTS, "reaction", "strain_energy", "external_work", "penalty_energy")
 _POINT = "displacement_"
 #: What can only be meant as a quantity by its name, known or not; also in the schema of scenes.
 LOOKS_LIKE_QUANTITY = rf"\.|^{_POINT}|^({'|'.join(_OF_ALL)})(_[xyz])?$"

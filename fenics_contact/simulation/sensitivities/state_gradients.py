@@ -127,6 +127,7 @@ class Quantities:
             "max_slip": self._add_max_slip,
             "indentation": self._add_indentation,
             "friction_work": self._add_friction_work,
+            "penalty_energy": self._add_penalty_energy,
         }
 
     def _contacts_of(self, name: QuantityName, text: str) -> list[int]:
@@ -135,7 +136,7 @@ class Quantities:
         every = list(range(len(problem.contacts)))
         if name.owner:
             return [problem.scene.names.contacts.index(name.owner)]
-        if name.quantity == "friction_work" or len(every) == 1:
+        if name.quantity in ("friction_work", "penalty_energy") or len(every) == 1:
             return every
         if name.quantity in ("max_contact_pressure", "max_slip"):
             sizes = [self._largest(n, self._sizes(n, name.quantity))[0] for n in every]
@@ -239,6 +240,9 @@ class Quantities:
         if contact.friction.rubs:
             found.contacts[number].friction -= weights * state.slip
             found.contacts[number].slip -= weights * state.friction_traction
+
+    def _add_penalty_energy(self, found: StateGradient, number: int, name: QuantityName) -> None:
+        found.contacts[number].energy += self.problem.contacts[number].trace.weights
 
     def _add_strain_energy(self, found: StateGradient, name: QuantityName) -> None:
         self._add_energies(found, 1.0)

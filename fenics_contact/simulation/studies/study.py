@@ -31,7 +31,7 @@ from fenics_contact.simulation.studies.solved_history import History, solved_his
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 
 if TYPE_CHECKING:
-    from fenics_contact import Exploration
+    from fenics_contact import Exploration, Objective
 
 logger = logging.getLogger(__name__)
 
@@ -286,6 +286,23 @@ class Study:
         scene, timings = self.changed(changes), Timings()
         with failing_together(self.comm):
             return solved_derivatives(self._body_of(scene, timings), scene, of, by).slopes
+
+    def objective(
+        self, of: str, by: Sequence[str], changes: Mapping[str, Any] | None = None
+    ) -> Objective:
+        """A quantity as a function of numbers, with its gradient, for optimisers of SciPy.
+
+        It takes the numbers and returns the quantity and its exact derivatives, as
+        ``scipy.optimize.minimize(objective, start, jac=True)`` wants them.
+
+        Args:
+            of: Name of the quantity, as of ``derivatives``.
+            by: Keys of the numbers.
+            changes: As of ``solve``: of all answers.
+        """
+        from fenics_contact import Objective
+
+        return Objective(self, of, by, changes)
 
     def history(
         self,

@@ -46,7 +46,7 @@ TABLE = {
     "unilateral": (
         {},
         "normal_force friction_force_x reaction_x pressure_integral max_contact_pressure "
-        "strain_energy external_work friction_work max_slip",
+        "strain_energy external_work friction_work max_slip penalty_energy",
         [MU, "load.0.traction.0", "support.0.displacement.y", E, NU, "contact.0.penalty_parameter"],
     ),
     "foundation": (
