@@ -273,3 +273,56 @@ def test_studies_find_what_single_runs_find():
 def test_a_radius_must_be_positive():
     with pytest.raises((InputError, ValueError), match="radius"):
         NonlocalFriction(kind="nonlocal", averaging_radius=0)
+
+
+def test_results_have_the_bound():
+    """At open points, too; its integral is μ times that of the pressure."""
+    made = Run(with_solver(block(RADIUS, shift=0.1), errors="none"), COMM, box_body((12, 6)))
+    result = made.solve()
+    assert result.contacts[0].parameters["friction_law"].startswith("nonlocal")
+    bound = made.solution.states[0].own["bound"]
+    total = made.problem.contacts[0].trace.integral(bound)
+    assert total == pytest.approx(MU * result.quantities["pressure_integral"], rel=1e-9)
+    points = result.points
+    if COMM.rank == 0:
+        assert (points.own["bound"][points.status == "OPEN"] > 0).any()
+
+
+def test_a_torque_is_held_up_to_the_coefficient_times_the_mean_lever():
+    """Averaged over all of a square of side 1, μ F (√2 + ln(1 + √2)) / 6, wherever it is pressed.
+
+    Coulomb's friction may be at the corners alone, with the lever √2 / 2.
+    """
+    lever, share = (np.sqrt(2) + np.log(1 + np.sqrt(2))) / 6, 1.2
+    turning = share * lever * MU * 10 * 6  # of a traction (−y, x): ∫ x² + y² is 1/6
+
+    def turned(radius):
+        return Scene(
+            kinematics="3D",
+            material=Material(1000, 0.3),
+            load=(
+                Load(
+                    "z1",
+                    traction=(
+                        lambda x: -turning * (x[1] - 0.5),
+                        lambda x: turning * (x[0] - 0.5),
+                        -10,
+                    ),
+                ),
+            ),
+            contact=(
+                Contact(
+                    "z0",
+                    obstacle=Obstacle("plane", position=(0, 0, 0), normal=(0, 0, 1)),
+                    friction_coefficient=MU,
+                    friction_law=nonlocal_law(radius),
+                ),
+            ),
+        )
+
+    body = box_body((6, 6, 1))
+    with pytest.raises(NoEquilibriumError, match="times what friction can hold") as caught:
+        Run(turned(100.0), COMM, body)
+    found = float(str(caught.value).split("the loads are ")[1].split(" times")[0])
+    assert found == pytest.approx(share, rel=0.01)
+    Run(turned(None), COMM, body)
