@@ -191,6 +191,39 @@ def test_a_coefficient_falls_with_the_slip_of_the_steps_before(strategy):
         Study(scene, body=box_body((12, 6))).derivatives(["strain_energy"], [DEPTH])
 
 
+@pytest.mark.parametrize(("across", "along"), [(1, 10), (10, 1), (10, 10)])
+def test_exponents_far_from_one_another(across, along):
+    """Scaled so that pressure and bound are 20 and 6 at the depth of the parabola."""
+    keys = {
+        "normal_law": {
+            "kind": "normal compliance",
+            "coefficient": 20 / 0.02**across,
+            "exponent": across,
+        },
+        "friction_law": {"kind": "compliance", "coefficient": 6 / 0.02**along, "exponent": along},
+    }
+    result = run(rubbed(keys, solver={"errors": "none"}), COMM, box_body((12, 6)))
+    assert result.passed, result.verdict
+    slips = result.points.status == "SLIP"
+    traction = np.linalg.norm(result.points.friction_traction, axis=1)[slips]
+    depth = -result.points.gap[slips] / 0.02
+    assert COMM.allreduce(traction.max(initial=0.0), MPI.MAX) > 0.1  # something rubs
+    assert traction == pytest.approx(6 * depth**along, rel=1e-6)
+
+
+@pytest.mark.parametrize("shares", [[1, 0], [0, 3]])
+def test_a_coefficient_that_jumps_at_a_pressure(shares):
+    law = BY_PRESSURE["friction_law"] | {"pressures": [40, 40.001], "shares": shares}
+    keys = BY_PRESSURE | {"friction_law": law}
+    result = run(rubbed(keys, solver={"errors": "none"}), COMM, box_body((12, 6)))
+    assert result.passed, result.verdict
+    pressure = result.points.contact_pressure
+    expected = 0.4 * np.interp(pressure, [40, 40.001], shares) * pressure
+    slips = result.points.status == "SLIP"
+    traction = np.linalg.norm(result.points.friction_traction, axis=1)
+    assert traction[slips] == pytest.approx(expected[slips], rel=1e-4, abs=1e-6)
+
+
 def test_the_same_exponent_twice_is_coulombs_law():
     """μ = c_t/c: to the tolerance of the solver."""
     same = COMPLIANCE["friction_law"] | {"coefficient": 0.3 * 4e3, "exponent": 2}
