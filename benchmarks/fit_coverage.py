@@ -179,8 +179,11 @@ def main() -> int:
     options = parser.parse_args()
     times, forces = true_curve(FINER)
     random, begun, trials = np.random.default_rng(options.seed), time.process_time(), []
-    for _ in range(QUICK if options.quick else options.number):
-        trials.append(trial(random, times, forces))
+    for number in range(QUICK if options.quick else options.number):
+        one = trial(random, times, forces)
+        trials.append(one)
+        widths = ", ".join(f"{width:.3f}" for width in one.widths)
+        print(number + 1, one.covered, widths, one.evaluations, file=sys.stderr, flush=True)
     found = summary(trials) | {"seconds": time.process_time() - begun}
     print(json.dumps(found, indent=2))
     if options.json is not None:
