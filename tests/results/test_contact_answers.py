@@ -38,4 +38,6 @@ def test_a_law_that_they_do_not_know_answers_for_itself():
 def test_every_kind_of_a_scene_has_its_law():
     kinds = {law.kind for law in LAWS}
     contacts = ({}, {"pressure": 1}, {"foundation_stiffness": 1}, {"contact": "bonded"})
-    assert kinds == {Contact("top", **keys).kind for keys in (*contacts, {"normal_law": law(2)})}
+    formula = {"kind": "formula", "pressure": "d"}
+    contacts += ({"normal_law": law(2)}, {"normal_law": formula})
+    assert kinds == {Contact("top", **keys).kind for keys in contacts}

@@ -6,6 +6,7 @@ import inspect
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
+from functools import cache
 from typing import Any, ClassVar, TypeVar
 
 Class = TypeVar("Class", bound=type)
@@ -45,11 +46,17 @@ class Record(Mapping[str, Any]):
         return getattr(self, key)
 
     def __contains__(self, key: object) -> bool:
-        return key in self.__dataclass_fields__ and self.is_written(str(key))
+        return key in _attributes(type(self)) and self.is_written(str(key))
 
     def as_dict(self) -> dict[str, Any]:
         """With all that is in it, as dictionaries and lists."""
         return {key: plain(value) for key, value in self.items()}
+
+
+@cache
+def _attributes(record: type[Record]) -> frozenset[str]:
+    """The names of a record's attributes; not of its class's, which dataclasses list with them."""
+    return frozenset(field.name for field in fields(record))
 
 
 def plain(value: Any) -> Any:
