@@ -22,6 +22,8 @@ if TYPE_CHECKING:
         NoEquilibriumError,
         NotConvergedError,
     )
+    from fenics_contact.contact.laws.allowed import allow_laws
+    from fenics_contact.contact.laws.normal.own_energy import OwnEnergy
     from fenics_contact.explore.exploration import Exploration
     from fenics_contact.mesh.tagged_mesh import Body, Group
     from fenics_contact.results.contact_points import ContactPoints
@@ -37,7 +39,11 @@ if TYPE_CHECKING:
         PressureDependentFriction,
         SlipDependentFriction,
     )
-    from fenics_contact.scene.laws.normal_laws import NormalCompliance, PressureFormula
+    from fenics_contact.scene.laws.normal_laws import (
+        NormalCompliance,
+        OwnNormalLaw,
+        PressureFormula,
+    )
     from fenics_contact.scene.material import Material
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
@@ -77,6 +83,8 @@ __all__ = [
     "NotConvergedError",
     "Objective",
     "Obstacle",
+    "OwnEnergy",
+    "OwnNormalLaw",
     "Path",
     "Point",
     "Preload",
@@ -92,6 +100,7 @@ __all__ = [
     "Study",
     "Support",
     "Units",
+    "allow_laws",
     "fit",
     "load_scene",
     "main",
@@ -109,6 +118,8 @@ _MODULES = {
         "NoEquilibriumError",
         "NotConvergedError",
     ),
+    "contact.laws.allowed": ("allow_laws",),
+    "contact.laws.normal.own_energy": ("OwnEnergy",),
     "explore.exploration": ("Exploration",),
     "mesh.tagged_mesh": ("Body", "Group"),
     "results.contact_points": ("ContactPoints",),
@@ -125,7 +136,7 @@ _MODULES = {
         "PressureDependentFriction",
         "SlipDependentFriction",
     ),
-    "scene.laws.normal_laws": ("NormalCompliance", "PressureFormula"),
+    "scene.laws.normal_laws": ("NormalCompliance", "OwnNormalLaw", "PressureFormula"),
     "scene.reading": ("load_scene",),
     "scene.material": ("Material",),
     "scene.steps": ("SolverSettings", "Steps"),

@@ -21,6 +21,7 @@ from fenics_contact.common.interrupts import Interrupts
 from fenics_contact.common.parallel import of_every_rank, on_root
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import PlainFormatter
+from fenics_contact.contact.laws.allowed import allow_laws
 from fenics_contact.results.load_history import Announce
 from fenics_contact.results.result import Result
 from fenics_contact.scene.reading import load_scene
@@ -42,7 +43,7 @@ def execute(options: argparse.Namespace) -> int:
     if options.version:
         return guarded(lambda: on_root(MPI.COMM_WORLD, _print_all_versions))
     _log_to_terminal(options, logging.WARNING if options.command == "verify" else logging.INFO)
-    action = {
+    actions: dict[str, Callable[[], int]] = {
         "check": lambda: _check(options),
         "compare": lambda: on_root(MPI.COMM_WORLD, lambda: _compare(options)),
         "explore": lambda: _explore(options),
@@ -53,8 +54,14 @@ def execute(options: argparse.Namespace) -> int:
         "run": lambda: _run(options),
         "sweep": lambda: _sweep(options),
         "verify": lambda: _verify(options),
-    }[options.command]
-    return guarded(action)
+    }
+
+    def act() -> int:
+        for module in getattr(options, "laws", ()):
+            allow_laws(module)
+        return actions[options.command]()
+
+    return guarded(act)
 
 
 def execute_script(scene: Scene, options: argparse.Namespace) -> int:

@@ -344,6 +344,13 @@ def _add_scene(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="replace a value of the scene; list entries count from 0: load.0.pressure=5",
     )
+    parser.add_argument(
+        "--laws",
+        metavar="MODULE",
+        action="append",
+        default=[],
+        help="allow the scene to name laws of this Python module, which is then imported",
+    )
 
 
 def _add_resume(parser: argparse.ArgumentParser) -> None:

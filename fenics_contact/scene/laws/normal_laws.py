@@ -74,6 +74,27 @@ class PressureFormula(NormalLawTable):
             raise ValueError(f"pressure = '{self.pressure}' is {at_zero:g} at d = 0, not 0")
 
 
+@scene_class
+class OwnNormalLaw(NormalLawTable):
+    """A law of a module of yours, which the command line must allow: ``--laws MODULE``.
+
+    >>> OwnNormalLaw(kind="my_laws:Springs", parameters={"k": 2e4}).kind
+    'my_laws:Springs'
+    """
+
+    kind: Annotated[
+        str,
+        Field(
+            pattern=r"^[A-Za-z_][\w.]*:[A-Za-z_]\w*$",
+            description="`MODULE:CLASS`, derived from `OwnEnergy`",
+        ),
+    ]
+    parameters: Annotated[
+        Mapping[str, Number],
+        Field(description="name → number, in the scene's units; such as `{ k = 2e4 }`"),
+    ] = Field(default_factory=dict)
+
+
 if TYPE_CHECKING:
     AnyNormalLaw = NormalLawTable
 else:

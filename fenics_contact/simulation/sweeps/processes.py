@@ -16,6 +16,7 @@ from pathlib import Path
 
 import fenics_contact
 from fenics_contact.common.parallel import environment_alone
+from fenics_contact.contact.laws.allowed import allowed_modules
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.sweeps import worker
 from fenics_contact.simulation.sweeps.worker import FOUND
@@ -48,12 +49,13 @@ class WorkerProcess:
         ours, theirs = Pipe()
         package = str(Path(fenics_contact.__file__).parent.parent)
         environment = environment_alone() | dict.fromkeys(_ONE_THREAD, "1")
+        given = [str(theirs.fileno()), str(folder), *allowed_modules()]
         paths = [package, *filter(None, [environment.get("PYTHONPATH")])]
         environment |= {"PYTHONPATH": os.pathsep.join(paths), "TMPDIR": str(folder)}
         try:
             self._process = subprocess.Popen(
                 # -P: files where it is started must not stand in for modules
-                [sys.executable, "-P", "-m", _WORKER, str(theirs.fileno()), str(folder)],
+                [sys.executable, "-P", "-m", _WORKER, *given],
                 stdin=subprocess.DEVNULL,
                 stdout=self._said,
                 stderr=self._said,

@@ -25,7 +25,11 @@ def main() -> None:
     given: SimpleQueue[Any] = SimpleQueue()
     threading.Thread(target=_listen, args=(connection, given), daemon=True).start()
 
+    from fenics_contact.contact.laws.allowed import allow_laws
     from fenics_contact.simulation.sweeps.answers import Answers
+
+    for module in sys.argv[3:]:
+        allow_laws(module)
 
     def need(memory: float) -> None:
         connection.send_bytes(NEEDS + struct.pack("d", memory))

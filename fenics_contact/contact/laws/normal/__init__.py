@@ -5,11 +5,13 @@ The paper's (1.8) and (4.1). A new law is a file of its own and a line in ``LAWS
 
 from __future__ import annotations
 
+from fenics_contact.contact.laws.allowed import own_law
 from fenics_contact.contact.laws.normal.bonded import Bonded
 from fenics_contact.contact.laws.normal.formula_law import FormulaLaw
 from fenics_contact.contact.laws.normal.foundation import Foundation
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.normal.normal_compliance import NormalCompliance
+from fenics_contact.contact.laws.normal.own_energy import OwnEnergy
 from fenics_contact.contact.laws.normal.prescribed import Prescribed
 from fenics_contact.contact.laws.normal.unilateral import Unilateral
 from fenics_contact.contact.laws.normal.untouched import Untouched
@@ -26,8 +28,13 @@ LAWS: tuple[type[NormalLaw], ...] = (
 
 
 def law_of(contact: Contact) -> type[NormalLaw]:
-    """The law that a scene's contact names."""
-    return next(law for law in LAWS if law.kind == contact.kind)
+    """The law that a scene's contact names.
+
+    Raises:
+        InputError: It is one of a user's that is not allowed, or not there.
+    """
+    known = next((law for law in LAWS if law.kind == contact.kind), None)
+    return known or own_law(contact.kind, OwnEnergy, f"contact '{contact.label}': normal_law.kind")
 
 
 def acting_law(contact: Contact) -> type[NormalLaw]:

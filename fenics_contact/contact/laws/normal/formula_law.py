@@ -12,13 +12,12 @@ import ufl
 from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
-from fenics_contact.contact.laws.normal.law import Parameter
-from fenics_contact.contact.laws.normal.spring import SpringLaw, depth_of
+from fenics_contact.contact.laws.normal.own_energy import OwnEnergy
+from fenics_contact.contact.laws.normal.spring import depth_of
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws import normal_laws
 from fenics_contact.scene.laws.formula import Formula
-from fenics_contact.scene.values import Value
 
 _IN_UFL: Mapping[str, Callable[..., Expr]] = {
     "sqrt": ufl.sqrt,
@@ -33,7 +32,7 @@ _PLACES = (0.5 * (_ROOTS + 1)) ** 4
 _SHARES = 0.5 * _WEIGHTS * 4 * (0.5 * (_ROOTS + 1)) ** 3
 
 
-class FormulaLaw(SpringLaw):
+class FormulaLaw(OwnEnergy):
     """p = the formula at a depth d > 0, and 0 where the body is off; ψ(d) = ∫₀ᵈ p.
 
     Forces and tangent are of p itself; the energy, which nothing but results asks for, is an
@@ -42,22 +41,6 @@ class FormulaLaw(SpringLaw):
 
     kind: ClassVar[str] = "formula"
     model: ClassVar[str] = "pressure by a formula"
-
-    @classmethod
-    def parameters(cls, contact: Contact) -> dict[str, Parameter]:
-        """Those of the formula."""
-        return dict(_table(contact).parameters)
-
-    def fields(self) -> Mapping[str, Array]:
-        """The formula's parameters, the same at all points."""
-        count = len(self.site.trace.weights)
-        given = _table(self.site.contact).parameters
-        return {name: np.full(count, value) for name, value in given.items()}
-
-    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of a parameter in itself."""
-        name = key.removeprefix("normal_law.parameters.")
-        return {name: np.ones_like(self._fields[name])} if name in self._fields else {}
 
     @property
     def _pressure(self) -> Callable[..., Expr]:

@@ -1,0 +1,53 @@
+"""What laws of users across a contact are derived from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol, cast
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.contact.laws.normal.law import Parameter
+from fenics_contact.contact.laws.normal.spring import SpringLaw
+from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.values import Value
+
+
+class _HasParameters(Protocol):
+    parameters: Mapping[str, float]
+
+
+class OwnEnergy(SpringLaw):
+    """A law of your own: an energy density of depth and jump, with the scene's parameters.
+
+    A class derived from it says ``density`` in UFL. Forces and tangents are its derivatives, and
+    so are pressures, checks, error bars and derivatives of quantities.
+
+    >>> from fenics_contact.contact.laws.normal.spring import positive
+    >>> class Springs(OwnEnergy):
+    ...     @staticmethod
+    ...     def density(depth, jump, k):
+    ...         return k * positive(depth) ** 2 / 2
+    """
+
+    model = "own law"
+
+    @classmethod
+    def parameters(cls, contact: Contact) -> dict[str, Parameter]:
+        """Those of the scene's table."""
+        return dict(_given(contact))
+
+    def fields(self) -> Mapping[str, Array]:
+        """The parameters, the same at all points."""
+        count = len(self.site.trace.weights)
+        return {name: np.full(count, value) for name, value in _given(self.site.contact).items()}
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Of a parameter in itself."""
+        name = key.removeprefix("normal_law.parameters.")
+        return {name: np.ones_like(self._fields[name])} if name in self._fields else {}
+
+
+def _given(contact: Contact) -> Mapping[str, float]:
+    return cast(_HasParameters, contact.normal_law).parameters
