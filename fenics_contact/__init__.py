@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         NotConvergedError,
     )
     from fenics_contact.contact.laws.allowed import allow_laws
+    from fenics_contact.contact.laws.friction.rules.own_bound import OwnFriction
     from fenics_contact.contact.laws.normal.own_energy import OwnEnergy
     from fenics_contact.explore.exploration import Exploration
     from fenics_contact.mesh.tagged_mesh import Body, Group
@@ -35,7 +36,9 @@ if TYPE_CHECKING:
     from fenics_contact.scene.laws.friction_laws import (
         ComplianceFriction,
         CoulombFriction,
+        FormulaFriction,
         NonlocalFriction,
+        OwnFrictionLaw,
         PressureDependentFriction,
         SlipDependentFriction,
     )
@@ -70,6 +73,7 @@ __all__ = [
     "Exploration",
     "FenicsContactError",
     "Fit",
+    "FormulaFriction",
     "Group",
     "HalfSpace",
     "InputError",
@@ -84,6 +88,8 @@ __all__ = [
     "Objective",
     "Obstacle",
     "OwnEnergy",
+    "OwnFriction",
+    "OwnFrictionLaw",
     "OwnNormalLaw",
     "Path",
     "Point",
@@ -119,6 +125,7 @@ _MODULES = {
         "NotConvergedError",
     ),
     "contact.laws.allowed": ("allow_laws",),
+    "contact.laws.friction.rules.own_bound": ("OwnFriction",),
     "contact.laws.normal.own_energy": ("OwnEnergy",),
     "explore.exploration": ("Exploration",),
     "mesh.tagged_mesh": ("Body", "Group"),
@@ -133,6 +140,8 @@ _MODULES = {
         "ComplianceFriction",
         "CoulombFriction",
         "NonlocalFriction",
+        "FormulaFriction",
+        "OwnFrictionLaw",
         "PressureDependentFriction",
         "SlipDependentFriction",
     ),

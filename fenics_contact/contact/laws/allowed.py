@@ -10,12 +10,11 @@ import importlib
 import os
 import sys
 from types import ModuleType
-from typing import TypeVar
+from typing import Any
 
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.wording.suggestions import question
 
-Law = TypeVar("Law")
 _modules: dict[str, ModuleType] = {}
 
 
@@ -45,7 +44,7 @@ def allowed_modules() -> list[str]:
     return list(_modules)
 
 
-def own_law(name: str, of: type[Law], where: str) -> type[Law]:
+def own_law(name: str, of: type, where: str) -> Any:
     """The class that a scene names.
 
     Args:

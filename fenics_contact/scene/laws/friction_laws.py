@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from fenics_contact.scene.laws.kinds import chosen_by_kind
+from fenics_contact.scene.laws.own_laws import LANGUAGE, ClassName, Parameters, require_formula
 from fenics_contact.scene.units.dimensions import LENGTH, STIFFNESS_OF_POWER, STRESS
-from fenics_contact.scene.values import Number, Positive, Value, scene_class
+from fenics_contact.scene.values import Number, Positive, Text, Value, scene_class
 
 _Shares = Annotated[
     tuple[Annotated[Number, Field(ge=0)], ...],
@@ -44,6 +45,7 @@ class FrictionLawTable:
         """The law and its numbers in words, for results."""
         keys: Any = self
         values = {field.name: getattr(self, field.name) for field in dataclasses.fields(keys)}
+        values |= values.pop("parameters", {})
         words = [f"{key} {_shown(value)}" for key, value in values.items() if key != "kind"]
         return f"{self.kind}: {', '.join(words)}" if words else self.kind
 
@@ -199,6 +201,42 @@ class SlipDependentFriction(FrictionLawTable):
 
     def __post_init__(self) -> None:
         require_increase("slips", self.slips, self.shares)
+
+
+@scene_class
+class FormulaFriction(FrictionLawTable):
+    """A bound of friction of your own: a formula of the pressure p and the coefficient mu.
+
+    >>> law = FormulaFriction(
+    ...     kind="formula", bound="mu * p / (1 + p / p0)", parameters={"p0": 50.0})
+    >>> law.shown
+    'formula: bound mu * p / (1 + p / p0), p0 50'
+    """
+
+    kind: Annotated[Literal["formula"], Field(description="which law it is")]
+    bound: Annotated[
+        Text,
+        Field(
+            description="the largest friction traction at a pressure `p`, 0 at p = 0; `mu` is the "
+            f"friction_coefficient; {LANGUAGE}"
+        ),
+    ]
+    parameters: Parameters = Field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        require_formula("bound", self.bound, self.parameters, {"p": 0.0, "mu": 1.0})
+
+
+@scene_class
+class OwnFrictionLaw(FrictionLawTable):
+    """A law of a module of yours, which the command line must allow: ``--laws MODULE``.
+
+    >>> OwnFrictionLaw(kind="my_laws:Saturated", parameters={"p0": 50}).shown
+    'my_laws:Saturated: p0 50'
+    """
+
+    kind: Annotated[ClassName, Field(description="`MODULE:CLASS`, derived from `OwnFriction`")]
+    parameters: Parameters = Field(default_factory=dict)
 
 
 if TYPE_CHECKING:

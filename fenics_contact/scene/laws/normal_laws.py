@@ -5,13 +5,12 @@ A new one is a class here: what it says of itself are its keys.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
-from fenics_contact.scene.laws.formula import FUNCTIONS, Formula
 from fenics_contact.scene.laws.kinds import chosen_by_kind
+from fenics_contact.scene.laws.own_laws import LANGUAGE, ClassName, Parameters, require_formula
 from fenics_contact.scene.units.dimensions import STIFFNESS_OF_POWER
 from fenics_contact.scene.values import Number, Text, Value, scene_class
 
@@ -51,27 +50,12 @@ class PressureFormula(NormalLawTable):
 
     kind: Annotated[Literal["formula"], Field(description="which law it is")]
     pressure: Annotated[
-        Text,
-        Field(
-            description="the pressure at a depth `d` > 0, 0 at d = 0: + - * / ^, brackets, "
-            'numbers, parameters and `sqrt`, `exp`, `ln`, `min`, `max`; such as `"c * d^1.5"`'
-        ),
+        Text, Field(description=f"the pressure at a depth `d` > 0, 0 at d = 0: {LANGUAGE}")
     ]
-    parameters: Annotated[
-        Mapping[str, Number],
-        Field(description="name → number, in the scene's units; such as `{ c = 2e4 }`"),
-    ] = Field(default_factory=dict)
+    parameters: Parameters = Field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name in self.parameters:
-            if not name.isidentifier() or name == "d" or name in FUNCTIONS:
-                raise ValueError(f"parameters: '{name}' is no name that a formula could use")
-        formula = Formula(self.pressure, ("d", *self.parameters))
-        for name in self.parameters:
-            if name not in formula.used:
-                raise ValueError(f"parameters.{name} does not stand in the formula")
-        if at_zero := formula.number({"d": 0.0, **self.parameters}):
-            raise ValueError(f"pressure = '{self.pressure}' is {at_zero:g} at d = 0, not 0")
+        require_formula("pressure", self.pressure, self.parameters, {"d": 0.0})
 
 
 @scene_class
@@ -82,17 +66,8 @@ class OwnNormalLaw(NormalLawTable):
     'my_laws:Springs'
     """
 
-    kind: Annotated[
-        str,
-        Field(
-            pattern=r"^[A-Za-z_][\w.]*:[A-Za-z_]\w*$",
-            description="`MODULE:CLASS`, derived from `OwnEnergy`",
-        ),
-    ]
-    parameters: Annotated[
-        Mapping[str, Number],
-        Field(description="name → number, in the scene's units; such as `{ k = 2e4 }`"),
-    ] = Field(default_factory=dict)
+    kind: Annotated[ClassName, Field(description="`MODULE:CLASS`, derived from `OwnEnergy`")]
+    parameters: Parameters = Field(default_factory=dict)
 
 
 if TYPE_CHECKING:

@@ -30,12 +30,20 @@ BY_PRESSURE = {
         "shares": [1, 0.9, 0.3],
     },
 }
+FORMULA = {
+    "friction_coefficient": 0.4,
+    "friction_law": {
+        "kind": "formula",
+        "bound": "mu * p / (1 + p / p0)",
+        "parameters": {"p0": 20.0},
+    },
+}
 BY_SLIP = {
     "friction_coefficient": 0.4,
     "law": "incremental",
     "friction_law": {"kind": "slip dependent", "slips": [0, 0.001], "shares": [1, 0.5]},
 }
-LAWS = {"compliance": COMPLIANCE, "pressure dependent": BY_PRESSURE}
+LAWS = {"compliance": COMPLIANCE, "pressure dependent": BY_PRESSURE, "formula": FORMULA}
 EVERY = LAWS | {"slip dependent": BY_SLIP}
 DEPTH = "contact.0.obstacle.indentation"
 
@@ -44,6 +52,8 @@ def bound(name, pressure):
     """By its formula, in NumPy."""
     if name == "compliance":
         return 60 * (pressure / 4e3) ** 0.75
+    if name == "formula":
+        return 0.4 * pressure / (1 + pressure / 20)
     return 0.4 * np.interp(pressure, [0, 8, 20], [1, 0.9, 0.3]) * pressure
 
 

@@ -12,20 +12,13 @@ import ufl
 from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
+from fenics_contact.contact.laws import formulas
 from fenics_contact.contact.laws.normal.own_energy import OwnEnergy
 from fenics_contact.contact.laws.normal.spring import depth_of
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws import normal_laws
-from fenics_contact.scene.laws.formula import Formula
 
-_IN_UFL: Mapping[str, Callable[..., Expr]] = {
-    "sqrt": ufl.sqrt,
-    "exp": ufl.exp,
-    "ln": ufl.ln,
-    "min": ufl.min_value,
-    "max": ufl.max_value,
-}
 # Of ∫₀¹ f(s) ds with s = t⁴, so that roots and powers at s = 0 are as good as polynomials.
 _ROOTS, _WEIGHTS = np.polynomial.legendre.leggauss(40)
 _PLACES = (0.5 * (_ROOTS + 1)) ** 4
@@ -132,10 +125,10 @@ class _PointPressure(PointDensity):
 @lru_cache
 def _pressure(text: str, parameters: tuple[str, ...]) -> Callable[..., Expr]:
     """The pressure in UFL as a function of depth and parameters, the same one for the same text."""
-    formula = Formula(text, ("d", *parameters))
+    formula = formulas.in_ufl(text, ("d", *parameters))
 
     def pressure(depth: Expr, **fields: Expr) -> Expr:
-        found = formula.of({"d": depth, **fields}, _IN_UFL)
+        found = formula(d=depth, **fields)
         return ufl.conditional(ufl.gt(depth, 0), found, 0)
 
     return pressure

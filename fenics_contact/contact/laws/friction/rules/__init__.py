@@ -5,11 +5,13 @@ A new rule is a file of its own, a line in ``RULES`` and a class in ``scene/laws
 
 from __future__ import annotations
 
+from fenics_contact.contact.laws.allowed import own_law
 from fenics_contact.contact.laws.friction.rules.by_pressure import ByPressure
 from fenics_contact.contact.laws.friction.rules.by_slip import BySlip
 from fenics_contact.contact.laws.friction.rules.compliance import Compliance
 from fenics_contact.contact.laws.friction.rules.coulomb import Coulomb
 from fenics_contact.contact.laws.friction.rules.nonlocal_friction import Nonlocal
+from fenics_contact.contact.laws.friction.rules.own_bound import FormulaBound, OwnFriction
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
@@ -20,6 +22,7 @@ RULES: tuple[type[FrictionRule], ...] = (
     BySlip,
     Compliance,
     Nonlocal,
+    FormulaBound,
 )
 
 
@@ -31,8 +34,11 @@ def friction_rule(site: LawSite, normal: NormalLaw) -> FrictionRule:
         normal: The law across the contact.
 
     Raises:
-        InputError: A value of the scene is negative somewhere; on every rank.
+        InputError: A value of the scene is negative somewhere, or it names a law of a user's that
+            is not allowed or not there; on every rank.
     """
     given = site.contact.friction_law
     named = Coulomb.kind if given is None else given.kind
-    return next(rule for rule in RULES if rule.kind == named)(site, normal)
+    known = next((rule for rule in RULES if rule.kind == named), None)
+    made = known or own_law(named, OwnFriction, f"{site.key}.friction_law.kind")
+    return made(site, normal)

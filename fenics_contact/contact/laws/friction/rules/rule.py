@@ -158,11 +158,7 @@ class FrictionRule:
         Args:
             pressure: Contact pressure on the surface (stress).
         """
-        trace = self.site.trace
-        fields = {name: trace.coefficient(values) for name, values in self.fields.items()}
-        mesh = trace.surface.mesh
-        numbers = {name: fem.Constant(mesh, value) for name, value in self.constants.items()}
-        return self.bound(pressure, **fields, **numbers, **self.changing)
+        return self.bound(pressure, **self._fields_in_ufl())
 
     def pulled_back(self, pressure: Array, of_bound: Array) -> BoundGradient:
         """What a quantity's derivatives in the bound are in what the bound follows from.
@@ -178,6 +174,14 @@ class FrictionRule:
             pressure=self.averaged_back(points.slope("pressure", **values) * of_bound),
             coefficient=points.slope("coefficient", **values) * of_bound,
         )
+
+    def _fields_in_ufl(self) -> dict[str, Expr]:
+        """What stands in a form for ``fields`` and ``constants``."""
+        trace = self.site.trace
+        mesh = trace.surface.mesh
+        fields = {name: trace.coefficient(values) for name, values in self.fields.items()}
+        numbers = {name: fem.Constant(mesh, value) for name, value in self.constants.items()}
+        return {**fields, **numbers, **self.changing}
 
     @property
     def _values(self) -> Mapping[str, Array | float]:
