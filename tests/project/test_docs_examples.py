@@ -7,6 +7,8 @@ A fragment of a scene says what it is of, in a comment before it:
 - ``<!-- example: from demos/NAME.toml -->`` stands there like that;
 - ``<!-- example: changes demos/NAME.toml -->`` replaces what it names; ``…, without KEY`` first
   takes KEY away.
+
+A block of Python after ``<!-- example: saved as FILE -->`` is a file of that name for the others.
 """
 
 from __future__ import annotations
@@ -201,6 +203,9 @@ def names_of(data):
 @pytest.mark.errors
 @pytest.mark.parametrize("block", of_language("python"), ids=str)
 def test_python(block, copy_of_repository):
+    for other in blocks_of(block.page):
+        if other.said.startswith("saved as "):
+            (copy_of_repository / other.said.removeprefix("saved as ")).write_text(other.text)
     exec(compile(block.text, str(block), "exec"), {"__name__": "__example__"})
 
 
