@@ -18,7 +18,7 @@ from fenics_contact.common.wording.suggestions import question
 _modules: dict[str, ModuleType] = {}
 
 
-def allow_laws(module: str) -> None:
+def allow_laws(module: str) -> list[str]:
     """Allow scenes to name the laws of a module, for as long as this process lives.
 
     The module is imported, so what it does is done. It is looked for on Python's path and, after
@@ -26,6 +26,9 @@ def allow_laws(module: str) -> None:
 
     Args:
         module: Its name, as of ``import``; in a script of its own laws, ``__name__``.
+
+    Returns:
+        Names of its classes, of which those that are laws can be named by ``module:Class``.
 
     Raises:
         InputError: It cannot be imported.
@@ -37,6 +40,7 @@ def allow_laws(module: str) -> None:
     except Exception as error:  # whatever a module of others does
         what = f"{type(error).__name__}: {error}"
         raise InputError(f"laws of '{module}': the module cannot be imported ({what})") from error
+    return list(_classes(module, object))
 
 
 def allowed_modules() -> list[str]:
@@ -62,12 +66,17 @@ def own_law(name: str, of: type, where: str) -> Any:
             f"{said}: laws of the module '{module}' are not allowed; if you trust it, say "
             f"--laws {module} (in Python: allow_laws('{module}'))"
         )
-    known = {
-        one: made
-        for one, made in vars(_modules[module]).items()
-        if isinstance(made, type) and issubclass(made, of) and made.__module__ == module
-    }
+    known = _classes(module, of)
     if found not in known:
         hint = question(found, known) or f"; it has {', '.join(known) or 'none'}"
         raise InputError(f"{said}: '{module}' has no class '{found}' of {of.__name__}{hint}")
     return known[found]
+
+
+def _classes(module: str, of: type) -> dict[str, Any]:
+    """Classes that a module makes, not those that it imports."""
+    return {
+        name: made
+        for name, made in vars(_modules[module]).items()
+        if isinstance(made, type) and issubclass(made, of) and made.__module__ == module
+    }

@@ -81,32 +81,32 @@ def folder(tmp_path, monkeypatch):
     path = COMM.bcast(tmp_path)
 
     def write():
-        (path / "asperities.py").write_text(MODULE)
+        (path / "rough.py").write_text(MODULE)
         (path / "block.geo").write_text(GEOMETRY)
 
     on_root(COMM, write)
     monkeypatch.chdir(path)
     monkeypatch.setattr(allowed, "_modules", {})
     monkeypatch.setattr(sys, "path", [*sys.path])
-    monkeypatch.delitem(sys.modules, "asperities", raising=False)
+    monkeypatch.delitem(sys.modules, "rough", raising=False)
     return path
 
 
-def written(folder, kind="asperities:Asperities"):
+def written(folder, kind="rough:Asperities"):
     on_root(COMM, lambda: (folder / "scene.toml").write_text(SCENE.format(kind=kind)))
     return "scene.toml"
 
 
 def test_the_command_line_allows_it_and_its_closed_form_comes_out(folder):
     scene = written(folder)
-    assert main(["run", scene, "--laws", "asperities", "--out", "out", "--quiet"]) == 0
+    assert main(["run", scene, "--laws", "rough", "--out", "out", "--quiet"]) == 0
     found = json.loads((folder / "out/result.json").read_text())
     depth = 1e-3 * np.log(1 + 10 / 2)
     assert found["quantities"]["max_penetration"] == pytest.approx(depth, rel=1e-7)
     energy = 2 * (1e-3 * np.expm1(depth / 1e-3) - depth)
     assert found["quantities"]["penalty_energy"] == pytest.approx(energy, rel=1e-7)
     assert found["contacts"][0]["parameters"].items() >= {"h": 1e-3, "p0": 2.0}.items()
-    assert found["contacts"][0]["contact"] == "asperities:Asperities"
+    assert found["contacts"][0]["contact"] == "rough:Asperities"
 
 
 @pytest.mark.parametrize("command", ["run", "check", "sweep"])
@@ -117,16 +117,16 @@ def test_a_scene_alone_runs_nothing(folder, command, capfd):
     code = main([command, written(folder), *arguments])
     said = capfd.readouterr()
     assert code == 2
-    assert not (folder / "asperities.ran").exists()
-    assert "asperities" not in sys.modules
+    assert not (folder / "rough.ran").exists()
+    assert "rough" not in sys.modules
     if COMM.rank == 0:
-        assert "say --laws asperities" in re.sub(r"\s+", " ", said.out + said.err)
+        assert "say --laws rough" in re.sub(r"\s+", " ", said.out + said.err)
 
 
 @pytest.mark.skipif(COMM.size > 1, reason="a sweep runs on one rank each")
 def test_processes_of_a_sweep_have_what_the_command_line_allows(folder):
     words = ["sweep", written(folder), "--vary", "load.0.pressure=5,10", "--jobs", "2"]
-    assert main([*words, "--laws", "asperities", "--out", "out", "--quiet"]) == 0
+    assert main([*words, "--laws", "rough", "--out", "out", "--quiet"]) == 0
     rows = (folder / "out/sweep.csv").read_text().splitlines()
     assert len(rows) == 3
     assert main(["report", "out", "--quiet"]) == 0
@@ -135,11 +135,11 @@ def test_processes_of_a_sweep_have_what_the_command_line_allows(folder):
 @pytest.mark.parametrize(
     ("module", "kind", "words"),
     [
-        ("asperities", "asperities:Asperity", "did you mean 'Asperities'?"),
-        ("asperities", "asperities:Helper", "it has Asperities"),
-        ("asperities", "asperities:OwnEnergy", "has no class 'OwnEnergy'"),
-        ("asperities", "os:system", "the module 'os' are not allowed"),
-        ("no_such_module", "asperities:Asperities", "the module cannot be imported"),
+        ("rough", "rough:Asperity", "did you mean 'Asperities'?"),
+        ("rough", "rough:Helper", "it has Asperities"),
+        ("rough", "rough:OwnEnergy", "has no class 'OwnEnergy'"),
+        ("rough", "os:system", "the module 'os' are not allowed"),
+        ("no_such_module", "rough:Asperities", "the module cannot be imported"),
     ],
 )
 def test_what_is_not_there_is_refused_in_a_sentence(folder, module, kind, words, capfd):
@@ -151,8 +151,8 @@ def test_what_is_not_there_is_refused_in_a_sentence(folder, module, kind, words,
 
 def test_it_has_what_laws_of_the_program_have(folder):
     """In Python, with friction: the answer, checks, bars and derivatives of the same formula."""
-    allow_laws("asperities")
-    own = OwnNormalLaw("asperities:Asperities", {"p0": 2.0, "h": 1e-3})
+    assert allow_laws("rough") == ["Asperities", "Saturated", "Helper"]
+    own = OwnNormalLaw("rough:Asperities", {"p0": 2.0, "h": 1e-3})
     formula = law("p0 * (exp(d / h) - 1)", p0=2.0, h=1e-3)
     scenes = [
         pressed(BALL, {"normal_law": one, "friction_coefficient": 0.3}) for one in (own, formula)
@@ -174,8 +174,8 @@ def test_it_has_what_laws_of_the_program_have(folder):
 
 def test_a_bound_of_friction_is_one_too(folder):
     """Where points slip they carry it; at a pressure of 10 it is a third less than Coulomb's."""
-    allow_laws("asperities")
-    table = {"kind": "asperities:Saturated", "parameters": {"p0": 20.0}}
+    allow_laws("rough")
+    table = {"kind": "rough:Saturated", "parameters": {"p0": 20.0}}
     keys = {"friction_coefficient": 0.2, "friction_law": table}
     result = run(sheared(keys), COMM, box_body((6, 3)))
     assert result.passed, result.verdict
@@ -188,9 +188,9 @@ def test_a_bound_of_friction_is_one_too(folder):
 
 
 def test_no_module_is_allowed_to_begin_with(folder):
-    with pytest.raises(InputError, match=r"allow_laws\('asperities'\)"):
+    with pytest.raises(InputError, match=r"allow_laws\('rough'\)"):
         run(
-            pressed(BALL, {"normal_law": OwnNormalLaw("asperities:Asperities")}),
+            pressed(BALL, {"normal_law": OwnNormalLaw("rough:Asperities")}),
             COMM,
             box_body((2, 2)),
         )

@@ -24,6 +24,12 @@ class OwnEnergy(SpringLaw):
     A class derived from it says ``density`` in UFL. Forces and tangents are its derivatives, and
     so are pressures, checks, error bars and derivatives of quantities.
 
+    Attributes:
+        model: What it models, in words, for results.
+
+    Args:
+        site: Where it acts; the program makes it.
+
     >>> from fenics_contact.contact.laws.normal.spring import positive
     >>> class Springs(OwnEnergy):
     ...     @staticmethod
@@ -35,7 +41,14 @@ class OwnEnergy(SpringLaw):
 
     @classmethod
     def parameters(cls, contact: Contact) -> dict[str, Parameter]:
-        """Those of the scene's table."""
+        """Those of the scene's table.
+
+        Args:
+            contact: Of the scene.
+
+        Returns:
+            Name → number, in the scene's units.
+        """
         return dict(_given(contact))
 
     def fields(self) -> Mapping[str, Array]:
@@ -44,7 +57,15 @@ class OwnEnergy(SpringLaw):
         return {name: np.full(count, value) for name, value in _given(self.site.contact).items()}
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of a parameter in itself."""
+        """Of a parameter in itself.
+
+        Args:
+            key: Of a number of the contact.
+            unit: Derivative of what the scene gives under it.
+
+        Returns:
+            Name of the parameter → (points,); nothing for other keys.
+        """
         name = key.removeprefix("normal_law.parameters.")
         return {name: np.ones_like(self._fields[name])} if name in self._fields else {}
 

@@ -30,6 +30,13 @@ class OwnFriction(FrictionRule):
     A class derived from it says ``bound`` in UFL, of the pressure, of ``coefficient``, which is the
     scene's friction coefficient, and of its parameters. At the pressure 0 it is to be 0.
 
+    Attributes:
+        coefficient: The scene's friction coefficient at the points, (points,).
+
+    Args:
+        site: Where it acts; the program makes it.
+        normal: The law across the contact.
+
     >>> class Saturated(OwnFriction):
     ...     @staticmethod
     ...     def bound(pressure, coefficient, p0):
