@@ -16,6 +16,7 @@ from __future__ import annotations
 import re
 import shlex
 import subprocess
+import sys
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +26,7 @@ from markdown_it import MarkdownIt
 
 from fenics_contact import Run, load_scene
 from fenics_contact.cli.options import parse
+from fenics_contact.contact.laws import allowed
 from tests.scenes import ROOT
 
 pytestmark = pytest.mark.serial
@@ -112,6 +114,8 @@ def copy_of_repository(tmp_path, monkeypatch):
         (tmp_path / name).symlink_to(ROOT / name)
     (tmp_path / "scenes").mkdir()
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(allowed, "_modules", {})  # laws of a page are no other test's
+    monkeypatch.setattr(sys, "path", [*sys.path])
     return tmp_path
 
 

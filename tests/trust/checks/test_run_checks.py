@@ -110,10 +110,11 @@ def test_dissipation_fails_however_far_open_points_move(solved):
     problem, solution = solved
     (compared,) = compared_friction(BulkForces(problem, solution))
     slip, status, bulk = -compared.slip, compared.status.copy(), compared.bulk.copy()
-    slip[:1], status[:1], bulk[:1] = 1e9, OPEN, 0.0
-    wrong = dataclasses.replace(compared, slip=slip, status=status, bulk=bulk)
+    bound = compared.bound.copy()
+    slip[:1], status[:1], bulk[:1], bound[:1] = 1e9, OPEN, 0.0, 0.0
+    wrong = dataclasses.replace(compared, slip=slip, status=status, bulk=bulk, bound=bound)
     assert not dissipation([wrong]).passed
-    right = dataclasses.replace(compared, slip=-slip, status=status, bulk=bulk)
+    right = dataclasses.replace(wrong, slip=-slip)
     assert dissipation([right]).passed
 
 
