@@ -156,6 +156,7 @@ def test_the_error_of_a_sum_is_that_of_the_sum():
     fine = run(with_solver(scene, errors="none"), COMM, box_body((24, 24), (1, 1)))
     together = found.reactions["wall"]["errors"]["reaction"]["total"]
     alone = [row["errors"]["reaction"]["total"] for row in found.supports if row["name"] == "wall"]
+    # .21 by the load's scatter; .43 since edges are moved as well, which few cells make coarse
     assert together < 0.5 * sum(alone)
     assert distance(found.reactions["wall"], fine.reactions["wall"]) <= together
     summed = np.sum([row["reaction"] for row in found.supports if row["name"] == "wall"], axis=0)

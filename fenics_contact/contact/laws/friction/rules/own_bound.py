@@ -13,7 +13,6 @@ from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws import formulas
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
-from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.scene.laws.friction_laws import FormulaFriction
 
 # Pressures, whatever their unit, between which the ratio of bound and pressure is looked at.
@@ -48,7 +47,7 @@ class OwnFriction(FrictionRule):
         """The parameters of the scene's table."""
         return dict(cast(_HasParameters, self.site.contact.friction_law).parameters)
 
-    @property
+    @cached_property
     def largest_coefficient(self) -> Array:
         """Of pressures from 1e-9 to 1e9."""
         count = len(self.coefficient)
@@ -63,19 +62,11 @@ class FormulaBound(OwnFriction):
 
     @staticmethod
     def bound(pressure: Expr, **fields: Expr) -> Expr:
-        """None that all of them share; ``in_ufl`` says the scene's."""
+        """None that all of them share: each scene has its own."""
         raise NotImplementedError("the bound is the formula's")
 
-    def in_ufl(self, pressure: Expr) -> Expr:
-        """The bound on the surface in UFL (stress)."""
-        return self._formula(pressure, **self._fields_in_ufl())
-
-    @cached_property
-    def _at_points(self) -> PointDensity:
-        return point_density(self._formula, pressure=0, **dict.fromkeys(self._values, 0))
-
     @property
-    def _formula(self) -> Callable[..., Expr]:
+    def _bound(self) -> Callable[..., Expr]:
         law = self.site.contact.friction_law
         assert isinstance(law, FormulaFriction)
         return _bound(law.bound, tuple(law.parameters))

@@ -7,7 +7,7 @@ at the points, its derivatives and what it adds to tangents follow from that.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -158,7 +158,7 @@ class FrictionRule:
         Args:
             pressure: Contact pressure on the surface (stress).
         """
-        return self.bound(pressure, **self._fields_in_ufl())
+        return self._bound(pressure, **self._fields_in_ufl())
 
     def pulled_back(self, pressure: Array, of_bound: Array) -> BoundGradient:
         """What a quantity's derivatives in the bound are in what the bound follows from.
@@ -175,6 +175,11 @@ class FrictionRule:
             coefficient=points.slope("coefficient", **values) * of_bound,
         )
 
+    @property
+    def _bound(self) -> Callable[..., Expr]:
+        """``bound``, or what a scene has in its place."""
+        return self.bound
+
     def _fields_in_ufl(self) -> dict[str, Expr]:
         """What stands in a form for ``fields`` and ``constants``."""
         trace = self.site.trace
@@ -189,4 +194,4 @@ class FrictionRule:
 
     @cached_property
     def _at_points(self) -> PointDensity:
-        return point_density(self.bound, pressure=0, **dict.fromkeys(self._values, 0))
+        return point_density(self._bound, pressure=0, **dict.fromkeys(self._values, 0))
