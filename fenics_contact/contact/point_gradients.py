@@ -5,7 +5,7 @@ Backwards through the laws at the points, by their own second derivatives.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Self
 
@@ -31,6 +31,7 @@ class AnswerGradient:
         brought_up: In how far the obstacle was brought up, beside what that does to the gap.
         indentation: In how far an obstacle is driven, beside what that does to the jump.
         interference: In the interference, beside what that does to the gap.
+        state: In arrays that the law along the contact keeps, as a load step leaves them, by name.
     """
 
     pressure: Array
@@ -42,6 +43,7 @@ class AnswerGradient:
     brought_up: float = 0.0
     indentation: float = 0.0
     interference: float = 0.0
+    state: Mapping[str, Array] = field(default_factory=dict)
 
     @classmethod
     def none(cls, contact: ContactSurface) -> Self:
@@ -76,10 +78,10 @@ class GivenGradient:
         jump: In the jump, (points, components).
         gap: In the gap, (points,).
         pressure: In a pressure that is given, (points,).
-        coefficient: In the friction coefficient, (points,).
-        fields: In parameters of the law across it, by name, (points,).
+        across: In parameters of the law across it, by name, (points,).
+        along: In those of the law along it, likewise.
+        state: In arrays that this keeps, as the load step before left them, likewise.
         reference: In the slip that counts as none, (points, components).
-        regularisation_parameter: In ε, of this rank's own points.
         brought_up: As of ``AnswerGradient``.
         indentation: Likewise.
         interference: Likewise.
@@ -88,10 +90,10 @@ class GivenGradient:
     jump: Array
     gap: Array
     pressure: Array
-    coefficient: Array
-    fields: Mapping[str, Array]
+    across: Mapping[str, Array]
+    along: Mapping[str, Array]
+    state: Mapping[str, Array]
     reference: Array
-    regularisation_parameter: float
     brought_up: float
     indentation: float
     interference: float
@@ -105,9 +107,8 @@ class GivenChange:
         motion: Of what stands opposite, (components,).
         gap: At the points, (points,).
         pressure: That is given, likewise.
-        coefficient: Of friction, likewise.
-        fields: Parameters of the law across it, by name, likewise.
-        regularisation_parameter: ε.
+        across: Parameters of the law across it, by name, likewise.
+        along: Those of the law along it.
         brought_up: How far the obstacle was brought up.
         indentation: How far it is driven, where no force drives it.
         interference: The interference.
@@ -116,9 +117,8 @@ class GivenChange:
     motion: Array | None = None
     gap: Array | None = None
     pressure: Array | None = None
-    coefficient: Array | None = None
-    fields: Mapping[str, Array] = field(default_factory=dict)
-    regularisation_parameter: float = 0.0
+    across: Mapping[str, Array] = field(default_factory=dict)
+    along: Mapping[str, Array] = field(default_factory=dict)
     brought_up: float = 0.0
     indentation: float = 0.0
     interference: float = 0.0
@@ -135,7 +135,11 @@ def pulled_back(contact: ContactSurface, answers: AnswerGradient) -> GivenGradie
     jump, normals = kinematics.jump_at_points(), contact.trace.normals
     slip = kinematics.tangential(jump)
     of_traction = kinematics.tangential(answers.friction)
-    friction = contact.friction.pulled_back(slip, contact.normal.pressure(jump), of_traction)
+    pressed = contact.normal.pressure(jump)
+    friction = contact.friction.pulled_back(slip, pressed, of_traction)
+    of_way, state = contact.friction.step_end_pulled_back(
+        slip, contact.normal.is_closed(pressed), answers.state
+    )
     pressure = answers.pressure + friction.pressure
     normal = contact.normal.pulled_back(
         jump, pressure[:, None] * normals - of_traction, answers.energy
@@ -144,18 +148,26 @@ def pulled_back(contact: ContactSurface, answers: AnswerGradient) -> GivenGradie
     return GivenGradient(
         jump=answers.jump
         + normal.jump
-        + kinematics.tangential(answers.slip + friction.slip)
+        + kinematics.tangential(answers.slip + friction.slip + of_way)
         + depth[:, None] * normals,
         gap=normal.gap - depth,
         pressure=pressure,
-        coefficient=friction.coefficient,
-        fields=normal.fields,
-        reference=kinematics.tangential(friction.reference),
-        regularisation_parameter=friction.regularisation_parameter,
+        across=normal.fields,
+        along=friction.fields,
+        state=_summed(state, friction.fields, contact.friction.derived_state),
+        reference=kinematics.tangential(friction.reference - of_way),
         brought_up=answers.brought_up,
         indentation=answers.indentation,
         interference=answers.interference,
     )
+
+
+def _summed(
+    kept: Mapping[str, Array], of_law: Mapping[str, Array], names: Collection[str]
+) -> dict[str, Array]:
+    """Derivatives in arrays of a state: by what a step keeps of them, and by what a law has."""
+    found = {name: of_law[name] for name in names if name in of_law}
+    return found | {name: found.get(name, 0.0) + values for name, values in kept.items()}
 
 
 def along(contact: ContactSurface, gradient: GivenGradient, change: GivenChange) -> float:
@@ -169,14 +181,14 @@ def along(contact: ContactSurface, gradient: GivenGradient, change: GivenChange)
         change: With the key.
     """
     owned = contact.trace.owned
-    found = gradient.regularisation_parameter * change.regularisation_parameter
+    found = 0.0
     if change.motion is not None:
         found -= float(gradient.jump[owned].sum(axis=0) @ change.motion)
     pairs = [
         (gradient.gap, change.gap),
         (gradient.pressure, change.pressure),
-        (gradient.coefficient, change.coefficient),
-        *((gradient.fields[name], values) for name, values in change.fields.items()),
+        *((gradient.across[name], values) for name, values in change.across.items()),
+        *((gradient.along[name], values) for name, values in change.along.items()),
     ]
     found += sum(float(of[owned] @ by[owned]) for of, by in pairs if by is not None)
     if contact.spaces.comm.rank == 0:

@@ -22,6 +22,12 @@ _TOGETHER = (
 )
 
 
+def are_said_together(law: object, *names: str) -> bool:
+    """Whether one class says what some attributes of a law are: then they fit each other."""
+    classes = type(law).__mro__
+    return len({next((c for c in classes if name in vars(c)), None) for name in names}) == 1
+
+
 class ContactLaw:
     """A law; this one exerts nothing, and others say what they do instead.
 
@@ -72,18 +78,19 @@ class ContactLaw:
 
         Those of a law that has other forms than the one it derives from need not be its own.
         """
-        return all(self._owner(one) is self._owner(other) for one, other in _TOGETHER)
+        return all(are_said_together(self, one, other) for one, other in _TOGETHER)
 
     @property
     def has_derivatives(self) -> bool:
         """Whether ``pulled_back`` is of its own numbers, and nothing else is kept between steps."""
-        keeps = {array.name for array in self.state} - {"reference", "bound"}
-        own = self._owner("pulled_back") is self._owner("at_points")
+        keeps = {array.name for array in self.state} - self.derived_state
+        own = are_said_together(self, "pulled_back", "at_points")
         return not keeps and (not self.follows_jump or (own and self.says_it_at_points))
 
-    def _owner(self, name: str) -> type | None:
-        """The class that says what an attribute is; None where there is none."""
-        return next((one for one in type(self).__mro__ if name in vars(one)), None)
+    @property
+    def derived_state(self) -> set[str]:
+        """Names of arrays of ``state`` by which derivatives go back to load steps before."""
+        return {"reference", "bound"}
 
     def force(self) -> Array:
         """Forces on the body at all nodes of the surface, (nodes, components); collective."""

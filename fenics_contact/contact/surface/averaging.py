@@ -18,13 +18,19 @@ force is lost at edges. Away from edges s is constant.
 
 from __future__ import annotations
 
-import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix, diags
+from collections.abc import Callable
 
+import numpy as np
+from scipy.sparse import coo_matrix, csr_matrix, diags, identity
+from scipy.sparse.linalg import spsolve
+
+from fenics_contact.analytic.complex_step import slope
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.contact.surface.mirrored_places import MirroredPlaces
 from fenics_contact.contact.surface.trace import Trace
 
+# Pairs of places, by rows and columns, and the kernel's values there at a radius.
+_Kernel = tuple[tuple[Integers, Integers], Callable[[complex], Array]]
 # Of the average of 1.
 _EXACT = 1e-13
 # Gauss points of the kernel around the axis, where it is not 0.
@@ -49,19 +55,21 @@ class SurfaceAverage:
         self._trace = trace
         self._places = MirroredPlaces(trace, radius)
         if trace.spaces.kinematics == "axisymmetric":
-            kernel = _around_axis(self._places, radius)
+            self._pairs, self._values_of = _around_axis(self._places, radius)
         elif trace.spaces.components == 2:
-            rows, columns, distances = self._places.along_line(radius)
-            kernel = rows, columns, bump(distances / radius)
+            self._pairs, self._values_of = _along_line(self._places, radius)
         else:
-            kernel = _straight(self._places, radius)
-        count = len(self._places.coordinates)
-        whole = csr_matrix(coo_matrix((kernel[2], kernel[:2]), shape=(count, count)))
-        self._kernel = whole
+            self._pairs, self._values_of = _straight(self._places, radius)
+        self._kernel = whole = self._matrix(self._values_of(radius))
         own = whole[self._places.mine].tocoo()
         self.rows, self.columns = own.row.astype(np.int64), own.col.astype(np.int64)
         self._values = own.data
         self._counted: Array | None = None
+
+    def _matrix(self, values: Array) -> csr_matrix:
+        """Values of the pairs between all places."""
+        count = len(self._places.coordinates)
+        return csr_matrix(coo_matrix((values, self._pairs), shape=(count, count)))
 
     def over(self, counted: Flags) -> None:
         """Average over some of the points only, and only there, from now on.
@@ -88,6 +96,27 @@ class SurfaceAverage:
         """Wᵀ times values at the points, each of which counts once; (points,)."""
         found = self._areas[self.places] * self._scaled(self._scale * self._places.gathered(values))
         return np.asarray(found)
+
+    def radius_slope(self, values: Array) -> Array:
+        """Derivative of the average in the radius, (points,).
+
+        The kernel K has no kink anywhere, so that pairs come into reach without a jump. As
+        s_i Σ_j K_ij A_j s_j = 1 for any radius, (1 + W) of ds/s is −s_i Σ_j dK_ij A_j s_j.
+
+        Args:
+            values: At the points.
+        """
+        areas = self._areas
+        kernel_slope = self._matrix(slope(self._values_of, self.radius))
+        counts = areas > 0
+        inside = self.matrix[counts][:, counts]
+        left = -self._scale * (kernel_slope @ (areas * self._scale))
+        of_scale = np.zeros(len(areas))
+        of_scale[counts] = spsolve((identity(int(counts.sum())) + inside).tocsc(), left[counts])
+        loads = areas * self._scale * self._places.gathered(values)
+        found = of_scale * self._scale * (self._kernel @ loads)
+        found += self._scale * (kernel_slope @ loads + self._kernel @ (of_scale * loads))
+        return np.asarray(found[self.places])
 
     @property
     def weights(self) -> Array:
@@ -132,9 +161,13 @@ class SurfaceAverage:
 
 
 def bump(ratio: Array) -> Array:
-    """exp(−1 / (1 − r²)) of r = d/ρ < 1, and 0 from there on, where it has no kink at all."""
-    inside = np.where(ratio < 1, ratio, 0.0)
-    return np.where(ratio < 1, np.exp(-1 / ((1 - inside) * (1 + inside))), 0.0)
+    """exp(−1 / (1 − r²)) of r = d/ρ < 1, and 0 from there on, where it has no kink at all.
+
+    Args:
+        ratio: R; with an imaginary part for a complex step.
+    """
+    inside = np.where(ratio.real < 1, ratio, 0.0)
+    return np.where(ratio.real < 1, np.exp(-1 / ((1 - inside) * (1 + inside))), 0.0)
 
 
 def _scale(kernel: csr_matrix, areas: Array) -> Array:
@@ -156,31 +189,43 @@ def _scale(kernel: csr_matrix, areas: Array) -> Array:
     return scale
 
 
-def _straight(places: MirroredPlaces, radius: float) -> tuple[Integers, Integers, Array]:
-    """Kernel of straight distances in 3D: rows, columns, values; images one by one."""
+def _along_line(places: MirroredPlaces, radius: float) -> _Kernel:
+    """Kernel of distances along a line: pairs of places, and their values at a radius."""
+    rows, columns, distances = places.along_line(radius)
+    return (rows, columns), lambda reach: bump(distances / reach)
+
+
+def _straight(places: MirroredPlaces, radius: float) -> _Kernel:
+    """That of straight distances in 3D, images one by one."""
     rows, columns, copies = places.straight(radius, [0, 1, 2])
     there, normals = places.images(columns, copies)
     distances = np.linalg.norm(places.coordinates[rows] - there, axis=1)
     along = np.einsum("ij,ij->i", places.normals[rows], normals) > 0
-    values = np.where(along, bump(distances / radius), 0.0)
-    return rows, columns, values
+    return (rows, columns), lambda reach: np.where(along, bump(distances / reach), 0.0)
 
 
-def _around_axis(places: MirroredPlaces, radius: float) -> tuple[Integers, Integers, Array]:
-    """Its mean over the rings around the axis: rows, columns, values."""
+def _around_axis(places: MirroredPlaces, radius: float) -> _Kernel:
+    """Its mean over the rings around the axis."""
     rows, columns, copies = places.straight(radius, [0, 1])
     there, there_normals = places.images(columns, copies)
     here, normals = places.coordinates[rows], places.normals[rows]
     product = here[:, 0] * there[:, 0]
     apart = ((here - there) ** 2).sum(axis=1)
-    # d² = apart + 2 r r' (1 − cos θ) reaches ρ² at the angle `last`, or nowhere.
-    share = (radius**2 - apart) / (4 * np.where(product > 0, product, 1.0))
-    last = np.where(product > 0, 2 * np.arcsin(np.sqrt(np.clip(share, 0, 1))), np.pi)
-    found = np.zeros(len(rows))
-    for node, weight in zip(*np.polynomial.legendre.leggauss(_AROUND), strict=True):
-        angle = 0.5 * last * (1 + node)
-        distance = np.sqrt(apart + 4 * product * np.sin(0.5 * angle) ** 2)
-        turned = normals[:, 0] * there_normals[:, 0] * np.cos(angle)
-        along = turned + normals[:, 1] * there_normals[:, 1] > 0
-        found += weight * np.where(along, bump(distance / radius), 0.0)
-    return rows, columns, found * last / (2 * np.pi)
+
+    def values(reach: complex) -> Array:
+        # d² = apart + 2 r r' (1 − cos θ) reaches ρ² at the angle `last`, or nowhere.
+        share = (reach**2 - apart) / (4 * np.where(product > 0, product, 1.0))
+        whole = share.real >= 1
+        part = np.where((share.real > 0) & ~whole, share, 0.0)
+        half = np.where(whole, 0.5 * np.pi, np.arcsin(np.sqrt(part)))
+        last = np.where(product > 0, 2 * half, np.pi)
+        found = np.zeros_like(share)
+        for node, weight in zip(*np.polynomial.legendre.leggauss(_AROUND), strict=True):
+            angle = 0.5 * last * (1 + node)
+            distance = np.sqrt(apart + 4 * product * np.sin(0.5 * angle) ** 2)
+            turned = normals[:, 0] * there_normals[:, 0] * np.cos(angle)
+            along = (turned + normals[:, 1] * there_normals[:, 1]).real > 0
+            found += weight * np.where(along, bump(distance / reach), 0.0)
+        return np.asarray(found * last / (2 * np.pi))
+
+    return (rows, columns), values

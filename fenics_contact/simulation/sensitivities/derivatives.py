@@ -137,11 +137,12 @@ def _go_back_to(load_steps: LoadSteps, step: AcceptedStep) -> None:
 
 
 def of_step_before(problem: Problem, gradient: QuantityGradient) -> StateGradient:
-    """What is a quantity of the step before: the slips that a step counts from."""
+    """What is a quantity of the step before: slips that steps count from, laws' arrays."""
     found = StateGradient.none(problem)
     for contact, before, after in zip(
         problem.contacts, found.contacts, gradient.contacts, strict=True
     ):
         if contact.friction.follows_path:
             before.slip += np.asarray(after.reference)
+            before.state = after.state
     return found

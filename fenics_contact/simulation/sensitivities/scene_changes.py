@@ -24,7 +24,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import Indentation, Resultant
 from fenics_contact.scene.contact import Obstacle
 from fenics_contact.scene.values import Value
-from fenics_contact.simulation.sensitivities.values import found_in, unit_of
+from fenics_contact.simulation.sensitivities.values import found_in, unit_of, value_under
 
 _MODULI = ("youngs_modulus", "poissons_ratio")
 
@@ -158,26 +158,19 @@ class SceneChanges:
             path = contact.paths.interference_factor(self.time)
             here = GivenChange(gap=np.full(len(contact.trace.weights), -path), interference=path)
             return Change(contacts={number: here})
-        if name == "regularisation_parameter":
-            return Change(contacts={number: GivenChange(regularisation_parameter=1.0)})
-        if rest[0] == "friction_coefficient":
-            if not contact.friction.rubs:
-                raise _refused(key, "without friction, it is no parameter of the model")
-            coefficient = self._at_points(contact, key, scene.friction_coefficient, rest[1:])
-            return Change(contacts={number: GivenChange(coefficient=coefficient)})
-        if rest[0] == "friction_law":
-            raise _refused(key, "derivatives by the numbers of a friction law are not made")
         if rest[0] == "pressure" and scene.pressure is not None:
             return self._of_pressure(
                 number, contact, self._at_points(contact, key, scene.pressure, rest[1:])
             )
-        place = {"normal_law": 2}.get(rest[0], 1) + (rest[1:2] == ["parameters"])
-        value = found_in(self.problem.scene, ".".join(key.split(".")[: 2 + place]))
-        unit = unit_of(value, rest[place:])
-        fields = {} if unit is None else contact.normal.field_slopes(".".join(rest[:place]), unit)
-        if not fields:
+        if rest[0].startswith("friction") and not contact.friction.rubs:
+            raise _refused(key, "without friction, it is no parameter of the model")
+        name, value, inside = value_under(scene, rest)
+        unit = _unit(key, value, inside)
+        across = contact.normal.field_slopes(name, unit)
+        along = contact.friction.field_slopes(name, unit)
+        if not across and not along:
             raise _refused(key, "the law does not follow it smoothly")
-        return Change(contacts={number: GivenChange(fields=fields)})
+        return Change(contacts={number: GivenChange(across=across, along=along)})
 
     def _at_points(self, contact: ContactSurface, key: str, value: Value, rest: list[str]) -> Array:
         """What a number changes of a value at the points."""

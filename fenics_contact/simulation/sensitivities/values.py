@@ -7,12 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from fenics_contact.common.errors import InputError
-from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Profile, Value
 
 
-def found_in(scene: Scene, key: str) -> Any:
-    """What a scene has under a key, as of ``--set``.
+def found_in(scene: Any, key: str) -> Any:
+    """What a scene, or a part of it, has under a key, as of ``--set``.
 
     Raises:
         InputError: There is no such key.
@@ -48,6 +47,22 @@ def numbers_of(part: Any, key: str = "") -> Iterator[str]:
         below = part
     for name, value in below.items():
         yield from numbers_of(value, f"{key}.{name}" if key else str(name))
+
+
+def value_under(part: Any, names: Sequence[str]) -> tuple[str, Value, list[str]]:
+    """The value that a number is, or is part of, such as a profile.
+
+    Args:
+        part: Of a scene, such as a contact.
+        names: Of the number's key there; ``found_in`` has found it.
+
+    Returns:
+        The value's key, itself, and of the key what is left to the number.
+    """
+    rest = list(names)
+    while rest and not isinstance(part, float | int | Profile):
+        part = found_in(part, rest.pop(0))
+    return ".".join(names[: len(names) - len(rest)]), part, rest
 
 
 def unit_of(value: Value, rest: Sequence[str]) -> Value | None:

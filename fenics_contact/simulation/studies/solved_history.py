@@ -149,9 +149,7 @@ class _Errors:
         if self._problem.frictional:
             found["errors regularisation"] = Change(
                 contacts={
-                    n: GivenChange(regularisation_parameter=-one.regularisation_parameter)
-                    for n, one in contacts
-                    if one.friction.rubs
+                    n: _without_regularisation(one) for n, one in contacts if one.friction.rubs
                 }
             )
             self._names["regularisation"] = ["errors regularisation"]
@@ -189,5 +187,13 @@ def _without_penalty(contact: ContactSurface) -> GivenChange:
     """To first order what an ε₁ of 0 changes."""
     of_unit = contact.normal.field_slopes("penalty_parameter", 1.0)
     return GivenChange(
-        fields={name: -contact.penalty_parameter * slope for name, slope in of_unit.items()}
+        across={name: -contact.penalty_parameter * slope for name, slope in of_unit.items()}
+    )
+
+
+def _without_regularisation(contact: ContactSurface) -> GivenChange:
+    """Likewise an ε of 0."""
+    of_unit = contact.friction.field_slopes("regularisation_parameter", 1.0)
+    return GivenChange(
+        along={name: -contact.regularisation_parameter * slope for name, slope in of_unit.items()}
     )

@@ -111,6 +111,27 @@ def test_weights_of_pairs_are_the_average(model):
     assert worst(summed - average.apply(uneven)) < 1e-13
 
 
+@pytest.mark.parametrize("model", MODELS)
+def test_its_derivative_in_the_radius_is_that_of_differences(model):
+    trace, radius = MODELS[model](), 0.43
+    uneven = 1 + np.sin(3 * trace.coordinates.sum(axis=1))
+    counted = uneven < 1.9
+
+    def average(size):
+        found = SurfaceAverage(trace, size)
+        found.over(counted)
+        return found
+
+    step = 1e-3 * radius
+    near, far = (
+        (average(radius + h).apply(uneven) - average(radius - h).apply(uneven)) / (2 * h)
+        for h in (step, 2 * step)
+    )
+    found = average(radius).radius_slope(uneven)
+    assert worst(found - (4 * near - far) / 3) < 1e-7 * worst(found)
+    assert worst(found[~counted]) == 0
+
+
 @pytest.mark.parametrize("degree", [1, 2])
 def test_squares_on_a_line_grow_by_the_kernels_second_moment(degree):
     trace = trace_of(box_body((120, 1)), degree=degree)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
@@ -14,6 +15,7 @@ from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import OPEN, SLIP
 from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.scene.values import Value
 
 Mode = Literal["law", "coupled", "status", "held", "off"]
 
@@ -26,15 +28,14 @@ class FrictionGradient:
         slip: In the slip since the start, (points, components).
         reference: In the slip that counts as none, likewise.
         pressure: In the pressure that the bound follows, (points,).
-        coefficient: In the friction coefficient, (points,).
-        regularisation_parameter: In ε, what this rank's own points make of it.
+        fields: In each parameter of the law by name, the arrays of its rule's state among them,
+            (points,).
     """
 
     slip: Array
     reference: Array
     pressure: Array
-    coefficient: Array
-    regularisation_parameter: float
+    fields: Mapping[str, Array]
 
 
 class FrictionLaw(ContactLaw):
@@ -216,8 +217,36 @@ class FrictionLaw(ContactLaw):
             pressure: At the points (stress).
             of_traction: Derivatives of the quantity in ``traction``, (points, components).
         """
-        nothing = np.zeros(len(slip))
-        return FrictionGradient(np.zeros_like(slip), np.zeros_like(slip), nothing, nothing, 0.0)
+        nothing = np.zeros_like(slip)
+        return FrictionGradient(nothing, nothing, np.zeros(len(slip)), {})
+
+    def step_end_pulled_back(
+        self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
+    ) -> tuple[Array, Mapping[str, Array]]:
+        """What a quantity's derivatives in arrays of its state are in what makes them in a step.
+
+        Args:
+            slip: At its end, since the start, (points, components) (length).
+            closed: Points in contact at its end.
+            of_end: Derivatives of the quantity in arrays at its end, by name; none of others.
+
+        Returns:
+            Derivatives in the slip that counts, (points, components), and in the arrays as they
+            were at its begin, by name.
+        """
+        return np.zeros_like(slip), {}
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Derivatives of its parameters at the points in a key of the contact; collective.
+
+        Args:
+            key: Such as ``friction_coefficient``.
+            unit: Derivative of what the scene gives under it, itself a value of a scene.
+
+        Returns:
+            Name as of ``FrictionGradient.fields`` → (points,); nothing for other keys.
+        """
+        return {}
 
     def work(self, given: Array, traction: Array, slip: Array) -> Array:
         """Dissipated since the start, or in the present step where slip counts from the last one.

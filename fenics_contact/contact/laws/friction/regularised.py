@@ -23,6 +23,7 @@ from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import OPEN, SLIP, STICK, ContactState
 from fenics_contact.contact.surface.averaging import SurfaceAverage
 from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.scene.values import Value
 
 # Where the bound is not to be seen from the pressure, results have it at the points.
 _WRITTEN_BOUND = PointArray("bound", "stress", column="friction_bound")
@@ -67,6 +68,11 @@ class RegularisedFriction(FrictionLaw):
     def has_derivatives(self) -> bool:
         """Whether its rule has derivatives, too."""
         return super().has_derivatives and self.rule.has_derivatives
+
+    @property
+    def derived_state(self) -> set[str]:
+        """That of its rule, too."""
+        return super().derived_state | {array.name for array in self.rule.state}
 
     @property
     def called(self) -> str:
@@ -354,9 +360,22 @@ class RegularisedFriction(FrictionLaw):
             slip=of_slip,
             reference=0.0 - of_slip,
             pressure=rule.pressure,
-            coefficient=rule.coefficient,
-            regularisation_parameter=float(of("epsilon")[self.site.trace.owned].sum()),
+            fields={**rule.fields, "regularisation_parameter": of("epsilon")[:, 0]},
         )
+
+    def step_end_pulled_back(
+        self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
+    ) -> tuple[Array, Mapping[str, Array]]:
+        """As its rule makes them."""
+        if not of_end:
+            return super().step_end_pulled_back(slip, closed, of_end)
+        return self.rule.step_end_pulled_back(self.counted(slip), closed, of_end)
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Of ε in itself, and of what its rule has."""
+        if key == "regularisation_parameter":
+            return {key: np.ones_like(self.bound)}
+        return self.rule.field_slopes(key, unit)
 
     @cached_property
     def _at_points(self) -> PointDensity:

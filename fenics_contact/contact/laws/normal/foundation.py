@@ -20,6 +20,7 @@ class Foundation(SpringLaw):
 
     kind: ClassVar[str] = "winkler"
     model: ClassVar[str] = "Winkler foundation"
+    names_of_power: ClassVar[tuple[str, ...]] = ("stiffness",)
 
     @classmethod
     def parameters(cls, contact: Contact) -> dict[str, Parameter]:

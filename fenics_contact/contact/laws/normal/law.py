@@ -47,6 +47,8 @@ class NormalLaw(ContactLaw):
         pressure_is_known: Whether its pressure is given, so that friction has a bound beforehand.
         pushes_only: Whether the body may leave it.
         has_penalty: Whether its stiffness stands for no give at all.
+        names_of_power: Where its pressure is a power of the depth, its parameters as
+            ``field_slopes`` names them: c, and m unless that never changes.
 
     Args:
         site: Where it acts.
@@ -57,6 +59,7 @@ class NormalLaw(ContactLaw):
     pressure_is_known: ClassVar[bool] = False
     pushes_only: ClassVar[bool] = False
     has_penalty: ClassVar[bool] = False
+    names_of_power: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
     def parameters(cls, contact: Contact) -> dict[str, Parameter]:

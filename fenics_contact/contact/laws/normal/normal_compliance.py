@@ -25,6 +25,7 @@ class NormalCompliance(SpringLaw):
 
     kind: ClassVar[str] = "normal compliance"
     model: ClassVar[str] = "normal compliance"
+    names_of_power: ClassVar[tuple[str, ...]] = ("coefficient", "exponent")
 
     @classmethod
     def parameters(cls, contact: Contact) -> dict[str, Parameter]:

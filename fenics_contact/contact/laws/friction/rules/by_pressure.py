@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar
 
+import numpy as np
+
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
-from fenics_contact.contact.laws.friction.rules.table import in_table, named
+from fenics_contact.contact.laws.friction.rules.table import in_table, named, names_of
 from fenics_contact.scene.laws.friction_laws import PressureDependentFriction
+from fenics_contact.scene.values import Value
 
 
 class ByPressure(FrictionRule):
@@ -21,6 +24,12 @@ class ByPressure(FrictionRule):
     def constants(self) -> Mapping[str, float]:
         """The table."""
         return named(self._table.pressures, self._table.shares)
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Of the table's numbers in themselves, too."""
+        return super().field_slopes(key, unit) or names_of(
+            key, "pressures", np.ones_like(self.coefficient)
+        )
 
     @staticmethod
     def bound(pressure: Expr, **fields: Expr) -> Expr:

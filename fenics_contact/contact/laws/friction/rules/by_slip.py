@@ -10,11 +10,12 @@ import numpy as np
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
-from fenics_contact.contact.laws.friction.rules.table import in_table, named
+from fenics_contact.contact.laws.friction.rules.table import in_table, named, names_of
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.results.point_arrays import PointArray
 from fenics_contact.scene.laws.friction_laws import SlipDependentFriction
+from fenics_contact.scene.values import Value
 
 
 class BySlip(FrictionRule):
@@ -26,7 +27,6 @@ class BySlip(FrictionRule):
 
     kind: ClassVar[str] = "slip dependent"
     state: ClassVar[tuple[PointArray, ...]] = (PointArray("slip_so_far", "length"),)
-    has_derivatives: ClassVar[bool] = False
 
     def __init__(self, site: LawSite, normal: NormalLaw) -> None:
         super().__init__(site, normal)
@@ -41,16 +41,22 @@ class BySlip(FrictionRule):
     @property
     def changing(self) -> Mapping[str, Expr]:
         """The slip so far."""
-        return {"slid": self._in_forms.ufl}
+        return {"slip_so_far": self._in_forms.ufl}
 
     @property
     def _values(self) -> Mapping[str, Array | float]:
-        return {**super()._values, "slid": self._slid}
+        return {**super()._values, "slip_so_far": self._slid}
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Of the table's numbers in themselves, too."""
+        return super().field_slopes(key, unit) or names_of(
+            key, "slips", np.ones_like(self.coefficient)
+        )
 
     @staticmethod
     def bound(pressure: Expr, **fields: Expr) -> Expr:
         """μ s(l) p."""
-        return fields["coefficient"] * in_table(fields["slid"], fields) * pressure
+        return fields["coefficient"] * in_table(fields["slip_so_far"], fields) * pressure
 
     @property
     def largest_coefficient(self) -> Array:
@@ -61,6 +67,15 @@ class BySlip(FrictionRule):
         """The slip so far with that of the step, where points touch."""
         way = np.where(closed, np.linalg.norm(slip, axis=1), 0.0)
         return {"slip_so_far": self._slid + way}
+
+    def step_end_pulled_back(
+        self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
+    ) -> tuple[Array, Mapping[str, Array]]:
+        """The step's part along its slip, and all of it to the slip before."""
+        of_way = np.where(closed, of_end["slip_so_far"], 0.0)
+        size = np.linalg.norm(slip, axis=1)
+        direction = slip / np.where(size > 0, size, 1.0)[:, None]
+        return of_way[:, None] * direction, of_end
 
     def take(self, kept: Mapping[str, Array]) -> None:
         """Follow the slip so far."""

@@ -15,6 +15,7 @@ from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.laws.friction_laws import ComplianceFriction
+from fenics_contact.scene.values import Value
 
 # Depths over the size of the surface, between which the ratio of bound and pressure is looked at.
 _DEPTHS = np.array([1e-6, 1.0])
@@ -30,7 +31,6 @@ class Compliance(FrictionRule):
 
     kind: ClassVar[str] = "compliance"
     is_proportional: ClassVar[bool] = False
-    has_derivatives: ClassVar[bool] = False
 
     def __init__(self, site: LawSite, normal: NormalLaw) -> None:
         super().__init__(site, normal)
@@ -46,6 +46,15 @@ class Compliance(FrictionRule):
     def constants(self) -> Mapping[str, float]:
         """m_t."""
         return {"own_exponent": self._table.exponent}
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Of its own numbers, and of those of the law across the contact."""
+        own = {"friction_law.coefficient": "coefficient", "friction_law.exponent": "own_exponent"}
+        if key in own:
+            return {own[key]: self.site.given(unit, key)}
+        across = self.normal.field_slopes(key, unit)
+        names = zip(self.normal.names_of_power, ("stiffness", "exponent"), strict=False)
+        return {mine: across[theirs] for theirs, mine in names if theirs in across}
 
     @staticmethod
     def bound(pressure: Expr, **fields: Expr) -> Expr:

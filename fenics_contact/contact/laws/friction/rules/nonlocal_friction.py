@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -12,6 +13,7 @@ from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.surface.averaging import SurfaceAverage
 from fenics_contact.scene.laws.friction_laws import NonlocalFriction
+from fenics_contact.scene.values import Value
 
 
 class Nonlocal(Coulomb):
@@ -45,6 +47,14 @@ class Nonlocal(Coulomb):
         """By the transpose."""
         self._follow_reach()
         return self.neighbours.transposed(of_averaged)
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """A larger radius changes the averaged pressure."""
+        if key != "friction_law.averaging_radius":
+            return super().field_slopes(key, unit)
+        self._follow_reach()
+        pressure = self.normal.pressure(self.site.kinematics.jump_at_points())
+        return {"averaged": self.neighbours.radius_slope(pressure)}
 
     def _follow_reach(self) -> None:
         """Average over the points that have something opposite now: there may be others later."""

@@ -14,6 +14,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws import formulas
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.scene.laws.friction_laws import FormulaFriction
+from fenics_contact.scene.values import Value
 
 # Pressures, whatever their unit, between which the ratio of bound and pressure is looked at.
 _PRESSURES = np.logspace(-9, 9, 361)
@@ -46,6 +47,20 @@ class OwnFriction(FrictionRule):
     def constants(self) -> Mapping[str, float]:
         """The parameters of the scene's table."""
         return dict(cast(_HasParameters, self.site.contact.friction_law).parameters)
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Of a parameter in itself, too.
+
+        Args:
+            key: Of a number of the contact.
+            unit: Derivative of what the scene gives under it.
+
+        Returns:
+            Name of the parameter → (points,); nothing for other keys.
+        """
+        name = key.removeprefix("friction_law.parameters.")
+        own = {name: np.ones_like(self.coefficient)} if name in self.constants else {}
+        return super().field_slopes(key, unit) or own
 
     @cached_property
     def largest_coefficient(self) -> Array:

@@ -12,15 +12,18 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
+import numpy as np
 from dolfinx import fem
 
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.contact.laws.law import are_said_together
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.surface.averaging import SurfaceAverage
 from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.scene.values import Value
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +32,12 @@ class BoundGradient:
 
     Attributes:
         pressure: In the contact pressure, (points,).
-        coefficient: In the friction coefficient, (points,).
+        fields: In each parameter of ``FrictionRule.bound`` by name, and in ``averaged``, the
+            pressure that it follows, (points,) each.
     """
 
     pressure: Array
-    coefficient: Array
+    fields: Mapping[str, Array]
 
 
 class FrictionRule:
@@ -46,7 +50,6 @@ class FrictionRule:
         is_proportional: Whether the bound is one coefficient times the pressure.
         state: Arrays at the points that it keeps from load step to load step: the law along the
             contact, which holds the rule, keeps them for it.
-        has_derivatives: Whether ``pulled_back`` is all that quantities derive through the bound.
         coefficient: The scene's friction coefficient at the points, (points,).
         neighbours: How it averages the pressure; None where each point goes by its own.
 
@@ -60,7 +63,6 @@ class FrictionRule:
 
     kind: ClassVar[str]
     is_proportional: ClassVar[bool] = False
-    has_derivatives: ClassVar[bool] = True
     neighbours: SurfaceAverage | None = None
     state: ClassVar[tuple[PointArray, ...]] = ()
 
@@ -86,8 +88,29 @@ class FrictionRule:
 
     @property
     def changing(self) -> Mapping[str, Expr]:
-        """Those that change from load step to load step, in UFL, by name."""
+        """Those that change from load step to load step, arrays of ``state``, in UFL, by name."""
         return {}
+
+    @property
+    def has_derivatives(self) -> bool:
+        """Whether it says what the arrays that it keeps do to quantities of later load steps."""
+        return are_said_together(self, "at_step_end", "step_end_pulled_back")
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Derivatives of the bound's parameters at the points in a key of the contact; collective.
+
+        Of any further number that quantities are to be derived by, a rule says this, and no more.
+
+        Args:
+            key: Such as ``friction_law.exponent``.
+            unit: Derivative of what the scene gives under it, itself a value of a scene.
+
+        Returns:
+            Name as of ``BoundGradient.fields`` → (points,); nothing for other keys.
+        """
+        if key != "friction_coefficient":
+            return {}
+        return {"coefficient": self.site.given(unit, key)}
 
     def at_step_end(self, slip: Array, closed: Flags) -> dict[str, Array]:
         """The arrays of ``state`` at the end of a load step, by name.
@@ -97,6 +120,21 @@ class FrictionRule:
             closed: Points in contact at its end.
         """
         return {}
+
+    def step_end_pulled_back(
+        self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
+    ) -> tuple[Array, Mapping[str, Array]]:
+        """What a quantity's derivatives in the arrays at the end are in slip and their begin.
+
+        Args:
+            slip: As of ``at_step_end``.
+            closed: Likewise.
+            of_end: Derivatives of the quantity in what ``at_step_end`` returns, by name.
+
+        Returns:
+            Derivatives in the slip, (points, components), and in the arrays at the begin, by name.
+        """
+        return np.zeros_like(slip), {}
 
     def take(self, kept: Mapping[str, Array]) -> None:
         """Go by arrays of ``state`` from now on.
@@ -170,9 +208,11 @@ class FrictionRule:
             of_bound: Derivatives of the quantity in the bound, (points,).
         """
         points, values = self._at_points, {"pressure": self.averaged(pressure), **self._values}
+        of_averaged = points.slope("pressure", **values) * of_bound
         return BoundGradient(
-            pressure=self.averaged_back(points.slope("pressure", **values) * of_bound),
-            coefficient=points.slope("coefficient", **values) * of_bound,
+            pressure=self.averaged_back(of_averaged),
+            fields={"averaged": of_averaged}
+            | {name: points.slope(name, **values) * of_bound for name in self._values},
         )
 
     @property

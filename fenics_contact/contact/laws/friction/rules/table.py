@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import ufl
 
 from fenics_contact.body.forms import Expr
+from fenics_contact.common.arrays import Array
 
 
 def named(places: Sequence[float], values: Sequence[float]) -> dict[str, float]:
@@ -18,6 +19,20 @@ def named(places: Sequence[float], values: Sequence[float]) -> dict[str, float]:
     """
     found = {f"place_{number}": place for number, place in enumerate(places)}
     return found | {f"value_{number}": value for number, value in enumerate(values)}
+
+
+def names_of(key: str, places: str, ones: Array) -> dict[str, Array]:
+    """What the key of a number in the table changes at the points; nothing for other keys.
+
+    Args:
+        key: Of the contact, such as ``friction_law.shares.1``.
+        places: What the scene calls the places.
+        ones: 1 at the points.
+    """
+    table, _, rest = key.partition(".")
+    name, _, number = rest.partition(".")
+    known = {places: "place", "shares": "value"}
+    return {f"{known[name]}_{number}": ones} if table == "friction_law" and name in known else {}
 
 
 def in_table(where: Expr, numbers: Mapping[str, Expr]) -> Expr:
