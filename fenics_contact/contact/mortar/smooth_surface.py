@@ -12,6 +12,7 @@ from functools import cached_property
 from itertools import combinations_with_replacement
 
 import numpy as np
+from scipy.sparse import coo_matrix, csr_matrix
 
 from fenics_contact.common.arrays import AnyIntegers, Array, Flags
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised, reference_nodes
@@ -92,7 +93,31 @@ class SmoothSurface:
         np.minimum.at(lowest, numbers.ravel(), normals)
         np.maximum.at(highest, numbers.ravel(), normals)
         low, high = lowest[numbers].min(axis=1), highest[numbers].max(axis=1)
-        return np.asarray((high - low).max(axis=1) > _FLAT)
+        beside = (high - low).max(axis=1) > _FLAT
+        return np.asarray(beside & self._is_near_curve(normals.reshape(len(mesh.nodes), -1)))
+
+    def _is_near_curve(self, at_corners: Array) -> Flags:
+        """Facets whose polynomial may be no plane, (facets,): a curved one is in their rings.
+
+        One that is curved itself, or that turns from a neighbour by less than an edge does. What
+        lies in the rings of others is flat, as on the sides of a block.
+
+        Args:
+            at_corners: Normals at the facets' corners, (facets, corners × dimension).
+        """
+        numbers, normals = self._node_numbers, self._frames[:, -1]
+        facet = np.repeat(np.arange(len(numbers)), numbers.shape[1])
+        has_node = csr_matrix((np.ones(facet.size), (facet, numbers.ravel())))
+        share_node = coo_matrix(has_node @ has_node.T)
+        one, other = share_node.row, share_node.col
+        turns = np.linalg.norm(normals[one] - normals[other], axis=1) > _FLAT
+        turns &= np.einsum("pi,pi->p", normals[one], normals[other]) > _EDGE
+        middles = np.tile(normals, at_corners.shape[1] // normals.shape[1])
+        found = np.abs(at_corners - middles).max(axis=1) > _FLAT
+        found[one[turns]] = True
+        for _ in range(_RINGS):
+            found = share_node @ found > 0
+        return np.asarray(found)
 
     def _degree(self, number: int) -> int:
         """Of the polynomial of a facet, once made; it is made when first asked for."""

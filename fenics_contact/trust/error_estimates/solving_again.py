@@ -16,6 +16,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.results.quantities import QuantityValue
 from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 
 logger = logging.getLogger(__name__)
@@ -26,30 +27,74 @@ Measure = Callable[[Solution], Quantities]
 Change = Callable[[Problem], None]
 
 
-def last_step_again(load_steps: LoadSteps, measure: Measure, change: Change) -> Quantities | None:
+class AlongLine:
+    """Answers to several sizes of one change: each begins where those nearest to it lead.
+
+    Args:
+        load_steps: At their end, which is size 0.
+    """
+
+    def __init__(self, load_steps: LoadSteps) -> None:
+        assert load_steps.last is not None
+        unknowns, system = load_steps.last.unknowns, load_steps.newton.system
+        self._known = [(0.0, unknowns.position_in(system), unknowns.scalars)]
+        self._size = 0.0
+
+    def at(self, size: float) -> AlongLine:
+        """The same, for a size that comes next."""
+        self._size = size
+        return self
+
+    def begin(self, newton: Newton) -> None:
+        """Go to where the two nearest answers lead; collective."""
+        nearest = sorted(self._known, key=lambda known: abs(known[0] - self._size))
+        (size, position, scalars), *others = nearest
+        if others:
+            other, *to = others[0]
+            share = (self._size - size) / (other - size)
+            position = position + share * (to[0] - position)
+            scalars = scalars + share * (to[1] - scalars)
+        newton.begin.at(position, scalars)
+
+    def note(self, newton: Newton) -> None:
+        """Remember the answer that was found; collective."""
+        system = newton.system
+        found = self._size, system.position(), system.scalar_values(system.state)
+        self._known.append(found)
+
+
+def last_step_again(
+    load_steps: LoadSteps, measure: Measure, change: Change, line: AlongLine | None = None
+) -> Quantities | None:
     """Solve the last load step again, from its answer; collective.
 
     Args:
         load_steps: At their end.
         measure: Quantities of a solution, called in its state; collective.
         change: What is to be different, called in the state of the answer.
+        line: Answers to other sizes of the change, to begin at.
 
     Returns:
-        Quantities; None where neither Newton's method from the answer nor the strategies of a
-        load step converge.
+        Quantities; None where neither Newton's method from there nor the strategies of a load step
+        converge.
     """
     newton = load_steps.newton
-    ways: tuple[Callable[[], Solution], ...] = (
-        lambda: newton_again(load_steps),
-        lambda: solve_step(newton),
+    ways: tuple[tuple[AlongLine | None, Callable[[], Solution]], ...] = (
+        (line, lambda: newton_again(load_steps)),
+        (None, lambda: solve_step(newton)),
     )
     try:
-        for way in ways:
+        for near, way in ways:
             begin_at_answer(load_steps)
             change(load_steps.problem)
+            if near is not None:
+                near.begin(newton)
             newton.begin.from_last_step()
             try:
-                return measure(way())
+                found = way()
+                if line is not None:
+                    line.note(newton)
+                return measure(found)
             except NotConvergedError as error:
                 logger.debug("  solving again: %s", error)
     finally:

@@ -21,6 +21,7 @@ from fenics_contact.trust.error_estimates.mesh.edge_shift import (
     standing,
 )
 from fenics_contact.trust.error_estimates.solving_again import (
+    AlongLine,
     Change,
     Measure,
     Quantities,
@@ -100,9 +101,10 @@ def _solved(
     assert load_steps.last is not None
     answer = measure(load_steps.last.solution)
     found: list[tuple[float, Quantities]] = []
+    line = AlongLine(load_steps)
     for share in np.arange(_LOADS, 0, -1) / _LOADS:
         time = load_steps.time + share * (first - load_steps.time)
-        quantities = last_step_again(load_steps, measure, _at(time))
+        quantities = last_step_again(load_steps, measure, _at(time), line.at(share))
         if quantities is not None:
             found.append((time, quantities))
         if len(found) == 1 and edges and standing(edges, [answer, found[0][1]]) == list(edges):

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.body.parts.preloaded_part import PreloadedPart
+from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
@@ -28,14 +29,16 @@ from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.problem import Problem
 from fenics_contact.trust.error_estimates.mesh.bubbles import bubble_space
 
-# What one degree more adds to the integrands over the body's own.
+# What one degree more adds to the integrands over the body's own: where products of displacements
+# count. Stresses of bubbles on triangles and tetrahedra are of the degree of the body's
+# displacements, for whose products its own rule is.
 _MORE = 2
 # Waves along the axes, much shorter than cells are: their signs are as if drawn.
 _WAVES = (71234.567, 53219.871, 61731.319)
 
 
 class LocalErrors:
-    """Local problems of a body; what is compiled and factorised serves any solution.
+    """Local problems of a body; what is compiled and assembled serves any solution.
 
     Args:
         problem: The model; one without a mean stress as an unknown.
@@ -46,10 +49,13 @@ class LocalErrors:
         spaces = problem.spaces
         self._space = bubble_space(spaces)
         self._cells = spaces.body.mesh.topology.index_map(spaces.body.dimension).size_local
-        self._rule = {"quadrature_degree": spaces.bulk_degree + _MORE}
+        self._rule = _rule(spaces, _MORE)
+        self._rule_of_stress = _rule(
+            spaces, _MORE if compat.is_tensor_cell(spaces.body.mesh) else 0
+        )
         self._error = fem.Function(self._space)
         self._test = ufl.TestFunction(self._space)
-        self._inverse = np.linalg.inv(self._stiffnesses())
+        self._stiffness = self._stiffnesses()
         dofs = self._space.dofmap.list[: self._cells]
         self._blocks = dofs[:, 0] // dofs.shape[1]  # of every cell
         self._squared_by_block = np.zeros(self._cells)
@@ -81,7 +87,7 @@ class LocalErrors:
         for (contact, trace), form in zip(self._traces(), self._work, strict=True):
             self._set_traction(trace, _nodal_forces(forces, contact, trace))
             right += self._assembled(form)
-        found = np.einsum("cij,cj->ci", self._inverse, right)
+        found = np.linalg.solve(self._stiffness, right[:, :, None])[:, :, 0]
         self._squared_by_block = np.einsum("ci,ci->c", found, right)
         self._found = found
         self._set_error(np.ones(self._cells))
@@ -160,10 +166,11 @@ class LocalErrors:
         mesh = spaces.body.mesh
         stress = spaces.weight * elastic.law.stress(strain)
         between = ufl.dot(self._cut(ufl.avg(stress), "+"), ufl.jump(tested))
-        held = ufl.Measure("ds", mesh, subdomain_data=[(1, self._held)], metadata=self._rule)
+        rule = self._rule_of_stress
+        held = ufl.Measure("ds", mesh, subdomain_data=[(1, self._held)], metadata=rule)
         return form_cache.form(
-            -ufl.inner(stress, elastic.strain(tested)) * ufl.dx(mesh, metadata=self._rule)
-            + between * ufl.dS(mesh, metadata=self._rule)
+            -ufl.inner(stress, elastic.strain(tested)) * ufl.dx(mesh, metadata=rule)
+            + between * ufl.dS(mesh, metadata=rule)
             + ufl.dot(self._cut(stress), tested) * held(1)
         )
 
@@ -182,7 +189,7 @@ class LocalErrors:
         tags = {tag for _, trace in self._traces() for tag in trace.group.tags}
         group = Group(spaces.body.dimension - 1, tuple(sorted(tags)))
         stress = spaces.weight * elastic.law.stress(elastic.strain(test))
-        measure = spaces.boundary(group, self._rule)
+        measure = spaces.boundary(group, self._rule_of_stress)
         return form_cache.form(ufl.dot(self._cut(stress), self._error) * measure)
 
     def _cut(self, stress: Expr, side: str = "") -> Expr:
@@ -199,7 +206,7 @@ class LocalErrors:
         spaces, elastic = self._problem.spaces, self._problem.elastic
         trial = ufl.TrialFunction(self._space)
         stress = spaces.weight * elastic.law.stress(elastic.strain(trial))
-        measure = ufl.dx(spaces.body.mesh, metadata=self._rule)
+        measure = ufl.dx(spaces.body.mesh, metadata=self._rule_of_stress)
         form = form_cache.form(ufl.inner(stress, elastic.strain(self._test)) * measure)
         count, size = self._space.dofmap.list.shape[1], self._space.dofmap.index_map_bs
         blocks = fem.assemble_matrix(form).to_scipy().data
@@ -212,7 +219,7 @@ class LocalErrors:
         """A linear form on the bubbles of this rank's cells, (cells, dofs); collective."""
         vector = fem.assemble_vector(form)
         vector.scatter_reverse(la.InsertMode.add)
-        size = self._inverse.shape[1]
+        size = self._stiffness.shape[1]
         return np.array(vector.array[: self._cells * size]).reshape(self._cells, size)
 
     def _traces(self) -> list[tuple[ContactSurface, Trace]]:
@@ -227,6 +234,11 @@ class LocalErrors:
     def _set_traction(self, trace: Trace, nodal: Array) -> None:
         traction = trace.surface.on_body(traction_of(trace.surface, nodal))
         self._traction.x.array[:] = traction.reshape(-1)
+
+
+def _rule(spaces: Spaces, more: int) -> dict[str, int]:
+    """A quadrature of higher degree than the body's."""
+    return {"quadrature_degree": spaces.bulk_degree + more}
 
 
 def _nodal_forces(forces: BulkForces, contact: ContactSurface, trace: Trace) -> Array:

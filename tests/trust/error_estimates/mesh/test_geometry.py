@@ -236,6 +236,27 @@ def test_what_lies_between_straight_facets_and_the_curve(cell):
     assert between > 0.005 * whole
 
 
+def test_flat_sides_take_no_polynomials_and_miss_what_these_say(monkeypatch):
+    """Of a block none is made; beside a curve those of which one is no plane."""
+    made = []
+    fit = SmoothSurface._fit
+    monkeypatch.setattr(
+        SmoothSurface, "_fit", lambda self, number: made.append(number) or fit(self, number)
+    )
+    scene = Scene(kinematics="3D", material=Material(1000, 0.3))
+    block, curved = box_body((3, 3, 2), (1, 1, 1)), ring((4, 9, 3))
+    assert CurvedSides(Spaces(BodyDescription.of(scene), block), []).offset is None
+    assert not made
+    few = missed(Spaces(BodyDescription.of(scene), curved))
+    chosen = COMM.allreduce(len(made))
+    monkeypatch.setattr(
+        SmoothSurface, "_is_near_curve", lambda self, normals: np.ones(len(normals), dtype=bool)
+    )
+    made.clear()
+    assert missed(Spaces(BodyDescription.of(scene), curved)) == pytest.approx(few, rel=1e-12)
+    assert 0 < chosen < COMM.allreduce(len(made))
+
+
 def test_what_lies_between_quadratic_facets_and_the_curve():
     scene = half_disc(2)
     between, whole = missed(Spaces(BodyDescription.of(scene), load_body(scene.mesh, 2, COMM)))

@@ -7,6 +7,7 @@ from dolfinx.mesh import CellType
 from mpi4py import MPI
 
 from fenics_contact import Contact, Discretisation, Load, Material, Obstacle, Run, Scene, Support
+from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
@@ -100,6 +101,18 @@ def test_a_wrong_solution_has_a_large_error():
     waves = np.cos(8 * np.pi * places).prod(axis=1)
     displacement += 0.02 * COMM.allreduce(np.abs(displacement).max(), MPI.MAX) * np.repeat(waves, 2)
     assert errors_of(prepared).total > 3 * right
+
+
+@pytest.mark.parametrize(("cell", "degree"), [(CellType.triangle, 2), (CellType.tetrahedron, 1)])
+def test_the_rule_of_simplices_leaves_nothing_out(cell, degree, monkeypatch):
+    """As by the rule of quadrilaterals and hexahedra, which is of a higher degree."""
+    kinematics = "3D" if cell == CellType.tetrahedron else "plane strain"
+    prepared, _ = bent(kinematics, degree, cells=3, cell=cell)
+    found = errors_of(prepared)
+    monkeypatch.setattr(compat, "is_tensor_cell", lambda mesh: True)
+    finer = errors_of(prepared)
+    assert found.total == pytest.approx(finer.total, rel=1e-10)
+    np.testing.assert_allclose(found.forces()[0], finer.forces()[0], atol=1e-9 * finer.total)
 
 
 def test_the_same_on_any_number_of_ranks():

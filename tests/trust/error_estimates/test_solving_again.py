@@ -1,0 +1,54 @@
+"""Solving again from where other answers lead: the same answers, in fewer steps."""
+
+import numpy as np
+import pytest
+
+from fenics_contact import Contact, Discretisation, Material, Obstacle, Run, Scene, Support
+from fenics_contact.evaluate.quantities import contact_quantities
+from fenics_contact.solve.load_steps.load_steps import LoadSteps, solve
+from fenics_contact.trust.error_estimates.solving_again import AlongLine, last_step_again
+from tests.scenes import box_body
+
+pytestmark = pytest.mark.errors
+
+
+def test_answers_along_a_line_are_those_from_the_last_step_in_fewer_steps():
+    """A cylinder that is pressed less deep, in eight loads."""
+    obstacle = Obstacle("parabola", radius=0.5, position=(1, 1), indentation=0.05)
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        discretisation=Discretisation(2),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(Contact("y1", obstacle=obstacle, friction_coefficient=0.2),),
+    )
+    problem = Run(scene, body=box_body((24, 12), (2, 1))).problem
+    found, steps = [], []
+
+    def answers(load_steps: LoadSteps) -> None:
+        line, total = AlongLine(load_steps), 0
+        for share in np.arange(8, 0, -1) / 8:
+            time = load_steps.time * (1 - 0.3 * share)
+
+            def measure(solution):
+                nonlocal total
+                total += solution.newton_iterations
+                return contact_quantities(problem, solution, 0)
+
+            def change(problem, time=time):
+                problem.set_time(time)
+
+            pair = []
+            for near in (None, line.at(share)):
+                total = 0
+                pair.append(last_step_again(load_steps, measure, change, near))
+                steps.append(total)
+            found.append(pair)
+
+    solve(problem, ended=answers)
+    for alone, along in found:
+        for name in ("normal_force", "contact_area", "stick_area", "max_slip"):
+            assert along[name] == pytest.approx(alone[name], rel=1e-7)
+    forces = [along["normal_force"] for _, along in found]
+    assert (np.diff(forces) > 0.02 * forces[0]).all()
+    assert sum(steps[1::2]) < 0.8 * sum(steps[::2])
