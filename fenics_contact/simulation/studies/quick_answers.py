@@ -145,15 +145,14 @@ class QuickAnswers:
         history = StepHistory(problem, timings, partial(_forces_of, system, body))
         history.begin([])
         newton = Newton(problem, system, timings)
-        first: list[WarmStart] = []
+        last, present = self._last, WarmStart()
         found: list[Answer] = []
 
         def accepted(time: float, solution: Solution) -> None:
-            if not first:
-                first.append(WarmStart(newton, self._last))
+            present.keep(newton)
             history.add(time, solution)
             if time >= problem.scene.steps.last * (1 - 1e-9):
-                begun: Start = start if load_steps.warm is not None else "cold"
+                begun: Start = start if load_steps.warm_steps else "cold"
                 found.append(_measured(history, solution, begun, checks))
                 self.find_body = solution.find_body
                 if watch is not None:
@@ -162,10 +161,12 @@ class QuickAnswers:
         load_steps = LoadSteps(newton, accepted)
         load_steps.finds_body = False
         start: Start = "cold"
-        if self._last is not None and self._last.suits(problem):
-            is_sure = self._uniqueness.is_sure(system)
+        if last is not None and last.suits(problem):
+            # How automatic steps are cut and grow depends on where they begin.
+            listed = not problem.scene.steps.automatic
+            is_sure = listed and self._uniqueness.is_sure(system)
             if is_sure or follow:
-                load_steps.warm = self._last.solve
+                load_steps.warm = lambda newton: last.solve(newton, len(present.steps))
                 start = "warm" if is_sure else "followed"
         try:
             load_steps.solve()
@@ -173,7 +174,8 @@ class QuickAnswers:
             return Answer(
                 converged=False, said=str(error), start="cold", verdict=f"No answer: {error}"
             )
-        self._last = first[0]
+        present.without_friction = None if last is None else last.without_friction
+        self._last = present
         return found[-1]
 
 

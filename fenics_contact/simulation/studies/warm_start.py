@@ -1,4 +1,4 @@
-"""Where the next answer begins: at the last one, where that cannot change what is found.
+"""Where the load steps of the next answer begin: at those of the last one, where that is safe.
 
 Contact without friction, and friction under given pressures, have one answer, wherever Newton's
 method begins. So has Coulomb's friction, by an estimate, up to a coefficient that is a matter of
@@ -23,7 +23,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.coulomb.friction_scale import set_needed, telling_pressure
-from fenics_contact.solve.coulomb.monolithic import fit_scale
+from fenics_contact.solve.coulomb.monolithic import fit_scale, is_out_of_scale
 from fenics_contact.solve.coulomb.without_friction import contact_without_friction
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
@@ -43,33 +43,42 @@ class SolvedState:
         position: Displacements as ``System.position`` gives them (length).
         scalars: Values of the scalar unknowns.
         opposite: Of each contact, gap and motion of what stands opposite (length).
+        counted_from: Of each contact, the slip from which its law counts (length).
     """
 
     position: Array
     scalars: Array
     opposite: list[tuple[Array, Array]]
+    counted_from: list[Array]
 
     @classmethod
     def of(cls, newton: Newton) -> SolvedState:
         """The present one; collective."""
-        system = newton.system
-        opposite = [_opposite(contact) for contact in newton.problem.contacts]
-        return cls(system.position(), system.scalar_values(system.state), opposite)
+        system, contacts = newton.system, newton.problem.contacts
+        return cls(
+            system.position(),
+            system.scalar_values(system.state),
+            [_opposite(contact) for contact in contacts],
+            [contact.friction.reference for contact in contacts],
+        )
 
     def position_in(self, newton: Newton) -> Array:
         """The displacements with which points are as deep, and have slipped as far, as they had.
 
-        In what stands opposite now. So the first step of Newton's method has the tangent of the
-        other answer, and goes where that leads to: an obstacle that stood deeper would leave few
-        points in contact with it, at pressures that none of them has. Collective.
+        In what stands opposite now; slipped as their law counts it, from the load step before. So
+        the first step of Newton's method has the tangent of the other answer, and goes where that
+        leads to: an obstacle that stood deeper would leave few points in contact with it, at
+        pressures that none of them has. Collective.
         """
         problem = newton.problem
         shift = np.zeros_like(problem.load)
-        for contact, (gap, motion) in zip(problem.contacts, self.opposite, strict=True):
+        before = zip(problem.contacts, self.opposite, self.counted_from, strict=True)
+        for contact, (gap, motion), counted_from in before:
             present, moved = _opposite(contact)
             known = np.isfinite(gap) & np.isfinite(present)
             wider = np.where(known, present, 0.0) - np.where(known, gap, 0.0)
             shifts = wider[:, None] * contact.trace.normals + (moved - motion)
+            shifts += contact.friction.reference - counted_from
             shift[contact.nodes] = shifts[: len(contact.nodes)]
         return self.position + newton.system.position_of(shift)
 
@@ -133,50 +142,76 @@ def _alike(one: Any, other: Any, besides: Sequence[str]) -> bool:
     return all(left is right or left == right for left, right in pairs)
 
 
-class WarmStart:
-    """Solves a first load step from that of another answer on the same body; collective.
+@dataclass(frozen=True, eq=False)
+class SolvedStep:
+    """A load step of an answer.
 
     Attributes:
-        answer: Of the other answer's first step.
-        without_friction: That without friction, which tells ε; None until it is found.
-
-    Args:
-        newton: That has solved it.
-        before: What it began from itself.
+        state: The unknowns.
+        tangents: Of each contact's friction, what its tangent was at.
     """
 
-    def __init__(self, newton: Newton, before: WarmStart | None = None) -> None:
-        self.answer = SolvedState.of(newton)
-        earlier = None if before is None else before.without_friction
-        self.without_friction: WithoutFriction | None = earlier
-        self._tangents = [c.friction.tangent_state for c in newton.problem.contacts]
+    state: SolvedState
+    tangents: list[tuple[Array, Array]]
+
+
+class WarmStart:
+    """Solves load steps from those of an answer on the same body; collective.
+
+    Attributes:
+        steps: Those of the answer, in order.
+        without_friction: The first one without friction, which tells ε; None until it is found.
+    """
+
+    def __init__(self) -> None:
+        self.steps: list[SolvedStep] = []
+        self.without_friction: WithoutFriction | None = None
+
+    def keep(self, newton: Newton) -> None:
+        """A step of the answer, just solved; collective."""
+        tangents = [contact.friction.tangent_state for contact in newton.problem.contacts]
+        self.steps.append(SolvedStep(SolvedState.of(newton), tangents))
 
     def suits(self, problem: Problem) -> bool:
         """Whether the unknowns are the same, and no bolt is to be tightened from nothing."""
         is_tight = all(preload.scene.force for preload in problem.preloads)
         points = [len(contact.trace.weights) for contact in problem.contacts]
-        same_points = points == [len(slip) for slip, _ in self._tangents]
-        return is_tight and same_points and len(problem.unknowns) == len(self.answer.scalars)
+        first = self.steps[0]
+        same_points = points == [len(slip) for slip, _ in first.tangents]
+        return is_tight and same_points and len(problem.unknowns) == len(first.state.scalars)
 
-    def solve(self, newton: Newton) -> Solution:
+    def solve(self, newton: Newton, number: int) -> Solution | None:
         """The present step; collective.
+
+        Args:
+            newton: At the beginning of a load step.
+            number: Of the step in the answer that begins here, from 0.
+
+        Returns:
+            None where there was no such step, or its ε does not tell how a separate run goes on.
 
         Raises:
             NotConvergedError: In words, with the history of the force imbalance.
         """
-        problem = newton.problem
+        if number >= len(self.steps):
+            return None
+        problem, step = newton.problem, self.steps[number]
         if not problem.coulomb:
-            self._place(newton, self.answer)
-            self._take_tangents(problem)
+            self._place(newton, step.state)
+            self._take_tangents(problem, step)
             newton.run()
             return newton.solution()
-        if any(contact.friction.finds_scale for contact in problem.coulomb):
+        if number == 0 and any(contact.friction.finds_scale for contact in problem.coulomb):
             self._find_scales(newton)
-        self._place(newton, self.answer)
-        self._take_tangents(problem)
+        if number and not all(contact.friction.is_scaled for contact in problem.coulomb):
+            return None
+        self._place(newton, step.state)
+        self._take_tangents(problem, step)
         for contact in problem.coulomb:
             contact.friction.mode = "coupled"
         newton.run(search_energy=False)
+        if number and is_out_of_scale(newton):
+            return None
         fit_scale(newton)
         return newton.solution(0, _WORDS)
 
@@ -186,7 +221,7 @@ class WarmStart:
         if known is not None and known.is_of(newton.problem):
             known.set_scales(newton.problem)
             return
-        self._place(newton, self.answer if known is None else known.state)
+        self._place(newton, self.steps[0].state if known is None else known.state)
         self.without_friction = WithoutFriction.solved(newton)
 
     def _place(self, newton: Newton, state: SolvedState) -> None:
@@ -194,8 +229,8 @@ class WarmStart:
             preload.keep(None)
         newton.begin.at(state.position_in(newton), state.scalars)
 
-    def _take_tangents(self, problem: Problem) -> None:
-        for contact, state in zip(problem.contacts, self._tangents, strict=True):
+    def _take_tangents(self, problem: Problem, step: SolvedStep) -> None:
+        for contact, state in zip(problem.contacts, step.tangents, strict=True):
             contact.friction.take_tangent_state(state)
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -62,26 +63,26 @@ def monolithic(newton: Newton, start: Array) -> None:
         start: The state to start from, as ``Newton.save`` gave it.
     """
     contacts = newton.problem.coulomb
-
-    def is_out_of_scale() -> bool:
-        """Whether some ε is much less than what the present pressures need; collective."""
-        scaled = [contact for contact in contacts if contact.friction.is_scaled]
-        return not all([fits(contact, np.inf, _TOO_SMALL) for contact in scaled])
-
     pressing = [_presses(contact) for contact in contacts]  # others get theirs once they touch
     known = [one.friction.is_scaled or not p for one, p in zip(contacts, pressing, strict=True)]
     if all(known) and any(contact.friction.is_scaled for contact in contacts):
         try:
-            solve_coupled(newton, is_out_of_scale)
+            solve_coupled(newton, partial(is_out_of_scale, newton))
             return
         except NotConvergedError as error:
-            if not is_out_of_scale():
+            if not is_out_of_scale(newton):
                 raise
             logger.info("%s; next: with the regularisation that this step needs", error)
             newton.restore(start)
     _find_scale(newton)
     newton.restore(start)
     solve_coupled(newton)
+
+
+def is_out_of_scale(newton: Newton) -> bool:
+    """Whether some ε is much less than what the present pressures need; collective."""
+    scaled = [one for one in newton.problem.coulomb if one.friction.is_scaled]
+    return not all([fits(contact, np.inf, _TOO_SMALL) for contact in scaled])
 
 
 def _presses(contact: ContactSurface) -> bool:

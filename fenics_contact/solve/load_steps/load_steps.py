@@ -44,7 +44,9 @@ class LoadSteps:
         tried: Pseudo-time of the step that was tried last.
         spent: Newton steps of tries since the last accepted step, which were all rejected.
         guess: Where the first step is thought to end, if that is known.
-        warm: Solves the first step from an answer of the same body, if there is one; collective.
+        warm: Solves a step from that of another answer of the same body, or gives None where that
+            tells nothing of it; None where there is none, or it did not get there; collective.
+        warm_steps: How many it solved.
         finds_body: Whether the displacement inside the body is found at the end; else when it is
             asked for.
 
@@ -74,7 +76,8 @@ class LoadSteps:
         self.tried = 0.0
         self.spent = 0
         self.guess: Unknowns | None = None
-        self.warm: Callable[[Newton], Solution] | None = None
+        self.warm: Callable[[Newton], Solution | None] | None = None
+        self.warm_steps = 0
         self.finds_body = True
 
     @property
@@ -190,13 +193,9 @@ class LoadSteps:
     def _try(self, time: float) -> Solution:
         """Solve a step, from where it is thought to end or else from where it begins."""
         newton = self.newton
-        if self.last is None and self.warm is not None:
-            try:
-                return self._from_another_answer(time, self.warm)
-            except NotConvergedError as error:
-                logger.debug("  from another answer: %s; next: from the start", error)
-                self.warm = None
-                self.go_back()
+        found = None if self.warm is None else self._from_another_answer(time, self.warm)
+        if found is not None:
+            return found
         predicted = self._prediction(time)
         newton.forget()
         self._begin(time, predicted)
@@ -210,13 +209,28 @@ class LoadSteps:
         self._begin(time, None)
         return self._solve()
 
-    def _from_another_answer(self, time: float, warm: Callable[[Newton], Solution]) -> Solution:
-        """The first step, as ``warm`` solves it; collective."""
+    def _from_another_answer(
+        self, time: float, warm: Callable[[Newton], Solution | None]
+    ) -> Solution | None:
+        """A step as ``warm`` solves it; None, and back at its start, where it does not."""
         problem = self.problem
-        problem.reach(np.zeros(len(problem.unknowns)))
+        if self.last is not None:
+            self._move_on(self.last)
+        first = np.zeros(len(problem.unknowns))
+        problem.reach(first if self.last is None else self.last.unknowns.scalars)
         problem.set_time(time)
         self.newton.forget()
-        return warm(self.newton)
+        try:
+            found = warm(self.newton)
+        except NotConvergedError as error:
+            logger.debug("  from another answer: %s; next: from the start", error)
+            found = None
+        if found is None:
+            self.warm = None
+            self.go_back()
+        else:
+            self.warm_steps += 1
+        return found
 
     def _solve(self) -> Solution:
         """A step from its beginning; once more where a preload that was held has a force."""
@@ -235,13 +249,7 @@ class LoadSteps:
                 newton.begin.from_last_step()
             tighten(newton, None)
             return
-        if not self._has_moved_on:
-            imbalance = self.last.solution.imbalance_limit
-            for contact in problem.contacts:
-                contact.accept()
-                follow_pressure(contact, imbalance)  # a guess of what the next step needs
-            newton.begin.pair_anew(self.last.solution)
-            self._has_moved_on = True
+        self._move_on(self.last)
         problem.reach(self.last.unknowns.scalars)
         problem.set_time(time)
         if predicted is not None:
@@ -250,6 +258,17 @@ class LoadSteps:
                 self._place(self.last.unknowns)
         newton.begin.from_last_step()
         tighten(newton, self.last.solution)
+
+    def _move_on(self, last: AcceptedStep) -> None:
+        """From the last step as it was solved to the beginning of the next one; collective."""
+        if self._has_moved_on:
+            return
+        for contact in self.problem.contacts:
+            contact.accept()
+            # A guess of what the next step needs.
+            follow_pressure(contact, last.solution.imbalance_limit)
+        self.newton.begin.pair_anew(last.solution)
+        self._has_moved_on = True
 
     def _prediction(self, time: float) -> Unknowns | None:
         """Where the last two steps lead to, if no load path turns on the way.

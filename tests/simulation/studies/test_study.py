@@ -14,15 +14,18 @@ from fenics_contact import (
     Material,
     Obstacle,
     Scene,
+    Steps,
     Study,
     Support,
     load_scene,
     run,
 )
 from fenics_contact.common import form_cache
+from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies import warm_start
 from tests.scenes import ROOT, box_body, slab
-from tests.simulation.studies.cases import CASES, DEPTH, MU, ON_A_FLOOR, square
+from tests.simulation.studies.cases import CASES, DEPTH, MU, ON_A_FLOOR, of_contact, square
+from tests.solve.load_steps.histories import block, dragged
 
 COMM = MPI.COMM_WORLD
 # Quantities of one kind: what each is small against is the largest of them.
@@ -258,6 +261,49 @@ def test_an_obstacle_that_has_moved_is_followed_in_a_few_steps():
         anew = study.quantities(changes)
         assert anew.start == "cold"
         assert force == pytest.approx(anew.quantities["normal_force"], rel=1e-9)
+
+
+@pytest.mark.parametrize("law", ["incremental", "static"])
+def test_later_load_steps_begin_at_those_of_the_last_answer(law, monkeypatch):
+    """As a whole answer: none of them takes more than three Newton steps, and all are the same."""
+    scene = of_contact(dragged(Steps(number=4)), law=law)
+    study, found = Study(scene, COMM, block()), []
+    add = StepHistory.add
+
+    def added(history, time, solution):
+        found.append(solution.newton_iterations)
+        add(history, time, solution)
+
+    monkeypatch.setattr(StepHistory, "add", added)
+    study.quantities()
+    cold = sum(found)
+    for changes in ({MU: 0.303}, {DEPTH: 0.0202}, {"contact.0.obstacle.displacement.0": 0.00404}):
+        found.clear()
+        answer = study.quantities(changes)
+        assert answer.start == "warm"
+        later = list(found[1:])
+        assert len(later) == 3 and max(later) <= 3 and sum(found) < 0.6 * cold, (found, cold)
+        require_same_answer(answer, study.solve(changes))
+
+
+def test_more_load_steps_than_the_last_answer_had():
+    """Those that it did not have begin where they do in a separate run."""
+    study = Study(dragged(Steps(number=2)), COMM, block())
+    study.quantities()
+    changes = {"steps": Steps(number=5)}
+    answer = study.quantities(changes)
+    assert answer.start == "warm"
+    require_same_answer(answer, study.solve(changes))
+
+
+def test_steps_that_are_cut_and_grow_begin_as_in_a_separate_run():
+    """How large they become depends on how many Newton steps they take."""
+    study = Study(dragged(Steps(automatic=True, number=4)), COMM, block())
+    study.quantities()
+    answer = study.quantities({MU: 0.303})
+    assert answer.start == "cold"
+    require_same_answer(answer, study.solve({MU: 0.303}))
+    assert study.quantities({MU: 0.306}, follow=True).start == "followed"
 
 
 def test_contact_without_friction_serves_all_coefficients_of_coulomb(monkeypatch):
