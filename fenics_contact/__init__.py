@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.steps import SolverSettings, Steps
     from fenics_contact.scene.units.table import Units
     from fenics_contact.scene.values import Path, Profile
+    from fenics_contact.scene.wear import Wear
     from fenics_contact.simulation.adaptive.levels import run
     from fenics_contact.simulation.asked_derivatives.objective import Objective
     from fenics_contact.simulation.fits.fit import Fit, fit
@@ -106,6 +107,7 @@ __all__ = [
     "Study",
     "Support",
     "Units",
+    "Wear",
     "allow_laws",
     "fit",
     "load_scene",
@@ -151,6 +153,7 @@ _MODULES = {
     "scene.steps": ("SolverSettings", "Steps"),
     "scene.units.table": ("Units",),
     "scene.values": ("Path", "Profile"),
+    "scene.wear": ("Wear",),
     "simulation.asked_derivatives.objective": ("Objective",),
     "simulation.fits.fit": ("Fit", "fit"),
     "simulation.fits.measured": ("Measured",),

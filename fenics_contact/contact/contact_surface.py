@@ -19,9 +19,11 @@ from fenics_contact.contact.kinematics.jump import ContactKinematics
 from fenics_contact.contact.last_step import LastStep
 from fenics_contact.contact.laws.friction import friction_law
 from fenics_contact.contact.laws.friction.law import FrictionLaw
+from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.normal import acting_law, law_of
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.contact.laws.wear import Unworn, wear_of
 from fenics_contact.contact.parameters import ContactScales
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.contact.state import ContactState
@@ -60,6 +62,7 @@ class ContactSurface:
         last_step: What is kept of the last load step.
         normal: The law across it.
         friction: The law along it.
+        wear: What slip wears off.
         own_arrays: What these keep of their own at the points, and results have.
         by_points: Whether forces and tangents are worked out point by point, without the compiled
             forms: the same numbers, sooner where points are few; for nodal points only.
@@ -93,12 +96,13 @@ class ContactSurface:
         self.parameters = named.parameters(contact)
         self.normal: NormalLaw = acting_law(contact)(site)
         self.friction: FrictionLaw = friction_law(site, self.normal)
-        self.own_arrays = of_one_contact(self.normal.state, self.friction.state)
         self.by_points = False
         before = self.kinematics.gap
         if self.is_one_sided:  # where they overlap at first, pressure pushes the overlap out
             before = np.maximum(before, 0.0)
         self.last_step = LastStep(self._at_rest(), before)
+        self.wear: Unworn = wear_of(site, self.friction, self.last_step)
+        self.own_arrays = of_one_contact(*(law.state for law in self.laws))
 
     def _kinematics(self, key: str, law: type[NormalLaw]) -> ContactKinematics:
         sides = self.sides
@@ -132,7 +136,12 @@ class ContactSurface:
     @property
     def checks(self) -> tuple[str, ...]:
         """Names of the checks that its laws claim."""
-        return (*self.normal.checks, *self.friction.checks)
+        return tuple(check for law in self.laws for check in law.checks)
+
+    @property
+    def laws(self) -> tuple[ContactLaw, ...]:
+        """All that it keeps arrays of, each with a name of its own."""
+        return (self.normal, self.friction, self.wear)
 
     @property
     def terms(self) -> list[NormalLaw | FrictionLaw]:
@@ -176,7 +185,7 @@ class ContactSurface:
     def set_time(self, time: float) -> None:
         """Bring the obstacle to where it stands, or to what drives it, at a pseudo-time."""
         self.normal.set_time(time)
-        self.kinematics.overlap_by(self.paths.interference(time))
+        self.kinematics.overlap_by(self.paths.interference(time), self.wear.depth)
         if self.normal.pressure_is_known:
             self.friction.follow_given(self.pressure())
         if self.contact.obstacle is not None:
@@ -222,10 +231,16 @@ class ContactSurface:
     def accept(self) -> None:
         """A load step is done: slip counts from here where the law is incremental; collective."""
         state = self.state()
+        self.wear.advance(state)  # before the step is the last one, from whose end it goes
         self.last_step.advance(state, self.kinematics.gap, self._work_in_step(state))
         self.normal.advance(state)
         self.friction.advance(state)
         self.friction.accept(state.slip)
+
+    @property
+    def remembers(self) -> bool:
+        """Whether what it does depends on the load steps before."""
+        return self.friction.follows_path or self.wear.wears
 
     def _work_in_step(self, state: ContactState) -> float:
         """Dissipated in the present step; with the static law, since the start; collective."""
@@ -320,7 +335,7 @@ class ContactSurface:
     def _own(self, state: ContactState) -> dict[str, Array]:
         """What its laws keep of their own, at the end of the present step, by name."""
         every: dict[str, Array] = {}
-        for law in (self.normal, self.friction):
+        for law in self.laws:
             every |= law.kept() | law.at_step_end(state)
         return {array.name: every[array.name] for array in self.own_arrays}
 

@@ -51,6 +51,15 @@ class LastStep:
         mean = np.where(ends, traction, 0.5 * (self.state.friction_traction + traction))
         return np.asarray(0.0 - np.einsum("ij,ij->i", mean, slip))
 
+    def mean_pressure(self, state: ContactState) -> Array:
+        """Of a step, (points,) (stress): of both ends where ``dissipation`` takes both.
+
+        Args:
+            state: At its end.
+        """
+        mean = 0.5 * (self.state.contact_pressure + state.contact_pressure)
+        return np.where(self.changed(state), state.contact_pressure, mean)
+
     def open_friction(self, state: ContactState, slip: Array) -> Array:
         """How far ``dissipation`` is from the trapezoidal rule everywhere (energy/area)."""
         beyond = 0.5 * (state.friction_traction - self.state.friction_traction)

@@ -43,7 +43,8 @@ def remember(contact: ContactSurface) -> ContactMemory:
         is_scaled=friction.is_scaled,
         at_points=friction.remember(contact.pressure())
         | contact.last_step.at_points()
-        | contact.normal.remember(),
+        | contact.normal.remember()
+        | contact.wear.kept(),
         paired_at=kinematics.paired_at,
     )
 
@@ -63,3 +64,6 @@ def recall(contact: ContactSurface, memory: ContactMemory) -> None:
     contact.normal.recall(memory.at_points)
     contact.friction.recall_scale(memory.regularisation_parameter, memory.is_scaled)
     contact.friction.recall(memory.at_points)
+    contact.wear.recall(memory.at_points)
+    contact.kinematics.overlap_by(contact.kinematics.interference, contact.wear.depth)
+    contact.normal.set_gap(contact.kinematics.gap)

@@ -53,7 +53,7 @@ class EnergyBook:
         self._last: dict[str, Array] = {}
         self._last |= {name: np.zeros(shape) for name in _OF_OBSTACLES}
         self._last |= {"preloads": np.zeros((len(problem.preloads), 2))}
-        self._last |= {"interferences": np.zeros(len(problem.contacts))}
+        self._overlaps: list[Array | float] = [0.0] * len(problem.contacts)
 
     def count(self, forces: NeededForces) -> None:
         """Count a step that was accepted, before slip is counted anew; collective.
@@ -92,9 +92,9 @@ class EnergyBook:
         forces, motions = self._last["forces"], self._last["motions"]
         work = float(0.5 * (forces[number] + force) @ (motion - motions[number]))
         forces[number], motions[number] = force, motion
-        interferences = self._last["interferences"]
-        pushed_in = np.full(len(state.gap), kinematics.interference - interferences[number])
-        interferences[number] = kinematics.interference
+        overlap = kinematics.interference - kinematics.worn
+        pushed_in = overlap - self._overlaps[number]
+        self._overlaps[number] = overlap
         if kinematics.paired_at is None:
             # A curved obstacle that moves along the surface pushes the gap before it; and what
             # overlaps as drawn pushes the overlap out in the first step.

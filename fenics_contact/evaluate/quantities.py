@@ -42,6 +42,7 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
         "max_slip": largest(comm, slip),
         "friction_work": contact.friction_work(state),
         "penalty_energy": float(contact.trace.integral(state.penalty_energy)),
+        **contact.wear.quantities(state),
         **_undecided(contact, state),
         **_of_two_bodies(contact, state),
         **_motion(problem, contact),
@@ -172,8 +173,18 @@ def of_all_contacts(contacts: list[dict[str, Any]]) -> dict[str, Any]:
         **{key: contacts[0][key] if len(contacts) == 1 else None for key in OF_ONE_CONTACT},
         **{key: max((c[key] for c in contacts), default=0.0) for key in greatest},
         **{key: float(sum(c[key] for c in contacts)) for key in summed},
+        **_of_worn(contacts),
         **_of_the_only(contacts),
     }
+
+
+def _of_worn(contacts: list[dict[str, Any]]) -> dict[str, Any]:
+    """What is worn of the whole model, where any contact wears."""
+    found: dict[str, Any] = {}
+    for name, together in (("worn_volume", sum), ("max_wear_depth", max)):
+        have = [contact[name] for contact in contacts if name in contact]
+        found |= {name: float(together(have))} if have else {}
+    return found
 
 
 def _of_the_only(contacts: list[dict[str, Any]]) -> dict[str, Any]:

@@ -145,6 +145,18 @@ ALL = (
         "sum",
         needs="friction",
     ),
+    Quantity(
+        "worn_volume",
+        "volume",
+        "what both surfaces together have lost by wear since the start",
+        "sum",
+    ),
+    Quantity(
+        "max_wear_depth",
+        "length",
+        "the deepest wear at a contact point, of both surfaces together",
+        "the largest of all",
+    ),
     Quantity("penalty_energy", "energy", "in the springs of penalty, foundation or glue", "sum"),
     Quantity(
         "energy_defect",

@@ -29,6 +29,7 @@ from fenics_contact.scene.values import (
     Value,
     scene_class,
 )
+from fenics_contact.scene.wear import Wear
 
 Direction = Annotated[tuple[Number, ...], PER_AXIS]
 Place = Annotated[tuple[Annotated[Number, PLACE], ...], PER_AXIS]
@@ -230,6 +231,13 @@ class Contact:
     interference_path: Annotated[
         LoadPath, Field(description="of the interference over the load steps")
     ] = RAMP
+    wear: Annotated[
+        Wear | None,
+        Field(
+            description="what slip under pressure wears off, load step by load step; by default "
+            "nothing; needs the incremental law where there is friction"
+        ),
+    ] = None
     law: Annotated[
         Literal["static", "incremental", "none"],
         Field(
@@ -277,6 +285,11 @@ class Contact:
                     f"law = '{self.law}': {self.friction_law.kind} friction follows the slip of "
                     "load steps, which needs law = 'incremental'"
                 )
+        if self.wear is not None and self.is_rough and self.law != "incremental":
+            raise ValueError(
+                f"law = '{self.law}': wear follows the slip of load steps, which with friction "
+                "needs law = 'incremental'"
+            )
         if isinstance(self.pressure_path, Path) and min(self.pressure_path.factor) < 0:
             raise ValueError("pressure_path: the factors must be ≥ 0, contact does not pull")
         for key in ("pressure", "friction_coefficient", "foundation_stiffness"):
@@ -285,7 +298,9 @@ class Contact:
                 raise ValueError(f"{key} = {value} must be ≥ 0")
 
     def _require_fit(self) -> None:
-        """An interference needs a gap that it narrows, and two sides that stay where they are."""
+        """What changes the gap needs one, and an interference sides that stay where they are."""
+        if self.wear is not None and self.kind in ("prescribed", "bonded"):
+            raise ValueError(f"wear: {self.kind} contact has no gap that could be widened")
         if not self.interference:
             if self.interference_path != RAMP:
                 raise ValueError("interference_path: only an interference that is given has one")

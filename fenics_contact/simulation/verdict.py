@@ -25,6 +25,7 @@ _OF_LINEAR_RANGE = {
     "strain": "strains of {share}",
     "rotation": "rotations of {share} of a radian",
     "indentation": "an indentation of {share} of the radius or thickness",
+    "wear": "wear as deep as {share} of half its width",
 }
 # Of answers whose fields are not known.
 _UNCHECKED = "Converged; nothing was checked."

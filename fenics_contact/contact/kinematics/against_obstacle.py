@@ -78,7 +78,7 @@ class ObstacleKinematics(ContactKinematics):
 
     def whole_gap(self) -> Array:
         """The gap as the obstacle stands, also at points left out of its reach (length)."""
-        return self._whole() - self.interference
+        return self._whole() - self.interference + self.worn
 
     def _whole(self) -> Array:
         gap = self._gap(self.trace.coordinates, self.trace.normals)

@@ -34,6 +34,7 @@ class ContactKinematics(ABC):
         jump: w, a dolfinx function that energies see.
         gap: At the points, before anything moves; infinite where nothing stands (length).
         interference: By how much it is narrower than as drawn (length).
+        worn: By how much wear has widened it, at the points (length).
         direction: Unit vector m along which an obstacle is driven, (components,); 0 without.
         indentation: How far d the obstacle is driven at present, from where it has been
             brought up to (length).
@@ -61,7 +62,7 @@ class ContactKinematics(ABC):
         self.displacement = np.zeros(self._spaces.components)
         self.direction = np.zeros(self._spaces.components)
         self.gap = self._drawn = np.zeros(len(trace.weights))
-        self.interference = 0.0
+        self.interference, self.worn = 0.0, np.zeros(len(trace.weights))
         self._places = trace.coordinates
         self._at_points: Array | None = None
 
@@ -159,15 +160,20 @@ class ContactKinematics(ABC):
                 (length).
         """
 
-    def overlap_by(self, interference: float) -> None:
-        """Narrow the gap along the normals, beside what the meshes do; < 0 widens it (length)."""
-        self.interference = interference
-        self.gap = self._drawn - interference
+    def overlap_by(self, interference: float, worn: Array) -> None:
+        """Narrow the gap along the normals, beside what the meshes do, and widen it by wear.
+
+        Args:
+            interference: The overlap, < 0 a gap (length).
+            worn: At the points, (points,) (length).
+        """
+        self.interference, self.worn = interference, worn
+        self.gap = self._drawn - interference + worn
 
     def _measure(self, drawn: Array) -> None:
         """Take a gap that was found from where the two sides stand."""
         self._drawn = drawn
-        self.overlap_by(self.interference)
+        self.overlap_by(self.interference, self.worn)
 
     def slid_share(self, closed: Flags) -> float:
         """Slip since it was found what faces what, over the size of the contact; collective.
@@ -184,7 +190,7 @@ class ContactKinematics(ABC):
 
     @property
     def distance_as_drawn(self) -> Array:
-        """At the points, from one side to the other: the gap without any interference (length)."""
+        """At the points, from one side to the other, without interference and wear (length)."""
         return self._drawn
 
     def whole_gap(self) -> Array:

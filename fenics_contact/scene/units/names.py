@@ -37,7 +37,7 @@ class UnitNames:
         """
         if self.per_unit_thickness and words in ("force", "energy"):
             return self._of_all(f"{words}/length")
-        return self.length if self.per_unit_thickness and words == "area" else self._of_all(words)
+        return self._of_all(_PER_THICKNESS.get(words, words) if self.per_unit_thickness else words)
 
     def _of_all(self, words: str) -> str:
         over, slash, under = words.partition("/")
@@ -49,3 +49,7 @@ class UnitNames:
             return name
         below = self._of_all(under)
         return f"{name}/{f'({below})' if set(below) & set('/·') else below}"
+
+
+# What models of unit thickness have in place of it.
+_PER_THICKNESS = {"area": "length", "volume": "area"}

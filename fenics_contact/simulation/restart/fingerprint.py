@@ -32,6 +32,7 @@ _LATER: dict[str, dict[str, Any]] = {
         "friction_law": None,
         "interference": 0.0,
         "interference_path": RAMP,
+        "wear": None,
     },
 }
 # Where functions are asked: places along each axis of the box around the body, and pseudo-times.

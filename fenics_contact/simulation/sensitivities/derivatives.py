@@ -67,7 +67,7 @@ def derivatives(
 def require_laws(problem: Problem) -> None:
     """Refuse laws that do not say their own derivatives."""
     for contact in problem.contacts:
-        for law in (contact.normal, contact.friction):
+        for law in contact.laws:
             if not law.has_derivatives:
                 raise InputError(
                     f"derivatives: the {law.called} of '{contact.label}' has none of its own"

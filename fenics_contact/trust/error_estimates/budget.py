@@ -263,6 +263,12 @@ class _Estimates:
             if note not in self._notes:
                 self._notes.append(note)
             return None
+        if source == "mesh" and any(contact.wear.wears for contact in self._problem.contacts):
+            self._notes.append(
+                "The error by the mesh is not estimated where contacts wear: what was worn before "
+                "has a part in it."
+            )
+            return None
         load_steps, measure = self._load_steps, self._measure
         estimate: dict[str, Callable[[], Errors]] = {
             "mesh": self._of_mesh,
@@ -353,8 +359,8 @@ def _recorded(
 
 
 def _remembers(problem: Problem) -> bool:
-    """Whether the answer depends on load steps: friction, locked bolts, or bodies paired anew."""
-    if any(contact.friction.follows_path for contact in problem.contacts):
+    """Whether the answer depends on load steps: friction, wear, locked bolts, new pairings."""
+    if any(contact.remembers for contact in problem.contacts):
         return True
     if any(preload.is_locked for preload in problem.preloads):
         return True

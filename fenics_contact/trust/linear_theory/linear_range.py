@@ -18,6 +18,7 @@ from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.checks.comparison import nearer_to_failing
 from fenics_contact.trust.linear_theory.displacement_gradient import CellPoints
 from fenics_contact.trust.linear_theory.indentation_sizes import IndentationSize
+from fenics_contact.trust.linear_theory.worn_width import worn_share
 from fenics_contact.trust.linear_theory.zones import TURNED, Zone, Zones, exceeded, share
 
 # What is compared by the check: of each, name and limit. Depths that linear kinematics leaves in
@@ -54,8 +55,9 @@ class LinearRange:
             What → its largest value, and the ``part`` or the surface (``on``) that has it: the
             largest principal ``strain`` and ``rotation`` (radian) that more than a share of .01
             of a zone has; the ``indentation`` over size; what share of a zone is ``turned`` inside
-            out or ``beyond`` a plane of symmetry; and over size how deep an ``overlap`` with an
-            obstacle is. What a model has none of is left out.
+            out or ``beyond`` a plane of symmetry; over size how deep an ``overlap`` with an
+            obstacle is; and how deep ``wear`` is over half the width that is worn. What a model
+            has none of is left out.
         """
         found = self._points.deformation(solution.displacement)
         zones, comm = self._zones.at(solution.states), self._problem.comm
@@ -79,6 +81,13 @@ class LinearRange:
         }
         if self._sides:
             rows["beyond"] = worst(lambda zone: share(comm, zone, beyond))
+        if any(contact.wear.wears for contact in self._problem.contacts):
+            rows["wear"] = _worst(
+                [
+                    {"value": worn_share(contact, state), "on": contact.label}
+                    for contact, state in zip(self._problem.contacts, solution.states, strict=True)
+                ]
+            )
         if self._obstacles:
             rows["overlap"] = self._of_obstacles(lambda obstacle: obstacle.overlap())
         if self._obstacles and self._problem.has_datum:
