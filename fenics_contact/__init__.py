@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         ComplianceFriction,
         CoulombFriction,
         FormulaFriction,
+        MicroSlipFriction,
         NonlocalFriction,
         OwnFrictionLaw,
         PressureDependentFriction,
@@ -82,6 +83,7 @@ __all__ = [
     "Material",
     "Measured",
     "MeshSource",
+    "MicroSlipFriction",
     "NoEquilibriumError",
     "NonlocalFriction",
     "NormalCompliance",
@@ -141,6 +143,7 @@ _MODULES = {
     "scene.laws.friction_laws": (
         "ComplianceFriction",
         "CoulombFriction",
+        "MicroSlipFriction",
         "NonlocalFriction",
         "FormulaFriction",
         "OwnFrictionLaw",

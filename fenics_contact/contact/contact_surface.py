@@ -244,10 +244,18 @@ class ContactSurface:
 
     def _work_in_step(self, state: ContactState) -> float:
         """Dissipated in the present step; with the static law, since the start; collective."""
-        slip = self.friction.counted(state.slip)
-        in_step = self.last_step.dissipation(state, slip)
-        work = self.friction.work(in_step, state.friction_traction, slip)
+        in_step = self.last_step.dissipation(state, self.friction.sliding(state.slip))
+        before = self.last_step.state.friction_traction
+        work = self.friction.work(in_step, before, state.friction_traction, state.slip)
         return float(self.trace.integral(work))
+
+    def elastic_slip_energy(self, state: ContactState) -> float:
+        """Stored along the surface by slip that goes back (energy); collective.
+
+        Args:
+            state: As of ``friction_work``.
+        """
+        return float(self.trace.integral(self.friction.stored(state.friction_traction, state.slip)))
 
     def friction_work(self, state: ContactState) -> float:
         """Dissipated since the start: in all steps, or by the static law; collective.
@@ -268,7 +276,7 @@ class ContactSurface:
         if self.is_one_sided:
             left += self.last_step.open_pressing(state)
         if self.friction.rubs:
-            left += self.last_step.open_friction(state, self.friction.counted(state.slip))
+            left += self.last_step.open_friction(state, self.friction.sliding(state.slip))
         return float(self.trace.integral(left))
 
     @property

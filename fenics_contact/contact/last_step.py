@@ -44,7 +44,7 @@ class LastStep:
 
         Args:
             state: At the end of the step.
-            slip: In the step, (points, components) (length).
+            slip: In the step, without what goes back, (points, components) (length).
         """
         ends = self.changed(state)[:, None]
         traction = state.friction_traction

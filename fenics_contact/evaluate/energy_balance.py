@@ -148,8 +148,8 @@ class EnergyBook:
         """
         if not self._problem.scene.steps.several:
             return {}  # of a single step, the work of the final forces is given
-        kept = ("strain_energy", "penalty_energy", "friction_work")
-        defect = self.work - sum(float(quantities[key]) for key in kept)
+        kept = ("strain_energy", "penalty_energy", "friction_work", "elastic_slip_energy")
+        defect = self.work - sum(float(quantities.get(key, 0.0)) for key in kept)
         balance = {"energy_defect": defect} if self.applies else {}
         return {"external_work": self.work, **balance}
 

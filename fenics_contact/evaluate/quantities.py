@@ -43,6 +43,7 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
         "friction_work": contact.friction_work(state),
         "penalty_energy": float(contact.trace.integral(state.penalty_energy)),
         **contact.wear.quantities(state),
+        **_stored_along(contact, state),
         **_undecided(contact, state),
         **_of_two_bodies(contact, state),
         **_motion(problem, contact),
@@ -63,13 +64,20 @@ def _of_two_bodies(contact: ContactSurface, state: ContactState) -> dict[str, fl
     }
 
 
+def _stored_along(contact: ContactSurface, state: ContactState) -> dict[str, float]:
+    """Energy of elastic slip, where friction has such; collective."""
+    if not contact.friction.stores_energy:
+        return {}
+    return {"elastic_slip_energy": contact.elastic_slip_energy(state)}
+
+
 def _undecided(contact: ContactSurface, state: ContactState) -> dict[str, int]:
     """How many points slip by less than 2ε: with an ε twice as large they may stick.
 
     A point that sticks creeps by ε times the share of its bound that it carries, whatever ε:
     that it creeps by nearly ε says that friction is nearly used up, not that ε decides.
     """
-    if not contact.friction.rubs:
+    if not contact.friction.has_regularisation:
         return {}
     slip = np.linalg.norm(contact.friction.counted(state.slip), axis=1)
     slips = contact.trace.owned & (state.status == SLIP) & (contact.friction_bound > 0)
@@ -173,15 +181,16 @@ def of_all_contacts(contacts: list[dict[str, Any]]) -> dict[str, Any]:
         **{key: contacts[0][key] if len(contacts) == 1 else None for key in OF_ONE_CONTACT},
         **{key: max((c[key] for c in contacts), default=0.0) for key in greatest},
         **{key: float(sum(c[key] for c in contacts)) for key in summed},
-        **_of_worn(contacts),
+        **_of_some(contacts),
         **_of_the_only(contacts),
     }
 
 
-def _of_worn(contacts: list[dict[str, Any]]) -> dict[str, Any]:
-    """What is worn of the whole model, where any contact wears."""
+def _of_some(contacts: list[dict[str, Any]]) -> dict[str, Any]:
+    """Of the whole model what only some contacts have, such as those that wear."""
     found: dict[str, Any] = {}
-    for name, together in (("worn_volume", sum), ("max_wear_depth", max)):
+    ways = (("worn_volume", sum), ("max_wear_depth", max), ("elastic_slip_energy", sum))
+    for name, together in ways:
         have = [contact[name] for contact in contacts if name in contact]
         found |= {name: float(together(have))} if have else {}
     return found

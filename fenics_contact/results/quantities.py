@@ -159,6 +159,13 @@ ALL = (
     ),
     Quantity("penalty_energy", "energy", "in the springs of penalty, foundation or glue", "sum"),
     Quantity(
+        "elastic_slip_energy",
+        "energy",
+        "stored along surfaces whose friction has micro-slip, in the slip that goes back",
+        "sum over those that have it",
+        needs="friction",
+    ),
+    Quantity(
         "energy_defect",
         "energy",
         "what the load steps leave open of the balance of work and energies; not of a single step",

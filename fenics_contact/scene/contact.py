@@ -285,6 +285,11 @@ class Contact:
                     f"law = '{self.law}': {self.friction_law.kind} friction follows the slip of "
                     "load steps, which needs law = 'incremental'"
                 )
+            if self.friction_law.is_regular and self.regularisation_parameter != "auto":
+                raise ValueError(
+                    f"regularisation_parameter: {self.friction_law.kind} friction has none, as its "
+                    "elastic_slip is a property of the surfaces; leave it out"
+                )
         if self.wear is not None and self.is_rough and self.law != "incremental":
             raise ValueError(
                 f"law = '{self.law}': wear follows the slip of load steps, which with friction "

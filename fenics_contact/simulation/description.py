@@ -117,7 +117,9 @@ def record_of(contact: ContactSurface) -> ContactRecord:
 
 
 def regularisation_of(contact: ContactSurface) -> float | None:
-    """The ε of a load step; None where it follows from pressures to come."""
+    """The ε of a load step; None where it follows from pressures to come, or there is none."""
+    if contact.friction.stores_energy:
+        return None  # it is no regularisation, and stands under its own name
     is_open = contact.is_coulomb and not contact.friction.is_scaled
     return None if is_open else contact.regularisation_parameter
 

@@ -6,6 +6,7 @@ A module of cases ends with a tuple ``CASES``; the one below lists them all.
 from fenics_contact.verification.case import Case, Finding, Outcome
 from fenics_contact.verification.laws import by_pressure as by_pressure_cases
 from fenics_contact.verification.laws import compliance as compliance_cases
+from fenics_contact.verification.laws import micro_slip as micro_slip_cases
 from fenics_contact.verification.laws import slip_weakening as slip_weakening_cases
 from fenics_contact.verification.memory import check as memory_check
 from fenics_contact.verification.published import cycle as cycle_cases
@@ -41,6 +42,7 @@ CASES: tuple[Case, ...] = (
     *compliance_cases.CASES,
     *by_pressure_cases.CASES,
     *slip_weakening_cases.CASES,
+    *micro_slip_cases.CASES,
     *memory_check.CASES,
 )
 

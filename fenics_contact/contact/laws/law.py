@@ -46,7 +46,7 @@ class ContactLaw:
 
     kind: ClassVar[str] = ""
     model: ClassVar[str] = ""
-    checks: ClassVar[tuple[str, ...]] = ()
+    checks: tuple[str, ...] = ()
     state: tuple[PointArray, ...] = ()
     follows_jump: ClassVar[bool] = False
 

@@ -173,9 +173,12 @@ def _energies(history: History, path: Path) -> Picture:
         "strain_energy": "strain energy, $E$",
         "friction_work": "dissipated, $D$",
         "penalty_energy": "in springs of contacts, $E_p$",
+        "elastic_slip_energy": "in elastic slip, $E_s$",
     }
+    known = history.steps[0].quantities
+    names = {name: label for name, label in names.items() if name in known}
     work = np.abs(history.quantity("external_work")).max()
-    balances = "energy_defect" in history.steps[0].quantities
+    balances = "energy_defect" in known
     figure, panels = _over_time("Work and energies", [2.1, 1.1][: 1 + balances], history)
     for number, (name, label) in enumerate(names.items()):
         values = history.quantity(name)
@@ -185,7 +188,8 @@ def _energies(history: History, path: Path) -> Picture:
     panels[0].set_ylabel(labelled("energy", "energy"))
     if balances:
         _line(panels[1], history.time, history.quantity("energy_defect"), "", 0)
-        panels[1].set_ylabel(labelled("$W - E - E_p - D$", "energy"))
+        sprung = " - E_s" if "elastic_slip_energy" in known else ""
+        panels[1].set_ylabel(labelled(f"$W - E - E_p{sprung} - D$", "energy"))
     for panel in panels:
         _legend(panel)
     figure.align_ylabels(panels)

@@ -34,11 +34,14 @@ class FrictionLawTable:
         kind: By which results and messages name the law.
         is_proportional: Whether it is one coefficient times the pressure.
         needs_steps: Whether it follows the slip of load steps, as the incremental law has it.
+        is_regular: Whether its surfaces give way along each other, so that it needs no
+            regularisation.
     """
 
     kind: str
     is_proportional: ClassVar[bool] = False
     needs_steps: ClassVar[bool] = False
+    is_regular: ClassVar[bool] = False
 
     @property
     def shown(self) -> str:
@@ -111,6 +114,29 @@ class NonlocalFriction(FrictionLawTable):
         Field(
             description="ρ up to which pressures along the surface are averaged; where cells are "
             "larger, it is Coulomb's law"
+        ),
+    ]
+
+
+@scene_class
+class MicroSlipFriction(FrictionLawTable):
+    """Friction with micro-slip: up to an elastic slip surfaces give way along each other.
+
+    From there on they slide under Coulomb's bound (Oden and Pires 1983). With the incremental law
+    the elastic slip goes back as the traction does, and the rest stays.
+
+    >>> MicroSlipFriction(kind="micro-slip", elastic_slip=1e-3).shown
+    'micro-slip: elastic_slip 0.001'
+    """
+
+    is_regular: ClassVar[bool] = True
+    kind: Annotated[Literal["micro-slip"], Field(description="which law it is")]
+    elastic_slip: Annotated[
+        Positive,
+        LENGTH,
+        Field(
+            description="the slip at which friction reaches its bound, a property of the surfaces; "
+            "it is not the `regularisation_parameter`, which stands for none"
         ),
     ]
 

@@ -245,7 +245,7 @@ class _Estimates:
         return {
             "mesh": True,
             "penalty": any(contact.has_penalty for contact in problem.contacts),
-            "regularisation": bool(problem.frictional),
+            "regularisation": any(one.friction.has_regularisation for one in problem.contacts),
             "iteration": True,
             "step": _remembers(problem),
             "domain": problem.far_field is not None,
@@ -389,7 +389,8 @@ def _of_work(rows: Mapping[str, Row], defect: float | None) -> Row:
         defect: What the steps leave open of that balance; None without one, as with the static law,
             where only sources that are not there make no error.
     """
-    parts = [rows[name] for name in ("strain_energy", "penalty_energy", "friction_work")]
+    names = ("strain_energy", "penalty_energy", "friction_work", "elastic_slip_energy")
+    parts = [rows[name] for name in names if name in rows]
     row = {source: _sum([part[source] for part in parts]) for source in SOURCES}
     if defect is None:
         row = {source: 0.0 if error == 0 else None for source, error in row.items()}

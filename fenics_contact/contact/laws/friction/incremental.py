@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+import numpy as np
+
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.friction.regularised import RegularisedFriction
 
@@ -14,6 +16,13 @@ class Incremental(RegularisedFriction):
     kind: ClassVar[str] = "incremental"
     follows_path: ClassVar[bool] = True
 
-    def work(self, given: Array, traction: Array, slip: Array) -> Array:
-        """As its path through the load steps tells it."""
-        return given
+    def work(self, given: Array, before: Array, traction: Array, slip: Array) -> Array:
+        """As its path through the load steps tells it.
+
+        Of slip that goes back, the work less what it stores: that is 0 unless the pressure changes,
+        and springs with it. When the pressure falls, a part of what they stored is lost.
+        """
+        if not self.stores_energy:
+            return given
+        now, then = self.rule.elastic(self.counted(slip)), self.rule.carried_slip
+        return np.asarray(given - 0.5 * np.sum(before * now - traction * then, axis=1))

@@ -91,6 +91,16 @@ class FrictionLaw(ContactLaw):
         return self.rubs and not self.normal.pressure_is_known
 
     @property
+    def has_regularisation(self) -> bool:
+        """Whether ε stands for no slip at all; the elastic slip of surfaces is what it is."""
+        return False
+
+    @property
+    def stores_energy(self) -> bool:
+        """Whether a part of the slip is elastic, and goes back."""
+        return False
+
+    @property
     def finds_scale(self) -> bool:
         """Whether ε follows the pressures that are found."""
         return self.depends_on_pressure and self.site.contact.regularisation_parameter == "auto"
@@ -205,6 +215,23 @@ class FrictionLaw(ContactLaw):
         """The slip that the law sees: since the start, or since the last accepted step."""
         return slip
 
+    def sliding(self, slip: Array) -> Array:
+        """The part of the slip since the start, or since the last step, that does not go back.
+
+        Args:
+            slip: Since the start, (points, components) (length).
+        """
+        return self.counted(slip)
+
+    def stored(self, traction: Array, slip: Array) -> Array:
+        """Energy of the slip that goes back, (points,) (energy/area).
+
+        Args:
+            traction: On the body, (points, components) (stress).
+            slip: Since the start, likewise (length).
+        """
+        return np.zeros(len(slip))
+
     def traction(self, slip: Array) -> Array:
         """Traction on the body for a slip since the start, (points, components) (stress)."""
         return np.zeros_like(slip)
@@ -248,13 +275,14 @@ class FrictionLaw(ContactLaw):
         """
         return {}
 
-    def work(self, given: Array, traction: Array, slip: Array) -> Array:
+    def work(self, given: Array, before: Array, traction: Array, slip: Array) -> Array:
         """Dissipated since the start, or in the present step where slip counts from the last one.
 
         Args:
-            given: What friction did in the step by its path, (points,) (energy/area).
-            traction: At the end, (points, components) (stress).
-            slip: That counts, likewise (length).
+            given: What friction did by its path along ``sliding``, (points,) (energy/area).
+            before: Traction when the step began, (points, components) (stress).
+            traction: At the end, likewise.
+            slip: Since the start, likewise (length).
 
         Returns:
             (points,) (energy/area).

@@ -36,7 +36,7 @@ class RegularisedFriction(FrictionLaw):
     model: ClassVar[str] = "regularised friction"
     rubs: ClassVar[bool] = True
     carries_shear: ClassVar[bool] = True
-    checks: ClassVar[tuple[str, ...]] = (
+    checks: tuple[str, ...] = (
         "friction_cone",
         "friction_law",
         "outer_loop",
@@ -56,11 +56,14 @@ class RegularisedFriction(FrictionLaw):
             setattr(self, array.name, np.zeros(shape))
         self._tangent_state = TangentState(site.trace)
         self._forms = FrictionForms(rule, self._tangent_state, self.follows_path)
+        if not self.has_regularisation:
+            self.name = f"friction with {rule.kind} on {site.contact.label}"
+            self.checks = tuple(one for one in self.checks if one != "stick_creep")
         self._chosen, self._left, self._used = 1.0, 1.0, 1.0
         self._held = np.zeros_like(self.reference)
         self._strength = 1.0
         self.stick_all()
-        given = site.contact.regularisation_parameter
+        given = rule.longest_elastic_slip or site.contact.regularisation_parameter
         if given != "auto":
             self.set_scale(float(given))
 
@@ -73,6 +76,21 @@ class RegularisedFriction(FrictionLaw):
     def derived_state(self) -> set[str]:
         """That of its rule, too."""
         return super().derived_state | {array.name for array in self.rule.state}
+
+    @property
+    def has_regularisation(self) -> bool:
+        """Unless its rule has a length of its own."""
+        return self.rule.longest_elastic_slip is None
+
+    @property
+    def stores_energy(self) -> bool:
+        """Where its rule lets slip go back."""
+        return self.rule.longest_elastic_slip is not None
+
+    @property
+    def finds_scale(self) -> bool:
+        """Whether ε follows the pressures that are found: never that of the surfaces."""
+        return super().finds_scale and self.has_regularisation
 
     @property
     def called(self) -> str:
@@ -128,8 +146,8 @@ class RegularisedFriction(FrictionLaw):
         self._forms.epsilon.value = self._used
 
     def regularise_less(self, left: float) -> None:
-        """Use this part of every ε that is set, from now on."""
-        self._left = left
+        """Use this part of every ε that is set, from now on, unless it is the surfaces' own."""
+        self._left = left if self.has_regularisation else 1.0
         self._choose(self._chosen)
 
     def set_bound(self, bound: Array) -> None:
@@ -166,7 +184,7 @@ class RegularisedFriction(FrictionLaw):
     def follow_given(self, pressure: Array) -> None:
         """Take the bound, and the ε that it needs, from a pressure that is given (stress)."""
         self.set_bound(self.bound_of(pressure))
-        if self.site.contact.regularisation_parameter == "auto":
+        if self.has_regularisation and self.site.contact.regularisation_parameter == "auto":
             strongest = largest(self.site.trace.spaces.comm, self.bound)
             self.set_scale(self.site.scales.regularisation_parameter(strongest))
 
@@ -282,9 +300,12 @@ class RegularisedFriction(FrictionLaw):
 
     def accept(self, slip: Array) -> None:
         """A load step is done: from now on slip counts from here, if the law is incremental."""
+        self._count_from(slip - self.rule.carried_slip)
+
+    def _count_from(self, reference: Array) -> None:
         if self._forms.accepted is not None:
-            self.reference = slip
-            self._forms.accepted.set(slip)
+            self.reference = reference
+            self._forms.accepted.set(reference)
 
     def recall_scale(self, epsilon: float, is_scaled: bool) -> None:
         """Use an ε that was used before."""
@@ -302,7 +323,7 @@ class RegularisedFriction(FrictionLaw):
         self.mode = "law"
         self.set_share(1.0)
         self.set_bound(self.bound)
-        self.accept(self.reference)
+        self._count_from(self.reference)
 
     def at_step_end(self, state: ContactState) -> dict[str, Array]:
         """What its rule keeps."""
@@ -323,6 +344,16 @@ class RegularisedFriction(FrictionLaw):
     def counted(self, slip: Array) -> Array:
         """The slip that the law sees: since the start, or since the last accepted step."""
         return slip - self.reference
+
+    def sliding(self, slip: Array) -> Array:
+        """The slip that counts, less what goes back."""
+        counted = self.counted(slip)
+        return counted - self.rule.elastic(counted)
+
+    def stored(self, traction: Array, slip: Array) -> Array:
+        """−½ σ_T · s_e of the elastic slip."""
+        elastic = self.rule.elastic(self.counted(slip))
+        return np.asarray(0.0 - 0.5 * np.einsum("ij,ij->i", traction, elastic))
 
     def set_status(self, sticks: Flags, directions: Array, bound: Array) -> None:
         """Springs g/ε on points that stick, tractions −g × direction on those that slip."""

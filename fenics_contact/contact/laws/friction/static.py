@@ -15,6 +15,6 @@ class Static(RegularisedFriction):
 
     kind: ClassVar[str] = "static"
 
-    def work(self, given: Array, traction: Array, slip: Array) -> Array:
-        """−σ_T · u_T since the start."""
-        return np.asarray(0.0 - np.einsum("ij,ij->i", traction, slip))
+    def work(self, given: Array, before: Array, traction: Array, slip: Array) -> Array:
+        """−σ_T · u_T since the start, less what goes back."""
+        return np.asarray(0.0 - np.einsum("ij,ij->i", traction, self.sliding(slip)))

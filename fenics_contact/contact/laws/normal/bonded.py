@@ -20,7 +20,7 @@ class Bonded(PenaltyLaw):
     model: ClassVar[str] = "bonded contact (penalty)"
     sticks: ClassVar[bool] = True
     pushes_only: ClassVar[bool] = False
-    checks: ClassVar[tuple[str, ...]] = ("penetration_depth",)
+    checks: tuple[str, ...] = ("penetration_depth",)
 
     def fields(self) -> Mapping[str, Array]:
         """1/ε₁ where something stands opposite."""

@@ -88,7 +88,7 @@ class SpringLaw(NormalLaw):
 
     follows_jump: ClassVar[bool] = True
     pushes_only: ClassVar[bool] = True
-    checks: ClassVar[tuple[str, ...]] = (
+    checks: tuple[str, ...] = (
         "contact_law",
         "complementarity",
         "tension",
@@ -298,7 +298,7 @@ class PenaltyLaw(SpringLaw):
     """A law whose springs stand for no give at all: their stiffness is 1/ε₁."""
 
     has_penalty: ClassVar[bool] = True
-    checks: ClassVar[tuple[str, ...]] = (*SpringLaw.checks, "penetration", "penetration_depth")
+    checks: tuple[str, ...] = (*SpringLaw.checks, "penetration", "penetration_depth")
 
     def __init__(self, site: LawSite) -> None:
         self._penalty = self.penalty_parameter(site)

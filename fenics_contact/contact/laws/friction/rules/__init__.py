@@ -1,4 +1,4 @@
-"""How large friction may be, a file a rule: Coulomb's, by pressure, by slip, compliance, nonlocal.
+"""How large friction may be, a file a rule: Coulomb's, by pressure, by slip, with micro-slip, ….
 
 A new rule is a file of its own, a line in ``RULES`` and a class in ``scene/laws/friction_laws.py``.
 """
@@ -10,6 +10,7 @@ from fenics_contact.contact.laws.friction.rules.by_pressure import ByPressure
 from fenics_contact.contact.laws.friction.rules.by_slip import BySlip
 from fenics_contact.contact.laws.friction.rules.compliance import Compliance
 from fenics_contact.contact.laws.friction.rules.coulomb import Coulomb
+from fenics_contact.contact.laws.friction.rules.micro_slip import MicroSlip
 from fenics_contact.contact.laws.friction.rules.nonlocal_friction import Nonlocal
 from fenics_contact.contact.laws.friction.rules.own_bound import FormulaBound, OwnFriction
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
@@ -22,6 +23,7 @@ RULES: tuple[type[FrictionRule], ...] = (
     BySlip,
     Compliance,
     Nonlocal,
+    MicroSlip,
     FormulaBound,
 )
 

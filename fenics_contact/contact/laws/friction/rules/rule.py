@@ -52,6 +52,8 @@ class FrictionRule:
             contact, which holds the rule, keeps them for it.
         coefficient: The scene's friction coefficient at the points, (points,).
         neighbours: How it averages the pressure; None where each point goes by its own.
+        longest_elastic_slip: The slip that goes back, at which the bound is reached, in place of
+            the regularisation parameter; None where no slip does (length).
 
     Args:
         site: Where it acts.
@@ -64,6 +66,7 @@ class FrictionRule:
     kind: ClassVar[str]
     is_proportional: ClassVar[bool] = False
     neighbours: SurfaceAverage | None = None
+    longest_elastic_slip: float | None = None
     state: ClassVar[tuple[PointArray, ...]] = ()
 
     def __init__(self, site: LawSite, normal: NormalLaw) -> None:
@@ -96,6 +99,19 @@ class FrictionRule:
         """Whether it says what the arrays that it keeps do to quantities of later load steps."""
         return are_said_together(self, "at_step_end", "step_end_pulled_back")
 
+    @property
+    def carried_slip(self) -> Array | float:
+        """The slip that steps before have left and that goes back (length)."""
+        return 0.0
+
+    def elastic(self, slip: Array) -> Array:
+        """The part of a slip that goes back, (points, components) (length).
+
+        Args:
+            slip: That counts, likewise.
+        """
+        return np.zeros_like(slip)
+
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
         """Derivatives of the bound's parameters at the points in a key of the contact; collective.
 
@@ -116,7 +132,7 @@ class FrictionRule:
         """The arrays of ``state`` at the end of a load step, by name.
 
         Args:
-            slip: Of the step, (points, components) (length).
+            slip: That counts, (points, components) (length).
             closed: Points in contact at its end.
         """
         return {}
