@@ -48,6 +48,7 @@ if TYPE_CHECKING:
         OwnNormalLaw,
         PressureFormula,
     )
+    from fenics_contact.scene.loading.cycles import Cycles
     from fenics_contact.scene.material import Material
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
@@ -71,6 +72,7 @@ __all__ = [
     "Contact",
     "ContactPoints",
     "CoulombFriction",
+    "Cycles",
     "Discretisation",
     "Exploration",
     "FenicsContactError",
@@ -138,6 +140,7 @@ _MODULES = {
     "scene.scene": ("Discretisation", "MeshSource", "Scene"),
     "scene.conditions": ("Load", "Point", "Preload", "Support"),
     "scene.accuracy": ("Accuracy",),
+    "scene.loading.cycles": ("Cycles",),
     "scene.asked.derivatives": ("AskedDerivatives",),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
     "scene.laws.friction_laws": (

@@ -111,7 +111,7 @@ def _check(options: argparse.Namespace) -> int:
 
     comm = MPI.COMM_WORLD
     scene = _load(options)
-    with activity(scene.steps, comm, options.quiet):
+    with activity(scene.load_steps, comm, options.quiet):
         prepared = Run(scene, comm)
         model = prepared.model
         plan = adaptive_plan(prepared)
@@ -133,7 +133,7 @@ def _solve(scene: Scene, folder: Path, options: argparse.Namespace, pictures: bo
     settings = petsc_options.parse(options.petsc)
     files.require_writable(folder, comm)
     with petsc_options.given(settings, comm):
-        with activity(scene.steps, comm, options.quiet, names_of(scene)) as announce:
+        with activity(scene.load_steps, comm, options.quiet, names_of(scene)) as announce:
             prepared = Run(scene, comm)
             solve = _solve_steps if scene.accuracy is None else _solve_levels
             result = solve(prepared, folder, options.resume, announce)

@@ -7,7 +7,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.scene.contact import Contact, Obstacle
-from fenics_contact.scene.load_paths import KeyedPath
+from fenics_contact.scene.loading.load_paths import KeyedPath
 
 
 class ContactPaths:

@@ -132,7 +132,7 @@ class EnergyBook:
     def applies(self) -> bool:
         """Whether there is a path to count along: the static law of friction has none."""
         static = any(not contact.friction.follows_path for contact in self._problem.frictional)
-        return self._problem.scene.steps.several and not static
+        return self._problem.scene.load_steps.several and not static
 
     @property
     def open_share(self) -> float:
@@ -146,7 +146,7 @@ class EnergyBook:
         Args:
             quantities: The other ones at the end of the step that was counted last.
         """
-        if not self._problem.scene.steps.several:
+        if not self._problem.scene.load_steps.several:
             return {}  # of a single step, the work of the final forces is given
         kept = ("strain_energy", "penalty_energy", "friction_work", "elastic_slip_energy")
         defect = self.work - sum(float(quantities.get(key, 0.0)) for key in kept)

@@ -87,8 +87,10 @@ def _units(scene: Scene) -> dict[str, str]:
 def _notes(scene: Scene, keys: Sequence[MovedKey]) -> list[str]:
     """What is to be known of all answers."""
     notes = []
-    if scene.steps.several:
-        notes.append(f"Of several load steps, the last is shown, at time {scene.steps.last:g}.")
+    if scene.load_steps.several:
+        notes.append(
+            f"Of several load steps, the last is shown, at time {scene.load_steps.last:g}."
+        )
     anew = [one.key for one in keys if one.makes_anew]
     if anew:
         notes.append(

@@ -149,7 +149,7 @@ class Problem:
                 for load in self.loads
             ]
             self._pressures = self._assemble_pressures()
-            self.set_time(scene.steps.all_times[-1])
+            self.set_time(scene.load_steps.all_times[-1])
 
     @classmethod
     def on_mesh(cls, scene: Scene, body: Body, timings: Timings | None = None) -> Problem:
@@ -189,7 +189,7 @@ class Problem:
     @property
     def can_pair_anew(self) -> bool:
         """Whether what faces what may change: two bodies touch, and there are load steps."""
-        return self.between_bodies and self.scene.steps.several
+        return self.between_bodies and self.scene.load_steps.several
 
     @property
     def has_datum(self) -> bool:
@@ -229,7 +229,7 @@ class Problem:
         self.constrained = np.union1d(self.constrained, support.dofs)
         for contact in self.contacts:
             contact.supports = SurfaceSupports(contact.trace, self.constrained)
-        self.set_time(self.scene.steps.last)
+        self.set_time(self.scene.load_steps.last)
 
     def reach(self, scalars: Array) -> None:
         """Take the values of the scalar unknowns that a load step ended with."""
@@ -253,6 +253,7 @@ class Problem:
 
     def set_time(self, time: float) -> None:
         """Bring loads, supports and obstacles to a pseudo-time; collective."""
+        time = self.scene.path_time(time)
         self._set_loads(time)
         for contact in self.contacts:
             contact.set_time(time)

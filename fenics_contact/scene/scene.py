@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
@@ -17,6 +18,8 @@ from fenics_contact.scene.asked.derivatives import AskedDerivatives
 from fenics_contact.scene.asked.tolerances import as_tolerances
 from fenics_contact.scene.conditions import Load, Point, Preload, Support
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
+from fenics_contact.scene.loading.cycles import Cycles
+from fenics_contact.scene.loading.load_paths import load_steps_of, require_cycles
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.quantity_names import VECTORS, QuantityNames
 from fenics_contact.scene.steps import SolverSettings as SolverSettings
@@ -226,6 +229,9 @@ class Scene(HasUnits):
     steps: Annotated[Steps, Field(description="load steps, by default one")] = Field(
         default_factory=Steps
     )
+    cycles: Annotated[
+        Cycles | None, Field(description="a piece of all load paths that runs again and again")
+    ] = None
     solver: Annotated[SolverSettings, Field(description="the nonlinear solver")] = Field(
         default_factory=SolverSettings
     )
@@ -285,6 +291,20 @@ class Scene(HasUnits):
         _require_distinct("contacts", [contact.label for contact in self.contact])
         _require_distinct("preloads", [preload.label for preload in self.preload])
         _require_known(self)
+        require_cycles(self)
+
+    @cached_property
+    def load_steps(self) -> Steps:
+        """All load steps, to the end of the last cycle."""
+        return load_steps_of(self)
+
+    def path_time(self, time: float) -> float:
+        """The pseudo-time at which load paths are asked: of all cycles that in the first.
+
+        Args:
+            time: Pseudo-time of the load steps.
+        """
+        return time if self.cycles is None else self.cycles.repetition.first_time(time)
 
     @property
     def dimension(self) -> int:
@@ -328,11 +348,11 @@ def _require_bolt(scene: Scene, preload: Preload, key: str) -> None:
         raise ValueError(f"{key}.axis: must be along y, the axis of revolution")
     if locked is None:
         return
-    if locked > steps.last * (1 + _SAME_TIME):
+    if scene.cycles is None and locked > steps.last * (1 + _SAME_TIME):
         raise ValueError(
             f"{key}.locked_from = {locked:g}: the last load step ends at {steps.last:g}"
         )
-    ends = steps.all_times
+    ends = steps.all_times if scene.cycles is None else (*steps.all_times, scene.cycles.begin)
     if not steps.automatic and locked < ends[0] * (1 - _SAME_TIME):
         raise ValueError(
             f"{key}.locked_from = {locked:g}: lies before the end of the first load step, "

@@ -147,6 +147,42 @@ Value = Number | Profile | PositionFunction
 PER_AXIS = Field(min_length=2, max_length=3)
 
 
+@dataclasses.dataclass(frozen=True)
+class Repetition:
+    """A piece of pseudo-time that runs again and again.
+
+    Attributes:
+        begin: Pseudo-time at which it runs first.
+        period: How long it is (pseudo-time).
+        number: How often it runs.
+
+    >>> three = Repetition(begin=1.0, period=4.0, number=3)
+    >>> [three.first_time(time) for time in (0.5, 2.0, 5.0, 6.0, 13.0, 14.0)]
+    [0.5, 2.0, 1.0, 2.0, 5.0, 6.0]
+    >>> three.ends
+    (5.0, 9.0, 13.0)
+    """
+
+    begin: float
+    period: float
+    number: int
+
+    def first_time(self, time: float) -> float:
+        """The pseudo-time in the first run, or before or beyond all, at which the same acts."""
+        passed = min(max((time - self.begin) // self.period, 0), self.number - 1)
+        return time - self.period * passed
+
+    @property
+    def starts(self) -> tuple[float, ...]:
+        """Pseudo-time at which each run begins."""
+        return tuple(self.begin + self.period * run for run in range(self.number))
+
+    @property
+    def ends(self) -> tuple[float, ...]:
+        """Pseudo-time at which each run ends."""
+        return tuple(self.begin + self.period * (run + 1) for run in range(self.number))
+
+
 @scene_class
 class Path:
     """How a quantity grows with the pseudo-time of the load steps, linear between the points.
@@ -198,17 +234,18 @@ class Path:
         Args:
             time: Pseudo-time, that of the load steps.
         """
-        if self.cycles > 1:
-            period = self.time[-1]
-            time -= period * min(max(time // period, 0), self.cycles - 1)
-        return float(np.interp(time, self.time, self.factor))
+        first = self.repetition.first_time(time) if self.cycles > 1 else time
+        return float(np.interp(first, self.time, self.factor))
+
+    @property
+    def repetition(self) -> Repetition:
+        """When the table runs."""
+        return Repetition(0.0, self.time[-1], self.cycles)
 
     @property
     def knots(self) -> tuple[float, ...]:
         """Pseudo-times at which it may change its slope."""
-        period = self.time[-1]
-        starts = [cycle * period for cycle in range(self.cycles)]
-        return tuple(sorted({start + time for start in starts for time in self.time}))
+        return tuple(sorted({begin + t for begin in self.repetition.starts for t in self.time}))
 
 
 # Its factor at a pseudo-time; in scenes made in Python.

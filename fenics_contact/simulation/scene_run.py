@@ -22,12 +22,15 @@ from fenics_contact.mesh.loading import load_body
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.existence.condition import FreeMotion, require_equilibrium
 from fenics_contact.problem.problem import Problem
+from fenics_contact.results.cycle_losses import cycles_record
 from fenics_contact.results.load_history import Announce, step_line
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, Seconds
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check, Result
+from fenics_contact.results.words.cycles import cycle_words
+from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
 from fenics_contact.scene.units.table import names_of
@@ -196,7 +199,7 @@ class Run:
         self.budget = ErrorBudget()
         self._checks: dict[str, Check] = {}
         lines = partial(_log_step, names_of(self.scene))
-        self._announce = announce or (lines if self.scene.steps.several else _say_nothing)
+        self._announce = announce or (lines if self.scene.load_steps.several else _say_nothing)
 
         begun: list[LoadSteps] = []  # not the run's own: it refers to it, and would not be freed
 
@@ -285,18 +288,25 @@ class Run:
             quantities = self.steps[-1].quantities
             checks = self._checks or self._history.checks()
             points = contact_points(problem, solution)
+        contacts = self.contacts(self._history.by_contact)
+        far = self.scene.half_space
+        cycles = cycles_record(
+            self.steps, contacts, cycles_of(self.scene), () if far is None else (far.label,)
+        )
         return Result(
             title=self.scene.title,
             converged=True,
             verdict=verdict.of_answer(problem, solution, self.steps, checks, self.book.open_share)
+            + cycle_words(cycles)
             + self.others.words(),
             model=self.model,
-            contacts=self.contacts(self._history.by_contact),
+            contacts=contacts,
             supports=self.budget.of_supports(self._history.supports),
             reactions=self.budget.of_reactions(self._history.supports),
             preloads=self.budget.of_preloads(self._history.preloads),
             quantities=quantities,
             steps=self.steps,
+            cycles=cycles,
             checks=checks,
             branches=self.others.branches,
             errors=self.budget.quantities,
@@ -318,7 +328,7 @@ class Run:
             reached = self.steps[-1].load_factor
             words += (
                 f" Results are those of the last load step that was done, at time {reached:g} of "
-                f"{self.scene.steps.last:g}; --resume goes on from there."
+                f"{self.scene.load_steps.last:g}; --resume goes on from there."
             )
             return dataclasses.replace(
                 self._evaluate(), converged=False, verdict=words, steps=steps
@@ -349,7 +359,7 @@ class Run:
             quantities={},
         )
         reached = None if self.solution is None else self.steps[-1].load_factor
-        words = verdict.unconverged(str(error), self.scene.steps, tried, reached)
+        words = verdict.unconverged(str(error), self.scene.load_steps, tried, reached)
         return self._stopped_short(words, [*self.steps, step])
 
     def _interrupted(self) -> Result:

@@ -76,7 +76,7 @@ class StepHistory(Generic[_Forces]):
             solution: Of the step.
         """
         quantities = self._measure(solution)
-        if self._problem.scene.steps.several:  # else there is no path to count along
+        if self._problem.scene.load_steps.several:  # else there is no path to count along
             self.book.count(self.forces)
         quantities |= self.book.quantities(quantities)
         with self._timings.phase("output"):
@@ -102,6 +102,7 @@ class StepHistory(Generic[_Forces]):
                 supports=self.supports,
                 preloads=self.preloads,
                 linear_range={what: Largest(**row) for what, row in sizes.items()},
+                cycle=solution.cycle,
             )
         )
 

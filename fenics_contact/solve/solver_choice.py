@@ -102,7 +102,7 @@ def _automatic(problem: Problem, free: float) -> SolverChoice:
     if is_part_free(problem).any():
         return choice("condensed", "one factorisation of bodies that contacts alone hold")
     # Each further step costs the iterative solver about half of the first, the other nothing.
-    steps = 0.5 + 0.5 * len(problem.scene.steps.all_times)
+    steps = 0.5 + 0.5 * len(problem.scene.load_steps.all_times)
     large = _LARGE_PAIR if problem.between_bodies else _LARGE_CONTACT
     if contact_unknowns(problem) > steps * large:
         return choice("iterative", "multigrid is faster than condensing onto so large a contact")

@@ -30,7 +30,7 @@ from fenics_contact.problem.existence.stabilisation import stabilise
 from fenics_contact.problem.motion_names import named_motions
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions, null_space, reduced
-from fenics_contact.scene.load_paths import times_to_judge
+from fenics_contact.scene.loading.load_paths import times_to_judge
 
 # Of the loads: the pressure at all points without which nothing is pressed on.
 _PRESSED = 1e-9
@@ -65,7 +65,7 @@ def require_equilibrium(problem: Problem) -> FreeMotion:
         NoEquilibriumError: In one sentence that names the motion, and the time.
     """
     motions = tuple(named_motions(problem, RigidMotions(problem)))
-    last = problem.scene.steps.last
+    last = problem.scene.load_steps.last
     for time in times_to_judge(problem.scene, problem.can_pair_anew):
         if time < last:
             problem.set_time(time)

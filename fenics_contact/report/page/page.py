@@ -17,6 +17,7 @@ from fenics_contact.report.page import tables
 from fenics_contact.report.page.templates import render
 from fenics_contact.results.accuracy_messages import level_rows
 from fenics_contact.results.records.run import RunRecord
+from fenics_contact.results.words.cycles import cycle_rows, cycle_words
 from fenics_contact.results.words.derivatives import derivative_rows, uncertainty_rows
 from fenics_contact.results.words.headlines import headlines
 from fenics_contact.results.words.tables import branch_rows
@@ -74,6 +75,7 @@ SECTIONS = (
         ),
     ),
     Section("quantities", "Quantities and errors", lambda content: bool(content.result.quantities)),
+    Section("cycles", "Cycles", lambda content: content.result.cycles is not None),
     Section("sensitivities", "Sensitivities", lambda content: bool(content.result.derivatives)),
     Section("scene", "Scene"),
     Section("model", "Model"),
@@ -106,6 +108,8 @@ def page(content: Content) -> str:
         attempts=last.attempts if last else [],
         branches=branch_rows(result.branches, result.units),
         levels=level_rows(result),
+        cycle_words=cycle_words(result.cycles).strip(),
+        cycles=cycle_rows(result.cycles, result.units),
         derivatives=derivative_rows(result),
         uncertainties=uncertainty_rows(result),
         last_imbalances=", ".join(imbalances) or "none",

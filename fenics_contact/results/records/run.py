@@ -12,6 +12,7 @@ from fenics_contact.results.records.contacts import (
     ReactionRecord,
     SupportRecord,
 )
+from fenics_contact.results.records.cycles import CyclesRecord
 from fenics_contact.results.records.derivatives import Derivative
 from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Model, Seconds
 from fenics_contact.results.records.record import Errors, Quantities, Record
@@ -35,6 +36,7 @@ class Outcome(Record):
         preloads: Name → preload, where there are any.
         quantities: Of the whole model, at the end; empty without an answer.
         steps: Each load step.
+        cycles: What becomes of loads that come again and again, where they do.
         checks: Name → check of the physics.
         branches: All answers that were found, where the scene asks for others.
         errors: Quantity → source → estimated absolute error, and their `total`; null where it was
@@ -50,7 +52,7 @@ class Outcome(Record):
     """
 
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
-        {"accuracy", "derivatives", "preloads", "uncertainty", "units"}
+        {"accuracy", "cycles", "derivatives", "preloads", "uncertainty", "units"}
     )
 
     title: str
@@ -63,6 +65,7 @@ class Outcome(Record):
     preloads: Mapping[str, PreloadRecord] = field(default_factory=dict)
     quantities: Quantities
     steps: list[StepRecord]
+    cycles: CyclesRecord | None = None
     checks: Mapping[str, Any]
     branches: list[BranchRecord] = field(default_factory=list)
     errors: Errors = field(default_factory=dict)

@@ -12,6 +12,7 @@ from fenics_contact.results.records.contacts import (
     StepContact,
     SupportRecord,
 )
+from fenics_contact.results.records.cycles import CycleEnd
 from fenics_contact.results.records.record import Quantities, Record
 
 
@@ -51,9 +52,10 @@ class StepRecord(Record):
         preloads: Name → preload at its end, where there are any.
         linear_range: What linear theory takes to be small → its largest value: `strain`,
             `rotation`, `turned` and others.
+        cycle: What the cycle of loads that ends with it has brought, if one does.
     """
 
-    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"preloads"})
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"preloads", "cycle"})
     _OF_ANSWERS: ClassVar[frozenset[str]] = frozenset(
         {"outer_contraction", "imbalance_limit", "contacts", "supports", "linear_range"}
     )
@@ -70,6 +72,7 @@ class StepRecord(Record):
     supports: list[SupportRecord] = field(default_factory=list)
     preloads: Mapping[str, PreloadRecord] = field(default_factory=dict)
     linear_range: Mapping[str, Largest] = field(default_factory=dict)
+    cycle: CycleEnd | None = None
 
     @property
     def imbalances(self) -> list[float]:

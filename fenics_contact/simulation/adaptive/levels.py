@@ -113,7 +113,7 @@ class AdaptiveRun:
                 return self._interrupted(last)
             except FenicsContactError as error:
                 return self._with_levels(last, f"the next mesh failed: {error}")
-            if not run.scene.steps.several and self.run.last is not None:
+            if not run.scene.load_steps.several and self.run.last is not None:
                 guess = moved_over(self.run.problem, run.problem, self.run.last)
 
     def _note(self, run: Run, result: Result, errors: Errors) -> None:

@@ -30,7 +30,7 @@ def keys_asked_of(problem: Problem) -> list[str]:
     Raises:
         InputError: A quantity or a key that is named has none.
     """
-    scene, time = problem.scene, problem.scene.steps.last
+    scene, time = problem.scene, problem.scene.load_steps.last
     asked = scene.derivatives
     assert asked is not None
     try:

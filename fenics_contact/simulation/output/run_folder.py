@@ -203,8 +203,13 @@ class StepFiles:
         with self._run.timings.phase("output"):
             self.catch_up()
             steps = self._run.steps
+            cycles, last = self._run.scene.cycles, steps[-1]
+            if cycles is not None and cycles.keep == "cycles":
+                if last.cycle is not None:
+                    self.add_fields()
+                return
             before = steps[-2].load_factor if len(steps) > 1 else 0.0
-            if is_kept(self._run.scene.steps, steps[-1].load_factor, before, self._fields.most):
+            if is_kept(self._run.scene.load_steps, last.load_factor, before, self._fields.most):
                 self.add_fields()
 
     def complete(self) -> None:

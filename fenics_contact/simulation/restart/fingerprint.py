@@ -24,7 +24,7 @@ _FREE = ("title", "steps", "solver", "mesh", "units", "derivatives", "tolerances
 # Keys that states written before they were there do not know: as long as they have their defaults
 # they do not count.
 _LATER: dict[str, dict[str, Any]] = {
-    "Scene": {"preload": ()},
+    "Scene": {"preload": (), "cycles": None},
     "Support": {"name": None},
     "Preload": {"between": None},
     "Contact": {
@@ -34,6 +34,10 @@ _LATER: dict[str, dict[str, Any]] = {
         "interference_path": RAMP,
         "wear": None,
     },
+}
+# Keys of parts of a scene that may change likewise: how many cycles, and how each is computed.
+_FREE_INSIDE: dict[str, tuple[str, ...]] = {
+    "Cycles": ("number", "increments", "until", "tolerance", "keep"),
 }
 # Where functions are asked: places along each axis of the box around the body, and pseudo-times.
 _PLACES = 7
@@ -88,7 +92,8 @@ class _Probe:
         """A part of a scene."""
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
             later = _LATER.get(type(value).__name__, {})
-            fields = [field for field in dataclasses.fields(value) if field.compare]
+            free = _FREE_INSIDE.get(type(value).__name__, ())
+            fields = [f for f in dataclasses.fields(value) if f.compare and f.name not in free]
             parts = {field.name: getattr(value, field.name) for field in fields}
             return {
                 name: self.plain(part)

@@ -30,6 +30,7 @@ from fenics_contact.simulation.restart.node_keys import NodalKeys
 from fenics_contact.simulation.restart.row_tables import Rows, SavedTables, write
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.solve.load_steps.step_control import has_ended
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.systems.body_answer import BodyAnswer
 
@@ -60,8 +61,8 @@ class SavedRun:
 
     def is_done(self, scene: Scene) -> bool:
         """Whether nothing is left to do of a scene."""
-        reached = self.last.unknowns.time >= scene.steps.last * (1 - 1e-9)
-        return self.exit_code is not None and reached
+        reached = self.last.unknowns.time >= scene.load_steps.last * (1 - 1e-9)
+        return self.exit_code is not None and (reached or has_ended(scene, self.pace))
 
 
 class StateFile:
@@ -83,7 +84,7 @@ class StateFile:
         self._made_for = {
             "version": compat.versions()["fenics_contact"],
             "mesh": fingerprint.of_mesh(problem.body),
-            "several": problem.scene.steps.several,
+            "several": problem.scene.load_steps.several,
             "scene": fingerprint.of_scene(problem.scene, problem.body),
         }
 

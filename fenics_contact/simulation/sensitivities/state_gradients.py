@@ -261,7 +261,7 @@ class Quantities:
 
         W is the strain energy, t the traction that follows the jump w.
         """
-        if self.problem.scene.steps.several:
+        if self.problem.scene.load_steps.several:
             raise InputError(
                 "of: 'external_work' has derivatives where there is one load step; else it is "
                 "summed up along them"

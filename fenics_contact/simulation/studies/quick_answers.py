@@ -151,7 +151,7 @@ class QuickAnswers:
         def accepted(time: float, solution: Solution) -> None:
             present.keep(newton)
             history.add(time, solution)
-            if time >= problem.scene.steps.last * (1 - 1e-9):
+            if load_steps.pace.next(time) is None:
                 begun: Start = start if load_steps.warm_steps else "cold"
                 found.append(_measured(history, solution, begun, checks))
                 self.find_body = solution.find_body

@@ -17,12 +17,13 @@ from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.snapshot import ContactMemory, recall, recall_pairing, remember
 from fenics_contact.problem.problem import Problem
-from fenics_contact.scene.load_paths import knots
+from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.scene.scene import Steps
 from fenics_contact.solve.coulomb.friction_scale import follow_pressure
 from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns, contact_change
-from fenics_contact.solve.load_steps.step_control import AutomaticPace, FixedPace
+from fenics_contact.solve.load_steps.cycle_watch import CycleWatch
+from fenics_contact.solve.load_steps.step_control import FixedPace, Pace, UntilClosed, pace_of
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.newton.tightening import let_go, tighten
@@ -65,9 +66,11 @@ class LoadSteps:
         self.newton = newton
         self.problem = newton.problem
         self.last: AcceptedStep | None = None
-        steps = self.problem.scene.steps
-        self._knots = knots(self.problem.scene)
-        self.pace = AutomaticPace(steps, self._knots) if steps.automatic else FixedPace(steps)
+        scene = self.problem.scene
+        self._knots = knots(scene)
+        self.pace: Pace | UntilClosed = pace_of(scene, self._knots)
+        cycles = cycles_of(scene)
+        self._cycles = None if cycles is None else CycleWatch(self.problem, cycles)
         self._accepted, self._kept = accepted, kept
         self._untouched = [remember(contact) for contact in self.problem.contacts]
         self._first: list[ContactMemory] = []
@@ -100,7 +103,7 @@ class LoadSteps:
             while (time := self.pace.next(self.time)) is not None:
                 self.newton.require_going_on()
                 self.tried = time
-                logger.debug("  time %g of %g", time, self.problem.scene.steps.last)
+                logger.debug("  time %g of %g", time, self.problem.scene.load_steps.last)
                 self._take(time)
         except (NotConvergedError, StoppedError):
             self.go_back()
@@ -152,6 +155,7 @@ class LoadSteps:
             contact.friction.recall_scale(memory.regularisation_parameter, memory.is_scaled)
         other = LoadSteps(self.newton)
         other.pace = FixedPace(Steps(times=tuple(times)))
+        other._cycles = None
         return other
 
     def _take(self, time: float) -> None:
@@ -174,7 +178,10 @@ class LoadSteps:
             self.go_back()
             return
         every = found.newton_iterations + self.spent
-        self._accept(time, dataclasses.replace(found, newton_iterations=every))
+        cycle = None if self._cycles is None else self._cycles.step(time, found)
+        if cycle is not None and cycle.is_closed and isinstance(self.pace, UntilClosed):
+            self.pace.end()
+        self._accept(time, dataclasses.replace(found, newton_iterations=every, cycle=cycle))
         self.pace.went(found.newton_iterations, change)
         if self._kept is not None:
             self._kept(self)

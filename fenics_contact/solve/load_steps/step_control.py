@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fenics_contact.scene.scene import Steps
+from fenics_contact.scene.scene import Scene, Steps
 
 # Of a step, below which two pseudo-times are the same.
 _SAME = 1e-9
@@ -130,3 +130,66 @@ class AutomaticPace:
             sizes = [min(max(size, steps.smallest_size), steps.largest_size) for size in state[:2]]
             self.size, self._before_cut = sizes
             self._refused, self._refused_until = state[2:]
+
+
+class UntilClosed:
+    """Load steps that end as soon as the cycles of loads change nothing any more.
+
+    Args:
+        pace: Which step comes next until then.
+    """
+
+    def __init__(self, pace: Pace) -> None:
+        self._pace, self._is_ended = pace, False
+        self.cut, self.exceeds, self.went = pace.cut, pace.exceeds, pace.went
+
+    def end(self) -> None:
+        """Let no step follow."""
+        self._is_ended = True
+
+    def next(self, time: float) -> float | None:
+        """The pseudo-time after one that is reached; None at the end."""
+        return None if self._is_ended else self._pace.next(time)
+
+    @property
+    def state(self) -> list[float]:
+        """What ``resume`` needs."""
+        return [*self._pace.state, float(self._is_ended)]
+
+    def resume(self, state: Sequence[float]) -> None:
+        """Go on as before.
+
+        Args:
+            state: That of another run.
+        """
+        self._is_ended = bool(state and state[-1])
+        self._pace.resume(state[:-1])
+
+
+Pace = FixedPace | AutomaticPace
+
+
+def pace_of(scene: Scene, knots: Sequence[float]) -> Pace | UntilClosed:
+    """That of the load steps of a scene.
+
+    Args:
+        scene: Of the run.
+        knots: Pseudo-times that no automatic step may pass over, increasing.
+    """
+    steps = scene.load_steps
+    pace: Pace = AutomaticPace(steps, knots) if steps.automatic else FixedPace(steps)
+    return UntilClosed(pace) if _ends_early(scene) else pace
+
+
+def has_ended(scene: Scene, state: Sequence[float]) -> bool:
+    """Whether the pace of a run had ended before its last load step.
+
+    Args:
+        scene: Of the run.
+        state: That of its pace.
+    """
+    return _ends_early(scene) and bool(state and state[-1])
+
+
+def _ends_early(scene: Scene) -> bool:
+    return scene.cycles is not None and scene.cycles.until == "closed"

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.state import ContactState
 from fenics_contact.problem.scalar_unknowns import PreloadState
+from fenics_contact.results.records.cycles import CycleEnd
 from fenics_contact.solve.systems.body_answer import FindBody
 
 
@@ -33,6 +34,7 @@ class Solution:
         attempts: Strategies that did not converge before, each with what happened.
         imbalance_limit: The imbalance that was accepted as converged (force).
         preloads: Of each preload, the same on every rank.
+        cycle: What the cycle of loads that ends with it has brought, if one does.
     """
 
     find_body: FindBody
@@ -49,6 +51,7 @@ class Solution:
     contraction: float | None = None
     attempts: tuple[str, ...] = ()
     preloads: tuple[PreloadState, ...] = ()
+    cycle: CycleEnd | None = None
 
     @property
     def displacement(self) -> Array:

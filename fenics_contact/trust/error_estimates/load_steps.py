@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fenics_contact.scene.load_paths import knots
+from fenics_contact.scene.loading.load_paths import knots
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.solving_again import Measure, differences, steps_again
 

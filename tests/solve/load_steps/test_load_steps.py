@@ -29,7 +29,7 @@ from fenics_contact import (
 from fenics_contact.cli import progress
 from fenics_contact.cli.summary import print_result
 from fenics_contact.common.terminal import Terminal
-from fenics_contact.scene.load_paths import knots
+from fenics_contact.scene.loading.load_paths import knots
 from fenics_contact.scene.reading import load_scene
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.step_control import AutomaticPace

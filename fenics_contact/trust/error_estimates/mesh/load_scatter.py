@@ -11,7 +11,7 @@ import numpy as np
 
 from fenics_contact.evaluate.contact_areas import contact_area, cut_areas, stick_area
 from fenics_contact.problem.problem import Problem
-from fenics_contact.scene.load_paths import knots
+from fenics_contact.scene.loading.load_paths import knots
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.mesh.edge_shift import (

@@ -1,0 +1,103 @@
+"""What cycles of loads lose, from the records of load steps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.results.load_history import Drive, History
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.cycles import CycleRecord, CyclesRecord, LoopRecord
+from fenics_contact.results.records.steps import StepRecord
+from fenics_contact.scene.loading.cycles import Cycles
+
+# Of pseudo-times that are the same.
+_SAME = 1e-9
+
+
+def cycles_record(
+    steps: Sequence[StepRecord],
+    contacts: list[ContactRecord],
+    cycles: Cycles | None,
+    far: tuple[str, ...] = (),
+) -> CyclesRecord | None:
+    """``cycles`` of ``result.json``; None where loads do not come again, or no cycle was done.
+
+    Args:
+        steps: Load steps that were accepted.
+        contacts: Of the run.
+        cycles: Those of the scene.
+        far: Names of supports that are no drives: they move as a half-space does.
+    """
+    accepted = [step for step in steps if step.quantities]
+    ends = [number for number, step in enumerate(accepted) if step.cycle is not None]
+    if cycles is None or not ends:
+        return None
+    history = History(accepted, np.array([step.load_factor for step in accepted]))
+    drives = history.drives(contacts, far)
+    begin = _before_cycles(history.time, cycles)
+    begins = [begin, *ends[:-1]]
+    each = [_cycle(history, drives, *span) for span in zip(begins, ends, strict=True)]
+    last = each[-1]
+    closed = next((one.number for one in each if one.is_closed), None)
+    repeats = 0 if closed is None else cycles.number - last.number
+    return CyclesRecord(
+        kind=last.kind,
+        closed_in=closed,
+        number=cycles.number,
+        computed=len(each),
+        loss=sum(one.loss for one in each) + repeats * last.loss,
+        each=each,
+    )
+
+
+def _before_cycles(times: Array, cycles: Cycles) -> int:
+    """Number of the load step at which the first cycle begins; -1 where nothing comes before."""
+    close = _SAME * cycles.repetition.period
+    return int(np.searchsorted(times, cycles.begin + close)) - 1
+
+
+def _cycle(history: History, drives: list[Drive], begin: int, end: int) -> CycleRecord:
+    """What comes out of a cycle.
+
+    Args:
+        history: Of the run.
+        drives: What is moved in it.
+        begin: Number of the load step before; -1 at the start.
+        end: Of its last load step.
+    """
+    steps = history.steps
+    last, before = steps[end], steps[begin] if begin >= 0 else None
+    assert last.cycle is not None
+
+    def since(name: str) -> float:
+        return float(last.quantities[name] - (before.quantities[name] if before else 0.0))
+
+    lost = {
+        contact.name: contact.quantities["friction_work"]
+        - (before.contacts[number].quantities["friction_work"] if before else 0.0)
+        for number, contact in enumerate(last.contacts)
+    }
+    return CycleRecord(
+        **last.cycle.as_dict(),
+        steps=[begin + 2, end + 1],
+        loss=since("friction_work"),
+        work=since("external_work"),
+        contacts=lost,
+        loops=[_loop(drive, begin, end) for drive in drives],
+        errors={"total": None},
+    )
+
+
+def _loop(drive: Drive, begin: int, end: int) -> LoopRecord:
+    """Of what is moved in a cycle; before the first load step nothing is, by nothing."""
+    moved, force = (
+        np.concatenate([[0.0] if begin < 0 else [], values[max(begin, 0) : end + 1]])
+        for values in (drive.x, drive.y)
+    )
+    work = float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(moved)))
+    return LoopRecord(
+        drive=drive.title, displacement=moved.tolist(), force=force.tolist(), work=work
+    )

@@ -1,0 +1,230 @@
+"""Load paths as runs use them: a factor at a pseudo-time, the cycles of all, and load steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fenics_contact.common.errors import InputError
+from fenics_contact.scene.loading.cycles import Cycles
+from fenics_contact.scene.steps import Steps
+from fenics_contact.scene.values import LoadPath, Path
+
+if TYPE_CHECKING:
+    from fenics_contact.scene.scene import Scene
+
+# Of the last, below which two knots are one.
+_SAME = 1e-12
+# Of factors and pseudo-times that are the same.
+_CLOSE = 1e-9
+# Places of a cycle at which functions are asked whether they move.
+_PROBED = 33
+
+
+@dataclass(frozen=True)
+class KeyedPath:
+    """A table or a function, and where the scene has it.
+
+    Attributes:
+        path: Of the scene.
+        key: Where, for messages.
+    """
+
+    path: LoadPath
+    key: str
+
+    def __call__(self, time: float) -> float:
+        """Share of the value at a pseudo-time; the same on every rank.
+
+        Raises:
+            InputError: A function fails, or gives no finite number.
+        """
+        try:
+            factor = float(self.path(time))
+        except Exception as caught:  # whatever a user's function raises
+            said = " ".join(str(caught).split())
+            raise InputError(
+                f"{self.key}: its function fails at time {time:g}: {type(caught).__name__}: {said}"
+            ) from None
+        if not math.isfinite(factor):
+            raise InputError(f"{self.key}: its function gives {factor} at time {time:g}")
+        return factor
+
+
+def keyed_paths(scene: Scene) -> Iterator[KeyedPath]:
+    """All load paths of a scene, and where it has them."""
+    for number, support in enumerate(scene.support):
+        yield KeyedPath(support.path, f"support[{number}].path")
+    for number, load in enumerate(scene.load):
+        yield KeyedPath(load.path, f"load[{number}].path")
+    for number, preload in enumerate(scene.preload):
+        yield KeyedPath(preload.path, f"preload[{number}].path")
+    for number, contact in enumerate(scene.contact):
+        key = f"contact[{number}]"
+        yield KeyedPath(contact.pressure_path, f"{key}.pressure_path")
+        if contact.interference:
+            yield KeyedPath(contact.interference_path, f"{key}.interference_path")
+        if contact.obstacle is not None:
+            yield KeyedPath(contact.obstacle.path, f"{key}.obstacle.path")
+            yield KeyedPath(contact.obstacle.displacement_path, f"{key}.obstacle.displacement_path")
+
+
+def _tables(scene: Scene) -> list[Path]:
+    """All load paths of a scene that are no functions."""
+    return [one.path for one in keyed_paths(scene) if isinstance(one.path, Path)]
+
+
+def cycles_of(scene: Scene) -> Cycles | None:
+    """Those that loads run through: of ``[cycles]``, or as tables say it shorter by ``cycles``.
+
+    None where there are none, or tables have several periods.
+    """
+    if scene.cycles is not None:
+        return scene.cycles
+    several = [path.repetition for path in _tables(scene) if path.cycles > 1]
+    if not several or len({one.period for one in several}) > 1:
+        return None
+    number = max(one.number for one in several)
+    return Cycles(end=several[0].period, number=number, until="end")
+
+
+def knots(scene: Scene) -> list[float]:
+    """Pseudo-times at which a table may change its slope, or a bolt is locked, increasing."""
+    return _distinct([*_knots_as_written(scene), *_knots_of_cycles(scene)])
+
+
+def _knots_as_written(scene: Scene) -> set[float]:
+    locked = {p.locked_from for p in scene.preload if p.locked_from is not None}
+    return {knot for path in _tables(scene) for knot in path.knots} | locked
+
+
+def _knots_of_cycles(scene: Scene) -> list[float]:
+    """Those of ``[cycles]``, in every cycle."""
+    cycles = scene.cycles
+    if cycles is None:
+        return []
+    begin, end = cycles.begin, cycles.end
+    inside = [knot - begin for knot in _knots_as_written(scene) if begin < knot < end]
+    starts = cycles.repetition.starts
+    return [*starts, *cycles.repetition.ends, *(s + t for s in starts for t in inside)]
+
+
+def _distinct(times: list[float]) -> list[float]:
+    """Increasing, none twice."""
+    every = sorted(set(times))
+    close = _SAME * max(every, default=0.0)
+    return [b for a, b in zip([-math.inf, *every], every, strict=False) if b - a > close]
+
+
+def load_steps_of(scene: Scene) -> Steps:
+    """Load steps to the end of the last cycle: those of ``[steps]``, and of ``[cycles]``."""
+    steps, cycles = scene.steps, scene.cycles
+    if cycles is None:
+        return steps
+    last = cycles.repetition.ends[-1]
+    if steps.automatic:
+        size = steps.end / steps.number
+        if cycles.increments is not None:
+            size = min(size, cycles.repetition.period / cycles.increments)
+        number = min(max(math.ceil(last / size * (1 - _SAME)), 1), 100_000)
+        return replace(steps, number=number, end=last)
+    before = [t for t in steps.all_times if t < cycles.begin * (1 - _CLOSE)]
+    before += [cycles.begin] if cycles.begin > 0 else []
+    inside = _times_in_cycle(scene, cycles)
+    times = [begin + time for begin in cycles.repetition.starts for time in inside]
+    return Steps(times=(*before, *times))
+
+
+def _times_in_cycle(scene: Scene, cycles: Cycles) -> list[float]:
+    """Ends of the load steps of a cycle, counted from its begin."""
+    period = cycles.repetition.period
+    if cycles.increments is None:
+        since = [time - cycles.begin for time in scene.steps.all_times]
+        return [*(t for t in since if _CLOSE * period < t < (1 - _CLOSE) * period), period]
+    turns = [knot - cycles.begin for knot in _knots_as_written(scene)]
+    turns = _distinct([0.0, *(t for t in turns if 0 < t < period), period])
+    times: list[float] = []
+    for start, end in pairwise(turns):
+        number = max(round(cycles.increments * (end - start) / period), 1)
+        times += np.linspace(start, end, number + 1)[1:].tolist()
+    return times
+
+
+def require_cycles(scene: Scene) -> None:
+    """Refuse cycles in which loads jump or nothing changes, or that are said twice.
+
+    Raises:
+        ValueError: In words.
+    """
+    cycles = scene.cycles
+    if cycles is None:
+        return
+    begin, end, moves = cycles.begin, cycles.end, False
+    for one in keyed_paths(scene):
+        if isinstance(one.path, Path) and one.path.cycles > 1:
+            raise ValueError(f"cycles: {one.key} has cycles, too; say them in one place")
+        first, last = one(begin), one(end)
+        if abs(last - first) > _CLOSE * max(abs(first), abs(last)):
+            raise ValueError(
+                f"cycles: {one.key} gives {first:g} at begin, {begin:g}, and {last:g} at end, "
+                f"{end:g}; it must come back, or every cycle would begin with a jump"
+            )
+        between = np.linspace(begin, end, _PROBED).tolist()
+        if isinstance(one.path, Path):
+            between += [knot for knot in one.path.knots if begin < knot < end]
+        moves |= any(one(time) != first for time in between)
+    if not moves:
+        raise ValueError(f"cycles: no path changes between begin, {begin:g}, and end, {end:g}")
+    for number, preload in enumerate(scene.preload):
+        if preload.locked_from is not None and preload.locked_from > begin * (1 + _CLOSE):
+            raise ValueError(
+                f"cycles: preload[{number}].locked_from = {preload.locked_from:g} must be at "
+                f"begin, {begin:g}, or before"
+            )
+    for number, contact in enumerate(scene.contact):
+        if contact.law == "static":
+            raise ValueError(
+                f"cycles: contact[{number}].law = 'static' goes back the way it came; use "
+                "'incremental'"
+            )
+    if not scene.steps.automatic and len(_times_in_cycle(scene, cycles)) < 2:
+        raise ValueError(
+            "cycles: a cycle needs two load steps at least; say how many as increments"
+        )
+
+
+def times_to_judge(scene: Scene, first_only: bool) -> list[float]:
+    """Ends of load steps between which loads are combinations of those at them, increasing.
+
+    Of steps between two entries of the tables the first and the last; all entries where steps
+    are automatic, as none passes over one. Loads that come again, as in cycles, are judged once.
+
+    Args:
+        scene: What is to be run.
+        first_only: Leave out what comes after the first step.
+    """
+    steps = scene.load_steps
+    ends = list(steps.all_times)
+    turns = [knot for knot in knots(scene) if 0 < knot < steps.last]
+    if steps.automatic:
+        times = [] if first_only else [*turns, steps.last]
+    elif first_only:
+        times = ends[:1]
+    else:
+        places = np.searchsorted(ends, turns, side="left")
+        near = {0, len(ends) - 1, *places.tolist(), *(places - 1).clip(0).tolist()}
+        near |= {min(place + 1, len(ends) - 1) for place in places.tolist()}
+        times = [ends[place] for place in sorted(near)]
+    tables, seen = _tables(scene), set()
+    kept = []
+    for time in times:
+        state = tuple(round(path(scene.path_time(time)), 12) for path in tables)
+        if state not in seen:
+            seen.add(state)
+            kept.append(time)
+    return kept

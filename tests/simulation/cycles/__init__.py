@@ -1,0 +1,1 @@
+"""Loads that come again and again."""

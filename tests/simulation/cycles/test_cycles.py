@@ -1,0 +1,304 @@
+"""Cycles of loads: which loops close, what each loses, and that nothing is computed in vain."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import (
+    Contact,
+    Cycles,
+    Discretisation,
+    InputError,
+    Load,
+    Material,
+    Obstacle,
+    Path,
+    Point,
+    Preload,
+    Profile,
+    Run,
+    Scene,
+    SlipDependentFriction,
+    SolverSettings,
+    Steps,
+    Study,
+    Support,
+    load_scene,
+    run,
+)
+from fenics_contact.results.cycle_losses import cycles_record
+from fenics_contact.results.words.cycles import cycle_rows, cycle_words
+from fenics_contact.scene.loading.load_paths import cycles_of, knots
+from fenics_contact.scene.writing import scene_text
+from fenics_contact.simulation.output.run_folder import solve_and_write
+from fenics_contact.simulation.restart.state_file import StateFile
+from tests.scenes import box_body
+
+# A bar on a rigid plane that holds it along its length by up to τ, pulled to and fro at its end.
+YOUNG, LENGTH, HEIGHT, LIMIT = 1000.0, 20.0, 0.2, 0.3
+FORCE = 0.8 * LIMIT * LENGTH
+TO_AND_FRO = Path(time=(0, 1, 3, 5), factor=(0, 1, -1, 1))
+# Of a cycle, 2F³/(3EAτ); and how far the end is pulled, F²/(2EAτ).
+LOSS = 2 * FORCE**3 / (3 * YOUNG * HEIGHT * LIMIT)
+PULLED = FORCE**2 / (2 * YOUNG * HEIGHT * LIMIT)
+
+BAR = Scene(
+    kinematics="plane stress",
+    material=Material(YOUNG, 0.0),
+    support=(Support("y0", {"y": 0}),),
+    load=(Load("x1", traction=(FORCE / HEIGHT, 0), path=TO_AND_FRO),),
+    contact=(Contact("y1", pressure=1, friction_coefficient=LIMIT, law="incremental"),),
+    point=(Point("end", (LENGTH, 0)),),
+    steps=Steps(times=(0.5, 1)),
+    cycles=Cycles(begin=1, end=5, number=50, increments=8),
+    solver=SolverSettings(errors="none"),
+)
+
+
+def bar_body():
+    return box_body((20, 1), (LENGTH, HEIGHT))
+
+
+def with_cycles(scene, **changes):
+    return dataclasses.replace(scene, cycles=dataclasses.replace(scene.cycles, **changes))
+
+
+@pytest.fixture(scope="module")
+def of_the_bar():
+    return run(BAR, body=bar_body())
+
+
+def rocked(pushed):
+    """A block whose pressure moves from one side to the other, and that is pushed meanwhile."""
+    there_and_back = Path(time=(1, 1.5, 2, 2.5, 3), factor=(0, 1, 0, -1, 0))
+    return Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        discretisation=Discretisation(1),
+        load=(
+            Load("y1", pressure=10),
+            Load("y1", pressure=Profile("x", (0, 2), (9, -9)), path=there_and_back),
+            Load("x0", traction=(pushed, 0)),
+        ),
+        contact=(
+            Contact(
+                "y0",
+                friction_coefficient=0.3,
+                law="incremental",
+                obstacle=Obstacle("plane", position=(0, 0)),
+            ),
+        ),
+        cycles=Cycles(begin=1, end=3, number=30, increments=4),
+        solver=SolverSettings(errors="none"),
+    )
+
+
+def test_a_bar_loses_what_the_formula_says_and_repeats_it(of_the_bar):
+    found = of_the_bar.cycles
+    assert of_the_bar.passed, of_the_bar.verdict
+    assert (found.kind, found.closed_in, found.computed, found.number) == ("steady loop", 2, 2, 50)
+    for cycle in found.each:
+        assert cycle.loss == pytest.approx(LOSS, rel=0.005)
+        assert cycle.contacts == {"y1": pytest.approx(cycle.loss)}
+    assert found.loss == pytest.approx(50 * LOSS, rel=0.005)
+    # The loop closes, so that the work goes nowhere else; straight lines between 8 loads lose
+    # some of it.
+    assert found.each[1].work == pytest.approx(LOSS, rel=0.08)
+    ends = [of_the_bar.steps[n - 1].quantities["displacement_end"][0] for n in found.each[1].steps]
+    assert ends[1] == pytest.approx(PULLED, rel=0.005)
+    assert "The loop closed in cycle 2 of 50, a steady loop" in of_the_bar.verdict
+    assert found.each[0].steps == [3, 10]
+    assert len(of_the_bar.steps) == 18
+
+
+def test_the_path_says_the_same_in_short(of_the_bar):
+    """The table of one cycle by ``cycles``: all cycles are computed, and each loses as much."""
+    around = Path(time=(0, 1, 3, 4), factor=(0, 1, -1, 0), cycles=3)
+    load = dataclasses.replace(BAR.load[0], path=around)
+    times = tuple(4 * c + t for c in range(3) for t in (0.5, 1, 5 / 3, 7 / 3, 3, 3.5, 4))
+    scene = dataclasses.replace(BAR, load=(load,), cycles=None, steps=Steps(times=times))
+    assert cycles_of(scene) == Cycles(end=4, number=3, until="end")
+    found = run(scene, body=bar_body())
+    assert len(found.steps) == len(times)
+    assert [cycle.kind for cycle in found.cycles.each] == ["", "", "steady loop"]
+    # The first cycle begins in the middle, and leaves out what the others lose before its top.
+    assert found.cycles.each[0].loss < 0.9 * found.cycles.each[1].loss
+    assert found.cycles.each[2].loss == pytest.approx(LOSS, rel=0.01)
+
+
+@pytest.mark.parametrize(("pushed", "kind"), [(0.3, "shakedown"), (4.0, "ratchetting")])
+def test_a_rocked_block_comes_to_rest_or_walks(pushed, kind):
+    """Of the limit .3 × 20 / 1 = 6: with more it would slide away, with little all sticks."""
+    found = run(rocked(pushed), body=box_body((6, 3), (2, 1)))
+    last = found.cycles.each[-1]
+    assert (found.cycles.kind, last.is_closed) == (kind, True), cycle_rows(found.cycles)
+    assert found.cycles.computed < 30
+    losses = [cycle.loss for cycle in found.cycles.each]
+    if kind == "shakedown":
+        assert losses[-1] < 2e-3 * max(losses)
+    if kind == "ratchetting":
+        # All of it walks in the direction of the push, by as much in every cycle.
+        before, after = (found.steps[c.steps[1] - 1] for c in found.cycles.each[-2:])
+        gone = after.quantities["max_slip"] - before.quantities["max_slip"]
+        assert gone == pytest.approx(last.advance, rel=0.01)
+        assert last.advance == pytest.approx(found.cycles.each[-2].advance, rel=2e-3)
+    else:
+        assert last.advance < 2e-3 * found.steps[-1].quantities["max_slip"]
+
+
+def test_a_loop_that_is_not_closed_is_not_said_to_be():
+    found = run(with_cycles(rocked(0.3), number=2), body=box_body((6, 3), (2, 1)))
+    assert (found.cycles.kind, found.cycles.closed_in) == ("", None)
+    assert found.cycles.computed == 2
+    assert found.cycles.loss == pytest.approx(sum(c.loss for c in found.cycles.each))
+    assert "The loop is not closed after 2 cycles; tractions still change by" in found.verdict
+
+
+def test_all_cycles_are_computed_where_the_scene_says_so(of_the_bar):
+    found = run(with_cycles(BAR, until="end", number=4), body=bar_body())
+    assert found.cycles.computed == 4
+    assert found.cycles.closed_in == 2
+    total = found.quantities["friction_work"] - found.steps[1].quantities["friction_work"]
+    assert found.cycles.loss == pytest.approx(total)
+    assert found.cycles.loss == pytest.approx(4 / 50 * of_the_bar.cycles.loss)
+
+
+def test_a_study_ends_where_a_run_does(of_the_bar):
+    found = Study(BAR, body=bar_body()).quantities()
+    work = of_the_bar.quantities["friction_work"]
+    assert found.quantities["friction_work"] == pytest.approx(work, rel=1e-6)
+
+
+def test_more_cycles_may_follow_those_of_an_earlier_run(tmp_path, of_the_bar):
+    """A closed loop is not begun again; an open one is gone on with."""
+    folder, comm = MPI.COMM_WORLD.bcast(tmp_path), MPI.COMM_WORLD
+
+    def solved(scene):
+        prepared = Run(scene, comm, bar_body())
+        state = StateFile(folder, prepared.problem)
+        saved = state.load()
+        if saved is not None and saved.is_done(scene):
+            return None
+        result = solve_and_write(prepared, folder, state, saved)
+        state.finish(result.exit_code)
+        return result
+
+    assert solved(with_cycles(BAR, number=1)).cycles.closed_in is None
+    found = solved(BAR)
+    # The end of the first cycle is not known to the second run: one more is needed to compare.
+    assert [cycle.change is None for cycle in found.cycles.each] == [False, True, False, False]
+    assert found.cycles.each[-1].loss == pytest.approx(of_the_bar.cycles.each[-1].loss)
+    assert found.cycles.kind == "steady loop"
+    assert solved(with_cycles(BAR, number=60)) is None
+    if comm.rank == 0:
+        written = json.loads((folder / "result.json").read_text())
+        assert written["cycles"]["each"][-1]["kind"] == "steady loop"
+
+
+def test_fields_may_be_kept_of_the_ends_of_cycles_only(tmp_path):
+    folder = MPI.COMM_WORLD.bcast(tmp_path)
+    scene = with_cycles(BAR, keep="cycles", number=2)
+    solve_and_write(Run(scene, body=bar_body()), folder)
+    if MPI.COMM_WORLD.rank == 0:
+        assert (folder / "fields.pvd").read_text().count("<DataSet") == 2
+
+
+def test_load_steps_end_at_every_turn_of_every_cycle():
+    scene = with_cycles(BAR, number=3, increments=6)
+    assert scene.load_steps.all_times[:5] == pytest.approx((0.5, 1, 5 / 3, 7 / 3, 3))
+    assert scene.load_steps.last == 13
+    assert len(scene.load_steps.all_times) == 2 + 3 * 6
+    assert knots(scene) == pytest.approx([0, 1, 3, 5, 7, 9, 11, 13])
+    assert [scene.path_time(t) for t in (0.5, 4, 5, 8.5, 13)] == pytest.approx([0.5, 4, 1, 4.5, 5])
+    automatic = dataclasses.replace(scene, steps=Steps(automatic=True, number=4, end=1))
+    assert (automatic.load_steps.last, automatic.load_steps.first_size) == (13, 0.25)
+    own = with_cycles(dataclasses.replace(BAR, steps=Steps(times=(1, 2, 5))), increments=None)
+    assert own.load_steps.all_times[:5] == (1, 2, 5, 6, 9)
+
+
+def test_obstacles_loops_are_theirs():
+    """Of the demo, with the loop's formula: 4 (μP)²/(πE*) ((1 − q) ln(1 − q) + q − q²/2)."""
+    scene = load_scene("demos/cycle.toml", ["mesh.parameters.size=0.2", "solver.errors='none'"])
+    contact = scene.contact[0]
+    path = Path(time=(1, 6, 16, 26), factor=(0, 1, -1, 1))
+    obstacle = dataclasses.replace(contact.obstacle, displacement_path=path)
+    contact = dataclasses.replace(contact, obstacle=obstacle)
+    cycles = Cycles(begin=6, end=26, number=9, increments=8)
+    scene = dataclasses.replace(scene, contact=(contact,), steps=Steps(times=(1, 6)), cycles=cycles)
+    found = run(scene).cycles
+    assert (found.kind, found.closed_in) == ("steady loop", found.computed)
+    assert found.computed < 9
+    limit, stiffness = 0.5 * 20, 1000 / (1 - 0.49**2)
+    (loop,) = found.each[-1].loops
+    q = max(loop.force) / limit
+    expected = 4 * limit**2 / (np.pi * stiffness) * ((1 - q) * np.log(1 - q) + q - q * q / 2)
+    assert found.each[-1].loss == pytest.approx(expected, rel=0.03)
+    assert loop.work == pytest.approx(expected, rel=0.08)
+    assert loop.force[0] == pytest.approx(loop.force[-1], rel=1e-3)
+
+
+def test_friction_that_goes_on_weakening_closes_no_loop():
+    """It goes by all that has slipped, so that no cycle repeats the one before."""
+    law = SlipDependentFriction("slip dependent", slips=(0, 100 * PULLED), shares=(1, 0.5))
+    contact = dataclasses.replace(BAR.contact[0], friction_law=law)
+    found = run(
+        with_cycles(dataclasses.replace(BAR, contact=(contact,)), number=4), body=bar_body()
+    )
+    assert (found.cycles.kind, found.cycles.computed) == ("", 4)
+    losses = [cycle.loss for cycle in found.cycles.each]
+    assert losses == sorted(losses)  # less friction lets more of the bar slip, by F³/τ
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"cycles": Cycles(begin=2, end=5)}, r"load\[0\].path gives 0 at begin, 2, and 1 at end"),
+        ({"cycles": Cycles(begin=5, end=9)}, "no path changes between begin, 5, and end, 9"),
+        (
+            {"load": (Load("x1", traction=(1, 0), path=Path((0, 1, 2), (0, 1, 0), 2)),)},
+            r"load\[0\].path has cycles, too",
+        ),
+        (
+            {"contact": (dataclasses.replace(BAR.contact[0], law="static"),)},
+            r"contact\[0\].law = 'static' goes back the way it came",
+        ),
+        ({"cycles": Cycles(begin=1, end=5)}, "needs two load steps at least"),
+        (
+            {"preload": (Preload("body", (1, 0), 1, locked_from=3),), "steps": Steps(3, 3)},
+            r"locked_from = 3 must be at begin, 1, or before",
+        ),
+    ],
+)
+def test_cycles_that_make_no_sense_are_refused(change, said):
+    with pytest.raises(InputError, match=said):
+        dataclasses.replace(BAR, **change)
+    with pytest.raises(InputError, match=r"begin = 5 must be less than end = 5"):
+        Cycles(begin=5, end=5)
+
+
+def test_functions_have_cycles_too():
+    wave = Load("x1", traction=(1, 0), path=lambda t: float(np.sin(np.pi * t / 2)))
+    assert dataclasses.replace(BAR, load=(wave,)).load_steps.last == 201
+
+
+def test_a_scene_with_cycles_is_written_and_read_again(tmp_path):
+    scene = load_scene("demos/slab.toml")
+    load = dataclasses.replace(scene.load[0], path=TO_AND_FRO)
+    contact = dataclasses.replace(scene.contact[0], law="incremental")
+    scene = dataclasses.replace(scene, load=(load,), contact=(contact,), cycles=BAR.cycles)
+    file = tmp_path / "again.toml"
+    file.write_text(scene_text(dataclasses.replace(scene, mesh=load_scene("demos/slab.toml").mesh)))
+    assert load_scene(file).cycles == BAR.cycles
+
+
+def test_nothing_is_said_where_nothing_comes_again(of_the_bar):
+    assert cycle_words(None) == ""
+    assert cycle_rows(None) == []
+    assert cycles_record(of_the_bar.steps, of_the_bar.contacts, None) is None
+    rows = cycle_rows(of_the_bar.cycles)
+    assert len(rows) == 3
+    assert rows[2][-1] == "steady loop"
+    assert rows[1][2] == "?"  # no bar was estimated
