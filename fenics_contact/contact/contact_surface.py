@@ -335,7 +335,7 @@ class ContactSurface:
             contact_pressure=pressure,
             friction_traction=self.normal.traction(jump) + self.friction.traction(slip),
             slip=slip,
-            status=self.friction.status(closed, self.friction.counted(slip), bound),
+            status=self.friction.status(closed, self.friction.felt(slip), bound),
             penalty_energy=self.normal.stored(jump),
         )
         return replace(state, own=self._own(state)) if self.own_arrays else state

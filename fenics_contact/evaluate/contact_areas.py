@@ -108,8 +108,8 @@ def stick_zone(contact: ContactSurface, state: ContactState) -> Zone | None:
     """Where it sticks, as ``contact_zone``."""
     if not contact.is_coulomb:
         return None
-    carried = np.linalg.norm(state.friction_traction, axis=1)
-    slip = np.linalg.norm(contact.friction.counted(state.slip), axis=1)
+    carried = contact.friction.rule.metric.carried(state.friction_traction)
+    slip = np.linalg.norm(contact.friction.felt(state.slip), axis=1)
     beyond = np.maximum(slip - contact.regularisation_parameter, 0.0)
     beyond = np.where(state.status == OPEN, np.inf, beyond)
     spare = np.maximum(contact.friction_bound - carried, 0.0)

@@ -126,6 +126,8 @@ class RigidMotions:
     def slips(self, coulomb: bool = False, touching: bool = False) -> tuple[Array, Array]:
         """Weights w g and slips (points, components, count) at this rank's friction points.
 
+        Slips as friction feels them.
+
         Args:
             coulomb: Those of the contacts whose bound is not known, with weights w.
             touching: Only points whose gap is closed before any motion.
@@ -146,7 +148,7 @@ class RigidMotions:
             if touching:
                 counted = counted & (self.gap(contact) <= 0)
             weights.append((contact.trace.weights * bound)[counted])
-            slips.append(tangential[counted])
+            slips.append(contact.friction.rule.metric.at_each(tangential)[counted])
         return np.concatenate(weights), np.concatenate(slips)
 
     def closings(self) -> tuple[Array, Array, Array]:

@@ -272,6 +272,8 @@ class Scene(HasUnits):
             raise ValueError(f"a profile along z: a {self.kinematics} model has only x and y")
         for number, contact in enumerate(self.contact):
             _require_axes(contact.obstacle, dimension, f"contact[{number}].obstacle")
+            if contact.friction_law is not None:
+                contact.friction_law.require_model(self.kinematics, f"contact[{number}]")
         if self.half_space is not None and (self.load or self.preload):
             what = "load" if self.load else "preload"
             raise ValueError(f"half_space: only the contacts' forces reach it, so leave out {what}")

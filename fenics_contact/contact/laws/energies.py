@@ -7,9 +7,19 @@ else: the same function serves a boundary of the body and a contact submesh.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import ufl
 
 from fenics_contact.body.forms import Expr, Form, Measure
+
+# How friction feels a vector along the surface: M s of a slip s, linear and symmetric.
+Felt = Callable[[Expr], Expr]
+
+
+def as_it_is(vector: Expr) -> Expr:
+    """A slip that friction feels alike in all directions."""
+    return vector
 
 
 def prescribed_pressure_energy(
@@ -26,8 +36,9 @@ def coulomb_residual(
     direction: Expr,
     weight: Expr | float,
     measure: Measure,
+    felt: Felt = as_it_is,
 ) -> Form:
-    """∫ μ p(w_n) q · v_T: its derivative couples the bound to the pressure.
+    """∫ μ p(w_n) q · M v_T: its derivative couples the bound to the pressure.
 
     With the direction q of the slip held as a coefficient; with ``primal_dual_residual`` for a
     bound that is held, it makes the tangent of Coulomb's law.
@@ -39,8 +50,10 @@ def coulomb_residual(
         direction: q, a coefficient.
         weight: Factor of the integral (2πr where axisymmetric).
         measure: Measure of the contact surface.
+        felt: M, how friction feels slip.
     """
-    return weight * friction_bound * ufl.dot(direction, tangential(test, normal)) * measure
+    moved = felt(tangential(test, normal))
+    return weight * friction_bound * ufl.dot(direction, moved) * measure
 
 
 def traction_work(
@@ -79,9 +92,20 @@ def friction_energy(
     regularisation_parameter: Expr,
     weight: Expr | float,
     measure: Measure,
+    felt: Felt = as_it_is,
 ) -> Form:
-    """j_ε(v) = ∫ g φ_ε(v_T) (paper, (2.7))."""
-    slip = tangential(jump, normal)
+    """j_ε(v) = ∫ g φ_ε(M v_T) (paper, (2.7), where M = 1).
+
+    Args:
+        jump: Displacement jump (length).
+        normal: Outward unit normal.
+        friction_bound: g (stress).
+        regularisation_parameter: ε (length).
+        weight: Factor of the integral (2πr where axisymmetric).
+        measure: Measure of the contact surface.
+        felt: M, how friction feels slip.
+    """
+    slip = felt(tangential(jump, normal))
     return weight * friction_bound * smoothed_norm(slip, regularisation_parameter) * measure
 
 
@@ -95,10 +119,11 @@ def primal_dual_residual(
     length: Expr,
     weight: Expr | float,
     measure: Measure,
+    felt: Felt = as_it_is,
 ) -> Form:
     """A form whose derivative in the jump is the primal-dual tangent of j_ε.
 
-    With q = φ_ε′ as an unknown of its own, q max(|u_T|, ε) = u_T is linear in q, and
+    With q = φ_ε′ as an unknown of its own, q max(|M u_T|, ε) = M u_T is linear in q, and
     Newton's method on the pair converges for any ε where that on u alone does not
     (T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999) 1964-1977).
 
@@ -109,10 +134,11 @@ def primal_dual_residual(
         friction_bound: g (stress).
         regularisation_parameter: ε (length).
         direction: q, a coefficient with |q| ≤ 1.
-        length: max(|u_T|, ε) at the present state, a coefficient (length).
+        length: max(|M u_T|, ε) at the present state, a coefficient (length).
         weight: Factor of the integral (2πr where axisymmetric).
         measure: Measure of the contact surface.
+        felt: M, how friction feels slip.
     """
-    slip = tangential(jump, normal)
+    slip, moved = felt(tangential(jump, normal)), felt(tangential(test, normal))
     defect = slip - direction * smoothed_length(slip, regularisation_parameter)
-    return weight * friction_bound / length * ufl.dot(defect, tangential(test, normal)) * measure
+    return weight * friction_bound / length * ufl.dot(defect, moved) * measure

@@ -38,19 +38,21 @@ class LawSite:
         """The contact points."""
         return self.kinematics.trace
 
-    def given(self, value: Value, key: str) -> Array:
+    def given(self, value: Value, key: str, may_vanish: bool = True) -> Array:
         """A value of the scene at the points, (points,); collective.
 
         Args:
             value: A number, a profile or a function.
             key: Of the contact's table, for messages.
+            may_vanish: Whether it may be 0.
 
         Raises:
-            InputError: It is negative somewhere; on every rank.
+            InputError: It is negative somewhere, or 0 where it may not be; on every rank.
         """
         spaces, where = self.trace.spaces, f"{self.key}.{key}"
         values = spaces.evaluate_at(value, self.trace.coordinates.T, where)
         lowest = smallest(spaces.comm, values)
-        if lowest < 0:
-            raise InputError(f"{where}: its smallest value is {lowest:g}, but it must be ≥ 0")
+        if lowest < 0 or (lowest == 0 and not may_vanish):
+            least = "≥ 0" if may_vanish else "> 0"
+            raise InputError(f"{where}: its smallest value is {lowest:g}, but it must be {least}")
         return values

@@ -20,9 +20,9 @@ class ContactCones:
     Attributes:
         closing: Across the surface at one-sided contacts, > 0 closing, (points, motions).
         coefficients: Friction coefficient there, (points,).
-        slips: Along the surface there, (points, components, motions).
+        slips: Along the surface there, as friction feels them, (points, components, motions).
         bounds: Friction bound times area where the bound is known, (other points,) (force).
-        bounded_slips: Along the surface there, (other points, components, motions).
+        bounded_slips: The same there, (other points, components, motions).
         average: What makes of pressures at the points those that bounds follow; None where these
             are the same.
     """
@@ -88,7 +88,9 @@ def contact_cones(problem: Problem, rigid: RigidMotions) -> ContactCones:
             averages[number], places = neighbours.matrix, neighbours.places.astype(float)
         numbers = np.full(len(places), float(number))
         closing = np.einsum("ijk,ij->ik", jumps, trace.normals)
-        slips = jumps - closing[:, None, :] * trace.normals[:, :, None]
+        slips = contact.friction.rule.metric.at_each(
+            jumps - closing[:, None, :] * trace.normals[:, :, None]
+        )
         acts = trace.owned & contact.normal.can_press()
         flat = slips.reshape(len(slips), components * count)
         rows.append(np.column_stack([coefficients, numbers, places, closing, flat])[acts])

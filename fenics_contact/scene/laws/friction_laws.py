@@ -52,6 +52,17 @@ class FrictionLawTable:
         words = [f"{key} {_shown(value)}" for key, value in values.items() if key != "kind"]
         return f"{self.kind}: {', '.join(words)}" if words else self.kind
 
+    def require_model(self, kinematics: str, key: str) -> None:
+        """See that it fits the model.
+
+        Args:
+            kinematics: Of the scene.
+            key: Of the contact, for messages.
+
+        Raises:
+            ValueError: It does not.
+        """
+
     def require_fit(self, kind: str, coefficient: Value) -> None:
         """See that it fits the contact that it is of.
 
@@ -227,6 +238,75 @@ class SlipDependentFriction(FrictionLawTable):
 
     def __post_init__(self) -> None:
         require_increase("slips", self.slips, self.shares)
+
+
+@scene_class
+class OrthotropicFriction(FrictionLawTable):
+    """Coulomb's friction with two coefficients, along a direction of the surface and across it.
+
+    It stands in place of a friction coefficient, in 3D models.
+
+    >>> law = OrthotropicFriction(
+    ...     kind="orthotropic", along=0.2, across=0.5, direction=(1, 0, 0))
+    >>> law.shown
+    'orthotropic: along 0.2, across 0.5, direction [1, 0, 0]'
+    """
+
+    kind: Annotated[Literal["orthotropic"], Field(description="which law it is")]
+    along: Annotated[
+        Value, Field(description="friction coefficient of sliding along the direction, > 0")
+    ]
+    across: Annotated[
+        Value,
+        Field(description="that of sliding along the surface at right angles to it, > 0"),
+    ]
+    direction: Annotated[
+        tuple[Number, Number, Number],
+        Field(
+            description="such as that of grinding; of any length; what of it lies along the "
+            "surface counts, at each point"
+        ),
+    ]
+
+    def __post_init__(self) -> None:
+        for key in ("along", "across"):
+            value = getattr(self, key)
+            if isinstance(value, float | int) and value <= 0:
+                raise ValueError(f"{key} = {value:g} must be > 0")
+        if not any(self.direction):
+            raise ValueError("direction = [0, 0, 0] is none")
+
+    def require_model(self, kinematics: str, key: str) -> None:
+        """There are two directions to slide in.
+
+        Args:
+            kinematics: Of the scene.
+            key: Of the contact, for messages.
+
+        Raises:
+            ValueError: There are not.
+        """
+        if kinematics != "3D":
+            raise ValueError(
+                f"{key}.friction_law: orthotropic friction is for 3D models; in a {kinematics} "
+                "model points slide along one line, with one friction_coefficient"
+            )
+
+    def require_fit(self, kind: str, coefficient: Value) -> None:
+        """It needs no friction coefficient.
+
+        Args:
+            kind: The law across the contact, as results name it.
+            coefficient: The contact's friction_coefficient.
+
+        Raises:
+            ValueError: There is one.
+        """
+        if coefficient != 0:
+            raise ValueError(
+                "friction_coefficient: orthotropic friction has coefficients of its own, in "
+                "friction_law"
+            )
 
 
 @scene_class

@@ -41,6 +41,6 @@ def _just_slips(contact: ContactSurface, state: ContactState) -> bool:
     longest = contact.regularisation_parameter
     if not contact.friction.rubs or not longest:
         return False
-    slip = np.linalg.norm(contact.friction.counted(state.slip), axis=1)
+    slip = np.linalg.norm(contact.friction.felt(state.slip), axis=1)
     held = (state.status != OPEN) & (contact.friction_bound > 0)
     return bool((held & (np.abs(slip - longest) <= _NEAR * longest)).any())

@@ -131,7 +131,7 @@ class Chatter:
 def _present(contact: ContactSurface) -> _Iterate:
     """What the points of a contact do now."""
     pressure, kinematics = contact.pressure(), contact.kinematics
-    slip = contact.friction.counted(kinematics.tangential(kinematics.jump_at_points()))
+    slip = contact.friction.felt(kinematics.tangential(kinematics.jump_at_points()))
     epsilon = contact.friction.regularisation_parameter
     size = np.linalg.norm(slip, axis=1)
     closed, slips = pressure > 0, size > epsilon

@@ -99,7 +99,8 @@ def _glue(forces: NeededForces, numbers: Sequence[int]) -> Check | None:
 def stick_creep(contacts: list[ComparedFriction], steps: int) -> Check | None:
     """Creep of points that stick, |u_T| ≤ ε, by two comparisons; collective.
 
-    - Friction from the bulk against g |u_T|/ε at each node (paper, (2.8)), over the largest g.
+    - Friction from the bulk against g |u_T|/ε at each node (paper, (2.8)), over the largest g;
+      g |M M u_T|/ε where friction feels slip by M.
       Left out where points lie between nodes: a node's force is not that of one slip.
     - ∫ |σ_T| |u_T| over points that stick, against ∫ |σ_T|² L/E over all: what the body gives
       way along the surface under the same friction, L the size of the area where it acts. By
@@ -121,7 +122,7 @@ def _creep_law(compared: ComparedFriction) -> Check | None:
     if not compared.nodal or compared.comm.allreduce(int(sticks.sum())) == 0:
         return None
     epsilon = contact.regularisation_parameter
-    creep = np.linalg.norm(compared.slip, axis=1) / epsilon
+    creep = compared.crept / epsilon
     carried = np.linalg.norm(compared.bulk, axis=1)
     off = np.abs(carried - compared.bound * creep)[sticks]
     value, place = worst_of(compared.comm, off, compared.places[sticks])

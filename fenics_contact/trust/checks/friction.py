@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
-from fenics_contact.common.arrays import Array, Words
+from fenics_contact.common.arrays import Array, Flags, Words
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN
@@ -45,6 +45,10 @@ class ComparedFriction:
         bulk: Recovered friction, over the largest bound and the node's area: a traction's share.
         law: The friction law's, likewise.
         bound: The most that the points around a node can give it, likewise.
+        beyond: How far the recovered friction is beyond all that they can give it, likewise; < 0
+            within.
+        crept: What the friction law gives a node whose slip is small, for a unit of its slip as
+            friction feels it: |M M u_T|.
         slip: That the friction law counts (length).
         displacement: Of the nodes (length).
         status: OPEN, STICK or SLIP.
@@ -63,6 +67,8 @@ class ComparedFriction:
     bulk: Array
     law: Array
     bound: Array
+    beyond: Array
+    crept: Array
     slip: Array
     displacement: Array
     status: Words
@@ -102,6 +108,8 @@ def compared_friction(forces: NeededForces) -> list[ComparedFriction]:
         law = free * contact.kinematics.tangential(given)
         since = contact.friction.counted(solution.states[number].slip)
         slip = free * since[: len(contact.nodes)]
+        metric = contact.friction.rule.metric
+        pulled = metric.at(metric.at(since))[: len(contact.nodes)]
         lightest = smallest(problem.comm, unit[contact.owned_nodes])
         found.append(
             ComparedFriction(
@@ -109,6 +117,8 @@ def compared_friction(forces: NeededForces) -> list[ComparedFriction]:
                 bulk=bulk[counted],
                 law=law[counted],
                 bound=bound[counted],
+                beyond=_beyond(contact, bulk, bound, free)[counted],
+                crept=np.linalg.norm(free * pulled, axis=1)[counted],
                 slip=slip[counted],
                 displacement=forces.displacement[contact.nodes][counted],
                 status=solution.states[number].status[: len(contact.nodes)][counted],
@@ -123,6 +133,37 @@ def compared_friction(forces: NeededForces) -> list[ComparedFriction]:
             )
         )
     return found
+
+
+def _beyond(contact: ContactSurface, bulk: Array, bound: Array, free: Flags) -> Array:
+    """How far nodal friction is beyond what the points around can give, (nodes,).
+
+    Each gives at most g M q, |q| ≤ 1. Along any v they give in all no more than Σ w g |M v|, and
+    that is at most √(Σ w g · Σ w g |M v|²): a sum of ellipses lies within the ellipse of their mean
+    M². It is asked along the normal of that one, which finds all that lies outside.
+
+    Args:
+        contact: The contact.
+        bulk: As of ``ComparedFriction``, at all of its nodes.
+        bound: Likewise.
+        free: Axes along which no support holds a node, (nodes, components).
+    """
+    squared, trace = contact.friction.rule.metric.squared, contact.trace
+    if squared is None:
+        return np.asarray(np.linalg.norm(bulk, axis=1) - bound)
+    components = bulk.shape[1]
+    given = trace.weights * contact.friction_bound
+    flat = (given[:, None, None] * squared).reshape(len(given), -1)
+    sums = np.stack([trace.to_nodes(column) for column in flat.T], axis=1)
+    whole = trace.to_nodes(given)
+    carries = whole > 0
+    mean = np.broadcast_to(np.eye(components), (len(whole), components, components)).copy()
+    mean[carries] = (sums[carries] / whole[carries, None]).reshape(-1, components, components)
+    ways = free * contact.kinematics.tangential(np.linalg.solve(mean, bulk[..., None])[..., 0])
+    most = bound * np.sqrt(np.einsum("ni,nij,nj->n", ways, mean, ways))
+    sizes = np.linalg.norm(ways, axis=1)
+    found = np.einsum("ni,ni->n", bulk, ways) - most
+    return np.where(sizes > 0, found / np.where(sizes > 0, sizes, 1.0), -bound)
 
 
 def _worst(
@@ -145,10 +186,13 @@ def _worst(
 
 
 def friction_cone(contacts: list[ComparedFriction]) -> Check | None:
-    """|σ_T| − g, over the largest g (paper, (1.6)): traction within its bound."""
+    """|σ_T| − g, over the largest g (paper, (1.6)): traction within its bound.
+
+    Where friction feels slip by M, how far σ_T is outside of the ellipse |M⁻¹ σ_T| ≤ g.
+    """
 
     def excess(compared: ComparedFriction) -> tuple[float, Place]:
-        return compared.worst(np.linalg.norm(compared.bulk, axis=1) - compared.bound)
+        return compared.worst(compared.beyond)
 
     return _worst(contacts, excess)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -57,11 +58,22 @@ class FrictionForms:
         return ufl.TestFunction(self._trace.surface.space)
 
     @cached_property
+    def _felt(self) -> Callable[[Expr], Expr]:
+        """How friction feels slip."""
+        return self._rule.metric.in_ufl(self._trace)
+
+    @cached_property
     def energy(self) -> Form:
         """j_ε as a UFL form."""
         trace = self._trace
         return friction_energy(
-            self._slipped, trace.normal, self.bound.ufl, self.epsilon, trace.weight, trace.measure
+            self._slipped,
+            trace.normal,
+            self.bound.ufl,
+            self.epsilon,
+            trace.weight,
+            trace.measure,
+            self._felt,
         )
 
     @cached_property
@@ -78,6 +90,7 @@ class FrictionForms:
             self._state.length.ufl,
             trace.weight,
             trace.measure,
+            self._felt,
         )
 
     @cached_property
@@ -101,6 +114,7 @@ class FrictionForms:
             self._state.direction.ufl,
             trace.weight,
             trace.measure,
+            self._felt,
         )
         return form_cache.form(ufl.derivative(residual, self._jump))
 

@@ -206,7 +206,13 @@ class FrictionLaw(ContactLaw):
         """Set the tractions of the modes ``held`` and ``status``, (points, components)."""
 
     def set_status(self, sticks: Flags, directions: Array, bound: Array) -> None:
-        """Springs g/ε on points that stick, tractions −g × direction on those that slip."""
+        """Springs g/ε on points that stick, friction against directions on those that slip.
+
+        Args:
+            sticks: Which points stick.
+            directions: Of ``felt`` slip, (points, components).
+            bound: g at the points (stress).
+        """
 
     def glue(self, stiffness: float, points: Flags) -> None:
         """Springs along the surface at some points (stress/length), whatever the pressure."""
@@ -231,6 +237,34 @@ class FrictionLaw(ContactLaw):
             slip: Since the start, likewise (length).
         """
         return np.zeros(len(slip))
+
+    def felt(self, slip: Array) -> Array:
+        """``counted`` as friction feels it: it sticks where this is no longer than ε.
+
+        Args:
+            slip: Since the start, (points, components) (length).
+        """
+        return self.rule.metric.at(self.counted(slip))
+
+    def pull(self, bound: Array, directions: Array) -> Array:
+        """Traction on the body by friction of a size, (points, components) (stress).
+
+        Args:
+            bound: g, or what is used of it, at the points (stress).
+            directions: Of ``felt`` slip, (points, components).
+        """
+        return 0.0 - bound[:, None] * self.rule.metric.at(directions)
+
+    def to_be_resolved(self, bound: Array) -> Array:
+        """The friction whose sticking ε must not be seen beside: the least of all directions.
+
+        A point sticks until it has slipped by ε as friction feels it; along a direction in which
+        it feels less that is longer, while there is less friction.
+
+        Args:
+            bound: g at the points (stress).
+        """
+        return bound * self.rule.metric.least**2
 
     def traction(self, slip: Array) -> Array:
         """Traction on the body for a slip since the start, (points, components) (stress)."""
@@ -294,7 +328,7 @@ class FrictionLaw(ContactLaw):
 
         Args:
             closed: Points in contact.
-            slip: That counts (length).
+            slip: As ``felt`` (length).
             bound: g at the points (stress).
         """
         return np.where(closed, SLIP, OPEN)

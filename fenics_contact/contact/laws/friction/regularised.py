@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cached_property
+from collections.abc import Callable, Mapping
+from functools import cached_property, lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -185,7 +185,7 @@ class RegularisedFriction(FrictionLaw):
         """Take the bound, and the ε that it needs, from a pressure that is given (stress)."""
         self.set_bound(self.bound_of(pressure))
         if self.has_regularisation and self.site.contact.regularisation_parameter == "auto":
-            strongest = largest(self.site.trace.spaces.comm, self.bound)
+            strongest = largest(self.site.trace.spaces.comm, self.to_be_resolved(self.bound))
             self.set_scale(self.site.scales.regularisation_parameter(strongest))
 
     def hold(self, traction: Array) -> None:
@@ -261,6 +261,7 @@ class RegularisedFriction(FrictionLaw):
             epsilon=self.regularisation_parameter,
             direction=self._tangent_state.direction_at_points,
             length=self._tangent_state.length_at_points(self.regularisation_parameter),
+            metric=self.rule.metric,
         )
 
     def stick_all(self) -> None:
@@ -274,7 +275,8 @@ class RegularisedFriction(FrictionLaw):
         Args:
             slip: As the law counts it, nowhere 0, (points, components) (length).
         """
-        self.take_tangent_state((slip, slip / np.linalg.norm(slip, axis=1)[:, None]))
+        felt = self.rule.metric.at(slip)
+        self.take_tangent_state((felt, felt / np.linalg.norm(felt, axis=1)[:, None]))
 
     @property
     def tangent_state(self) -> tuple[Array, Array]:
@@ -292,11 +294,11 @@ class RegularisedFriction(FrictionLaw):
             slip: w_T since the start at the points, shape (points, components) (length).
         """
         if self.mode in ("law", "coupled"):
-            self._tangent_state.follow(self.counted(slip), self.regularisation_parameter)
+            self._tangent_state.follow(self.felt(slip), self.regularisation_parameter)
 
     def take_true_tangent(self, slip: Array) -> None:
         """Set the tangent to the law's own derivative, from now on with nothing left stiff."""
-        self._tangent_state.take_true(self.counted(slip), self.regularisation_parameter)
+        self._tangent_state.take_true(self.felt(slip), self.regularisation_parameter)
 
     def accept(self, slip: Array) -> None:
         """A load step is done: from now on slip counts from here, if the law is incremental."""
@@ -356,10 +358,10 @@ class RegularisedFriction(FrictionLaw):
         return np.asarray(0.0 - 0.5 * np.einsum("ij,ij->i", traction, elastic))
 
     def set_status(self, sticks: Flags, directions: Array, bound: Array) -> None:
-        """Springs g/ε on points that stick, tractions −g × direction on those that slip."""
+        """Springs g/ε on points that stick, friction against directions on those that slip."""
         self.mode = "status"
         self.set_bound(np.where(sticks, bound, 0.0))
-        self.hold(np.where(sticks, 0.0, -bound)[:, None] * directions)
+        self.hold(self.pull(np.where(sticks, 0.0, bound), directions))
         self.stick_all()
 
     def glue(self, stiffness: float, points: Flags) -> None:
@@ -369,17 +371,16 @@ class RegularisedFriction(FrictionLaw):
 
     def traction(self, slip: Array) -> Array:
         """−g φ_ε′ at the points for a slip since the start (paper, (2.8)) (stress)."""
-        epsilon = self.regularisation_parameter
-        slope = self._at_points.slope(
-            "slip", slip=self.counted(slip), bound=self.bound, epsilon=epsilon
-        )
-        return 0.0 - slope
+        return 0.0 - self._at_points.slope("slip", **self._values(slip))
+
+    def _values(self, slip: Array) -> dict[str, Array | float]:
+        """Of the variables of ``_at_points`` at a slip since the start."""
+        epsilon, fields = self.regularisation_parameter, self.rule.metric.fields
+        return {"slip": self.counted(slip), "bound": self.bound, "epsilon": epsilon, **fields}
 
     def pulled_back(self, slip: Array, pressure: Array, of_traction: Array) -> FrictionGradient:
-        """By the second derivatives of g φ_ε; g follows the coefficient and the pressure."""
-        epsilon = self.regularisation_parameter
-        values: dict[str, Array | float] = {"slip": self.counted(slip), "bound": self.bound}
-        values["epsilon"] = epsilon
+        """By the second derivatives of g φ_ε; g follows the rule's fields and the pressure."""
+        values = self._values(slip)
 
         def of(name: str) -> Array:
             found = self._at_points.curvatures("slip", name, **values)
@@ -387,11 +388,16 @@ class RegularisedFriction(FrictionLaw):
 
         of_slip, of_bound = of("slip"), of("bound")[:, 0]
         rule = self.rule.pulled_back(pressure, float(self._forms.share.value) * of_bound)
+        metric = self.rule.metric.fields
+        fields = {
+            name: of_field + (of(name)[:, 0] if name in metric else 0.0)
+            for name, of_field in rule.fields.items()
+        }
         return FrictionGradient(
             slip=of_slip,
             reference=0.0 - of_slip,
             pressure=rule.pressure,
-            fields={**rule.fields, "regularisation_parameter": of("epsilon")[:, 0]},
+            fields={**fields, "regularisation_parameter": of("epsilon")[:, 0]},
         )
 
     def step_end_pulled_back(
@@ -410,10 +416,13 @@ class RegularisedFriction(FrictionLaw):
 
     @cached_property
     def _at_points(self) -> PointDensity:
-        return point_density(_density, slip=self.site.trace.surface.components, bound=0, epsilon=0)
+        metric, components = self.rule.metric, self.site.trace.surface.components
+        return point_density(
+            _density(metric.felt), slip=components, bound=0, epsilon=0, **metric.sizes
+        )
 
     def status(self, closed: Flags, slip: Array, bound: Array) -> Words:
-        """STICK where |u_T| ≤ ε and friction acts, SLIP beyond, OPEN without contact."""
+        """STICK where |M u_T| ≤ ε and friction acts, SLIP beyond, OPEN without contact."""
         small = np.linalg.norm(slip, axis=1) <= self.regularisation_parameter
         return np.where(closed, np.where((bound > 0) & small, STICK, SLIP), OPEN)
 
@@ -422,6 +431,11 @@ class RegularisedFriction(FrictionLaw):
         return np.where(closed, np.where(self.rule.largest_coefficient > 0, STICK, SLIP), OPEN)
 
 
-def _density(slip: Expr, bound: Expr, epsilon: Expr) -> Expr:
-    """The density g φ_ε in UFL (energy/area)."""
-    return bound * smoothed_norm(slip, epsilon)
+@lru_cache
+def _density(felt: Callable[..., Expr]) -> Callable[..., Expr]:
+    """The density g φ_ε of a slip as friction feels it, in UFL (energy/area)."""
+
+    def density(slip: Expr, bound: Expr, epsilon: Expr, **fields: Expr) -> Expr:
+        return bound * smoothed_norm(felt(slip, **fields), epsilon)
+
+    return density

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.energies import coulomb_residual, primal_dual_residual
+from fenics_contact.contact.laws.friction.rules.metric import SlipMetric
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 
 
@@ -22,7 +25,8 @@ class PrimalDual:
         bound: g (stress).
         epsilon: ε (length).
         direction: q, (points, components).
-        length: max(|u_T|, ε) (length).
+        length: max(|u_T|, ε), as friction feels it (length).
+        metric: How friction feels slip.
     """
 
     jump: Array
@@ -31,6 +35,7 @@ class PrimalDual:
     epsilon: float
     direction: Array
     length: Array
+    metric: SlipMetric
 
     @property
     def springs(self) -> Array:
@@ -53,36 +58,54 @@ class PrimalDual:
     @property
     def along(self) -> Array:
         """Minus the traction for a unit of the bound, (points, components, 1)."""
-        size = self.jump.shape[1]
+        size, metric = self.jump.shape[1], self.metric
         names = ("test", "normal", "direction")
-        points = point_density(_coulomb, **dict.fromkeys(names, size), bound=0)
-        return points.curvatures(
-            "test", "bound", **{name: self._values[name] for name in (*names, "bound")}
-        )
+        sizes = dict.fromkeys(names, size) | metric.sizes
+        points = point_density(_coulomb(metric.felt), **sizes, bound=0)
+        values = {name: self._values[name] for name in (*sizes, "bound")}
+        return points.curvatures("test", "bound", **values)
 
     @property
     def _density(self) -> PointDensity:
         vectors = dict.fromkeys(("jump", "test", "normal", "direction"), self.jump.shape[1])
-        return point_density(_primal_dual, **vectors, bound=0, epsilon=0, length=0)
+        sizes = vectors | self.metric.sizes
+        return point_density(_primal_dual(self.metric.felt), **sizes, bound=0, epsilon=0, length=0)
 
     @property
     def _values(self) -> dict[str, Array | float]:
-        return {**vars(self), "test": np.zeros_like(self.jump)}
+        own = {name: value for name, value in vars(self).items() if name != "metric"}
+        return {**own, "test": np.zeros_like(self.jump), **self.metric.fields}
 
 
-def _primal_dual(
-    jump: Expr,
-    test: Expr,
-    normal: Expr,
-    direction: Expr,
-    bound: Expr,
-    epsilon: Expr,
-    length: Expr,
-) -> Expr:
+@lru_cache
+def _primal_dual(felt: Callable[..., Expr]) -> Callable[..., Expr]:
     """``primal_dual_residual`` at a point in UFL, over its area."""
-    return primal_dual_residual(jump, test, normal, bound, epsilon, direction, length, 1.0, 1)
+
+    def density(
+        jump: Expr,
+        test: Expr,
+        normal: Expr,
+        direction: Expr,
+        bound: Expr,
+        epsilon: Expr,
+        length: Expr,
+        **fields: Expr,
+    ) -> Expr:
+        return primal_dual_residual(
+            *(jump, test, normal, bound, epsilon, direction, length, 1.0, 1),
+            lambda vector: felt(vector, **fields),
+        )
+
+    return density
 
 
-def _coulomb(test: Expr, normal: Expr, direction: Expr, bound: Expr) -> Expr:
+@lru_cache
+def _coulomb(felt: Callable[..., Expr]) -> Callable[..., Expr]:
     """``coulomb_residual`` at a point in UFL, over its area."""
-    return coulomb_residual(test, normal, bound, direction, 1.0, 1)
+
+    def density(test: Expr, normal: Expr, direction: Expr, bound: Expr, **fields: Expr) -> Expr:
+        return coulomb_residual(
+            *(test, normal, bound, direction, 1.0, 1), lambda vector: felt(vector, **fields)
+        )
+
+    return density

@@ -13,12 +13,12 @@ _LEFT_STIFF = 1e-10
 
 
 class TangentState:
-    """Slip u_T and direction q, |q| ≤ 1, at the points; forms follow.
+    """Slip u_T as friction feels it and direction q, |q| ≤ 1, at the points; forms follow.
 
     T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999) 1964-1977.
 
     Attributes:
-        slip: As the law counts it, (points, components) (length).
+        slip: As the law counts and feels it, (points, components) (length).
         direction: (1 − a trace) q, what forms have in place of q.
         length: max(|u_T|, ε), what forms divide by (length).
 
@@ -63,7 +63,7 @@ class TangentState:
         """Move to a new slip: q by its own linearised equation, |q| ≤ 1.
 
         Args:
-            slip: As the law counts it, (points, components) (length).
+            slip: As the law counts and feels it, (points, components) (length).
             epsilon: ε (length).
         """
         size, directions = self._lengths_and_directions(epsilon)

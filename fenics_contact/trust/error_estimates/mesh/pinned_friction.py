@@ -138,7 +138,7 @@ def _unknown(contact: ContactSurface, state: ContactState, held: Array) -> tuple
 
 def _uses_much(contact: ContactSurface, state: ContactState) -> Flags:
     """Which nodes slip, or carry more than half of what friction could."""
-    carried = np.linalg.norm(state.friction_traction, axis=1)
+    carried = contact.friction.rule.metric.carried(state.friction_traction)
     used = carried > _MUCH * contact.friction.bound_of(state.contact_pressure)
     found = (state.status == SLIP) | ((state.status != OPEN) & used)
     return np.asarray(found[: len(contact.nodes)])

@@ -12,6 +12,7 @@ from fenics_contact.contact.laws.friction.rules.compliance import Compliance
 from fenics_contact.contact.laws.friction.rules.coulomb import Coulomb
 from fenics_contact.contact.laws.friction.rules.micro_slip import MicroSlip
 from fenics_contact.contact.laws.friction.rules.nonlocal_friction import Nonlocal
+from fenics_contact.contact.laws.friction.rules.orthotropic import Orthotropic
 from fenics_contact.contact.laws.friction.rules.own_bound import FormulaBound, OwnFriction
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.contact.laws.normal.law import NormalLaw
@@ -24,6 +25,7 @@ RULES: tuple[type[FrictionRule], ...] = (
     Compliance,
     Nonlocal,
     MicroSlip,
+    Orthotropic,
     FormulaBound,
 )
 

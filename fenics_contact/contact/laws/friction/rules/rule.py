@@ -1,7 +1,8 @@
 """What every rule of a friction bound answers: how large friction may be under a pressure.
 
 The static and the incremental law hold one. A rule says its bound once, in UFL; the bound's numbers
-at the points, its derivatives and what it adds to tangents follow from that.
+at the points, its derivatives and what it adds to tangents follow from that. Along which directions
+of the surface it is that large, its ``metric`` says.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from dolfinx import fem
 
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.contact.laws.friction.rules.metric import SlipMetric
 from fenics_contact.contact.laws.law import are_said_together
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
@@ -54,6 +56,7 @@ class FrictionRule:
         neighbours: How it averages the pressure; None where each point goes by its own.
         longest_elastic_slip: The slip that goes back, at which the bound is reached, in place of
             the regularisation parameter; None where no slip does (length).
+        metric: How it feels slip.
 
     Args:
         site: Where it acts.
@@ -73,6 +76,7 @@ class FrictionRule:
         self.site, self.normal = site, normal
         given = site.contact.friction_coefficient
         self.coefficient = site.given(given, "friction_coefficient")
+        self.metric = SlipMetric()
 
     @cached_property
     def fields(self) -> Mapping[str, Array]:
