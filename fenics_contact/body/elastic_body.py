@@ -74,15 +74,13 @@ class ElasticBody:
         self._moduli = elasticities.moduli
         self.name = "elastic energy"
         self.mixed: MixedForms | None = None
-        e = self.strain(displacement)
-        stress = self.law.stress(e)
         nearly = elasticities.largest_poissons_ratio >= material.NEARLY_INCOMPRESSIBLE
         if nearly and description.kinematics != "plane stress":
             assert isinstance(self.law, Isotropic)
             self.name = "elastic energy, nearly incompressible: mean stress as a second unknown"
             self.mixed = self._mixed_forms(self.law, several=len(description.material) > 1)
-            stress = self.law.deviatoric_stress(e)
-        energy = strain_energy(e, stress, spaces.weight, spaces.bulk)
+        stress = self.displacement_stress(displacement)
+        energy = strain_energy(self.strain(displacement), stress, spaces.weight, spaces.bulk)
         residual = ufl.derivative(energy, displacement)
         self.stiffness = form_cache.form(ufl.derivative(residual, displacement))
         self._parts = self._place_preloads(description)
@@ -184,6 +182,14 @@ class ElasticBody:
             return self.law.stress(e)
         assert isinstance(self.law, Isotropic)
         return self.law.deviatoric_stress(e) + self.mixed.mean_stress * ufl.Identity(3)
+
+    def displacement_stress(self, displacement: Expr) -> Expr:
+        """The stress that a displacement makes, shape (3, 3): where mixed, its deviatoric part."""
+        e = self.strain(displacement)
+        if self.mixed is None:
+            return self.law.stress(e)
+        assert isinstance(self.law, Isotropic)
+        return self.law.deviatoric_stress(e)
 
     def _mixed_forms(self, law: Isotropic, several: bool) -> MixedForms:
         spaces = self._spaces

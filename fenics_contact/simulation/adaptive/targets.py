@@ -32,7 +32,8 @@ def asked_of(run: Run) -> dict[str, float]:
         raise InputError('solver.errors = "none": accuracy needs the errors; leave one of them out')
     if run.problem.elastic.mixed is not None:
         raise InputError(
-            "accuracy: errors of nearly incompressible bodies are not estimated; leave it out"
+            "accuracy: meshes are not adapted to nearly incompressible bodies; leave it out, and "
+            "look at the error bars"
         )
     _require_present(accuracy, run)
     present = set()

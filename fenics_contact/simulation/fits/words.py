@@ -115,7 +115,7 @@ def _misfit(misfit: float | None, free: int) -> Iterator[str]:
 def _errors(intervals: Intervals) -> Iterator[str]:
     if "mesh" not in intervals.errors:
         yield (
-            "The error by the mesh is not estimated of nearly incompressible bodies: the intervals "
-            "hold the noise alone, besides what penalty and regularisation change."
+            "A fit does not estimate the error by the mesh of nearly incompressible bodies: the "
+            "intervals hold the noise alone, besides what penalty and regularisation change."
         )
     yield "Sizes of load steps are no part of the intervals: try half as long ones."

@@ -280,16 +280,12 @@ class _Estimates:
         }
         doing(f"{ESTIMATING} by {_WORDS[source]}")
         found = estimate[source]()
-        if found is None and not self._is_mixed(source):
+        if found is None:
             self._notes.append(
                 f"The error by {_WORDS[source]} was not estimated: solving again with less of it "
                 "did not converge."
             )
         return found
-
-    def _is_mixed(self, source: str) -> bool:
-        """Whether the mesh has no estimate, as the mean stress is an unknown of its own."""
-        return source == "mesh" and self._problem.elastic.mixed is not None
 
     def _of_mesh(self) -> Errors:
         assert self._load_steps.last is not None
@@ -302,11 +298,7 @@ class _Estimates:
             for key, error in self._shared().items():
                 if key in found:
                     found[key] += error
-        if self._is_mixed("mesh"):
-            self._notes.append(
-                "The error by the mesh is not estimated of nearly incompressible bodies."
-            )
-        elif found is not None and "max_contact_pressure" not in found:
+        if found is not None and "max_contact_pressure" not in found:
             self._notes.append(
                 "The largest contact pressure has no error bar: cells are too coarse there, or it "
                 "grows with every refinement, as under a corner of an obstacle."

@@ -6,9 +6,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from dolfinx.mesh import CellType
 from mpi4py import MPI
 
-from fenics_contact import Load, Run, Steps, run
+from fenics_contact import (
+    Contact,
+    Discretisation,
+    Load,
+    Material,
+    Obstacle,
+    Run,
+    Scene,
+    Steps,
+    Support,
+    run,
+)
 from fenics_contact.cli.program import main
 from fenics_contact.cli.summary import print_result
 from fenics_contact.results.words.rounding import UNKNOWN, rounded
@@ -193,3 +205,26 @@ def test_files_page_and_terminal_have_them(tmp_path_factory, capsys):
     assert named == result["supports"][0]["errors"]["reaction"]
     page = page_of(result)
     assert "Estimated errors" in page and f"<td>{said}</td><td>± {bar}</td>" in page
+
+
+@pytest.mark.parametrize(("cell", "degree"), [(CellType.triangle, 2), (CellType.quadrilateral, 1)])
+def test_bars_hold_of_a_nearly_incompressible_block_under_a_cylinder(cell, degree):
+    """Against the same on much finer cells."""
+    obstacle = Obstacle("parabola", radius=0.6, position=(1, 1), indentation=0.05)
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.499),
+        discretisation=Discretisation(degree),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(Contact("y1", obstacle=obstacle, friction_coefficient=0.2),),
+    )
+    count = 16 // degree
+    found = solved(scene, box_body((count, count // 2), (2, 1), cell), "auto")
+    finer = dataclasses.replace(scene, discretisation=Discretisation(2))
+    expected = solved(finer, box_body((48, 24), (2, 1), CellType.quadrilateral), "none").quantities
+    ratios = []
+    for name in ("normal_force", "strain_energy", "contact_area", "max_contact_pressure"):
+        true = abs(found.quantities[name] - expected[name])
+        assert true < found.errors[name]["total"], name
+        ratios.append(found.errors[name]["total"] / true)
+    assert np.median(ratios) < 12

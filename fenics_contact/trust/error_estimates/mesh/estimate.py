@@ -73,12 +73,11 @@ def mesh_errors(
 
     Returns:
         By those keys: absolute, of vectors the length of the difference; without peaks of pressure
-        that may have no bound. And the local errors they come from. None for both with a mean
-        stress as an unknown, for which there are no local problems here; None for the first where
-        a solve for it failed.
+        that may have no bound. And the local errors they come from. None for the first where a
+        solve for it failed.
     """
     problem = load_steps.problem
-    if problem.elastic.mixed is not None or load_steps.last is None:
+    if load_steps.last is None:
         return None, None
     solution = load_steps.last.solution
     load_steps.go_back()

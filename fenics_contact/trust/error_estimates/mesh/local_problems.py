@@ -4,7 +4,8 @@ R. E. Bank and A. Weiser, Some a posteriori error estimators for elliptic partia
 equations, Math. Comp. 44 (1985) 283-301: the error e of a cell K solves, among the bubbles w of
 one degree more, a_K(e, w) = (f, w)_K - a_K(u, w) + ∫_∂K t·w, where t is the mean of the tractions
 of the two cells at a facet, and on the boundary what acts on it. Under contacts that is the
-traction whose nodal forces are those of the contact.
+traction whose nodal forces are those of the contact. Where the mean stress is an unknown of its
+own, it has an error of its own in every cell, too (``mean_stress_errors``).
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from fenics_contact.evaluate.recovered_pressure import traction_of
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.problem import Problem
 from fenics_contact.trust.error_estimates.mesh.bubbles import bubble_space
+from fenics_contact.trust.error_estimates.mesh.mean_stress_errors import MeanStressErrors
 
 # What one degree more adds to the integrands over the body's own: where products of displacements
 # count. Stresses of bubbles on triangles and tetrahedra are of the degree of the body's
@@ -41,7 +43,7 @@ class LocalErrors:
     """Local problems of a body; what is compiled and assembled serves any solution.
 
     Args:
-        problem: The model; one without a mean stress as an unknown.
+        problem: The model.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -55,16 +57,25 @@ class LocalErrors:
         )
         self._error = fem.Function(self._space)
         self._test = ufl.TestFunction(self._space)
-        self._stiffness = self._stiffnesses()
         dofs = self._space.dofmap.list[: self._cells]
         self._blocks = dofs[:, 0] // dofs.shape[1]  # of every cell
+        self._mean_stress: MeanStressErrors | None = None
+        self._stiffness = self._stiffnesses()
+        if problem.elastic.mixed is not None:
+            self._mean_stress = MeanStressErrors(problem, self._test, self._rule, self._blocks)
+            self._stiffness = self._mean_stress.coupled(self._stiffness)
         self._squared_by_block = np.zeros(self._cells)
         self._held = _held_facets(problem)
         self._traction = fem.Function(spaces.displacement_space)
-        present = problem.elastic.elastic_strain(problem.displacement)
-        self._residual = self._compile(present, self._test)
+        elastic = problem.elastic
+        self._residual = self._compile(elastic.stress(), elastic.strain(self._test), self._test)
         test = ufl.TestFunction(spaces.displacement_space)
-        self._response = self._compile(problem.elastic.strain(test), self._error)
+        self._response = self._compile(
+            elastic.displacement_stress(test),
+            elastic.strain(test),
+            self._error,
+            self._error_stress(),
+        )
         self._along_parts = [
             form_cache.form(self._force_along(preload.bulk.part)) for preload in problem.preloads
         ]
@@ -87,8 +98,12 @@ class LocalErrors:
         for (contact, trace), form in zip(self._traces(), self._work, strict=True):
             self._set_traction(trace, _nodal_forces(forces, contact, trace))
             right += self._assembled(form)
+        if self._mean_stress is not None:
+            right = self._mean_stress.with_volumes(right)
         found = np.linalg.solve(self._stiffness, right[:, :, None])[:, :, 0]
         self._squared_by_block = np.einsum("ci,ci->c", found, right)
+        if self._mean_stress is not None:
+            self._squared_by_block = self._mean_stress.energies(found, right)
         self._found = found
         self._set_error(np.ones(self._cells))
 
@@ -135,10 +150,14 @@ class LocalErrors:
 
     def _force_along(self, part: PreloadedPart) -> Expr:
         """What the errors add to the force along a preloaded part, (1/l) ∫ a · σ a."""
-        elastic = self._problem.elastic
-        stress = elastic.law.stress(-part.stressless_strain(ufl.as_ufl(1.0)))
+        strain = -part.stressless_strain(ufl.as_ufl(1.0))
         weight = self._problem.spaces.weight
-        return weight * ufl.inner(stress, elastic.strain(self._error)) * part.measure
+        return weight * ufl.inner(self._error_stress(), strain) * part.measure
+
+    def _error_stress(self) -> Expr:
+        """What the errors are in stress, (3, 3)."""
+        found = self._problem.elastic.displacement_stress(self._error)
+        return found if self._mean_stress is None else found + self._mean_stress.error
 
     def _signs(self, draw: int) -> Array:
         """1 or −1 for every block of dofs, at random: by the places of cells, on whichever rank."""
@@ -152,24 +171,31 @@ class LocalErrors:
 
     def _set_error(self, factors: Array) -> None:
         scaled = factors[:, None] * self._found
+        if self._mean_stress is not None:
+            scaled = self._mean_stress.without(scaled)
         self._error.x.array[: scaled.size] = scaled.reshape(-1)
         self._error.x.scatter_forward()
 
-    def _compile(self, strain: Expr, tested: Expr) -> CompiledForm:
-        """−∫ σ : e(tested) with means of tractions between cells, and own ones where held.
+    def _compile(
+        self, stress: Expr, strain: Expr, tested: Expr, within: Expr | None = None
+    ) -> CompiledForm:
+        """−∫ σ : e and tractions on a displacement: means between cells, own ones where held.
 
         Args:
-            strain: That σ goes with.
-            tested: A displacement.
+            stress: σ on facets.
+            strain: e.
+            tested: The displacement.
+            within: σ inside cells, if another one.
         """
-        spaces, elastic = self._problem.spaces, self._problem.elastic
+        spaces = self._problem.spaces
         mesh = spaces.body.mesh
-        stress = spaces.weight * elastic.law.stress(strain)
+        inside = spaces.weight * (stress if within is None else within)
+        stress = spaces.weight * stress
         between = ufl.dot(self._cut(ufl.avg(stress), "+"), ufl.jump(tested))
         rule = self._rule_of_stress
         held = ufl.Measure("ds", mesh, subdomain_data=[(1, self._held)], metadata=rule)
         return form_cache.form(
-            -ufl.inner(stress, elastic.strain(tested)) * ufl.dx(mesh, metadata=rule)
+            -ufl.inner(inside, strain) * ufl.dx(mesh, metadata=rule)
             + between * ufl.dS(mesh, metadata=rule)
             + ufl.dot(self._cut(stress), tested) * held(1)
         )
@@ -188,7 +214,7 @@ class LocalErrors:
         spaces, elastic = self._problem.spaces, self._problem.elastic
         tags = {tag for _, trace in self._traces() for tag in trace.group.tags}
         group = Group(spaces.body.dimension - 1, tuple(sorted(tags)))
-        stress = spaces.weight * elastic.law.stress(elastic.strain(test))
+        stress = spaces.weight * elastic.displacement_stress(test)
         measure = spaces.boundary(group, self._rule_of_stress)
         return form_cache.form(ufl.dot(self._cut(stress), self._error) * measure)
 
@@ -205,7 +231,7 @@ class LocalErrors:
         """Of every cell of this rank, by its block of dofs, (cells, dofs, dofs)."""
         spaces, elastic = self._problem.spaces, self._problem.elastic
         trial = ufl.TrialFunction(self._space)
-        stress = spaces.weight * elastic.law.stress(elastic.strain(trial))
+        stress = spaces.weight * elastic.displacement_stress(trial)
         measure = ufl.dx(spaces.body.mesh, metadata=self._rule_of_stress)
         form = form_cache.form(ufl.inner(stress, elastic.strain(self._test)) * measure)
         count, size = self._space.dofmap.list.shape[1], self._space.dofmap.index_map_bs
@@ -219,7 +245,7 @@ class LocalErrors:
         """A linear form on the bubbles of this rank's cells, (cells, dofs); collective."""
         vector = fem.assemble_vector(form)
         vector.scatter_reverse(la.InsertMode.add)
-        size = self._stiffness.shape[1]
+        size = self._space.dofmap.list.shape[1] * self._space.dofmap.index_map_bs
         return np.array(vector.array[: self._cells * size]).reshape(self._cells, size)
 
     def _traces(self) -> list[tuple[ContactSurface, Trace]]:

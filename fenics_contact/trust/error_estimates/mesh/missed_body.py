@@ -73,7 +73,7 @@ class MissedBody:
         """Forces that move a solution as what is missed does; collective.
 
         Args:
-            solution: Of the problem.
+            solution: Of the problem, which is in its state.
             time: Its pseudo-time.
         """
         spaces, moved = self._problem.spaces, solution.displacement
@@ -83,7 +83,7 @@ class MissedBody:
         for number in range(len(self._problem.contacts)):
             pressure = self.of_pressure(number, time)
             loads += 0.0 if pressure is None else pressure.nodal
-        elastic = np.zeros_like(moved) if self._sides.offset is None else self._elastic(moved)
+        elastic = np.zeros_like(moved) if self._sides.offset is None else self._elastic()
         owned = slice(0, spaces.owned_nodes)
         works = [np.sum((moved * found)[owned]) for found in (elastic, loads)]
         done = total(self._problem.comm, np.array(works))
@@ -119,15 +119,13 @@ class MissedBody:
         more, whole = total(self._problem.comm, np.array(found))
         return float(more / whole)
 
-    def _elastic(self, displacement: Array) -> Array:
-        """Nodal forces of the stiffness missed."""
+    def _elastic(self) -> Array:
+        """Nodal forces of the stiffness missed, in the state of the solution."""
         problem, sides = self._problem, self._sides
         spaces, elastic = problem.spaces, problem.elastic
-        moved = fem.Function(spaces.displacement_space)
-        moved.x.array[:] = displacement.reshape(-1)
         test = ufl.TestFunction(spaces.displacement_space)
-        stress = elastic.law.stress(elastic.elastic_strain(moved))
-        density = spaces.weight * sides.offset * ufl.inner(stress, elastic.strain(test))
+        density = spaces.weight * sides.offset
+        density *= ufl.inner(elastic.stress(), elastic.strain(test))
         held = sides.held(problem.free) | self._glued()
         of_held, of_others = (
             spaces.assemble(form_cache.form(density * sides.measure(chosen)))
