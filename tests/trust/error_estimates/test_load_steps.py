@@ -9,6 +9,7 @@ from mpi4py import MPI
 from fenics_contact import Run, Steps, run
 from fenics_contact.common.errors import StoppedError
 from fenics_contact.trust.error_estimates import budget as error_budget
+from fenics_contact.trust.error_estimates import load_steps
 from fenics_contact.trust.error_estimates.load_steps import _between_turns, _cut, _other_steps
 from tests.scenes import box_body, with_solver
 from tests.solve.load_steps.histories import dragged, shoved, times, two_blocks
@@ -61,6 +62,27 @@ def test_a_single_step_is_cut(limit):
     for name in ("normal_force", "friction_force", "max_slip"):
         estimate = found.errors[name]["step"]
         assert 0.7 * true_error(found, limit, name) < estimate, name
+
+
+@pytest.mark.parametrize("ends", [False, True])
+def test_a_path_that_does_not_end_leaves_the_other_one_to_tell(ends, limit, monkeypatch):
+    """With more safety; where no path ends there is no bar, and a sentence."""
+    again, paths = load_steps.steps_again, []
+
+    def first_alone(*arguments):
+        paths.append(arguments)
+        return again(*arguments) if ends and len(paths) == 1 else None
+
+    with monkeypatch.context() as patched:
+        patched.setattr(load_steps, "steps_again", first_alone)
+        found = solved(Steps(number=4))
+    assert len(paths) == 2
+    row = found.errors["friction_force"]
+    if not ends:
+        assert row["step"] is None and any("load steps" in note for note in found.error_notes)
+        return
+    assert row["step"] > true_error(found, limit, "friction_force")
+    assert row["step"] < 6 * solved(Steps(number=4)).errors["friction_force"]["step"]
 
 
 def test_four_times_the_steps_have_a_quarter_of_the_error():

@@ -102,6 +102,9 @@ def shifted_answers(
 ) -> list[tuple[float, Quantities]]:
     """Answers of the last load step with edges moved, as many as converge; collective.
 
+    Where there is none to one side, as of a body that less friction would not hold, twice as many
+    are found to the other side.
+
     Args:
         load_steps: At their end; all is there again afterwards.
         measure: Quantities of a solution, called in its state; collective.
@@ -115,13 +118,26 @@ def shifted_answers(
     shift = _scaled(load_steps, measure, edges)
     if shift is None:
         return []
-    rows = [(0.0, answer)]
-    for size in np.arange(1, _SIZES + 1) / _SIZES:
-        for sign in (-1.0, 1.0):
-            change = _by(shift.times(sign * size), load_steps.time)
-            found = last_step_again(load_steps, measure, change)
-            if found is not None:
-                rows.append((float(sign * size), found))
+    even = np.arange(1, _SIZES + 1) / _SIZES
+    between = even - 0.5 / _SIZES
+    sides = {sign: _to_a_side(load_steps, measure, shift, sign * even) for sign in (-1.0, 1.0)}
+    for sign, found in sides.items():
+        if found and not sides[-sign]:
+            found += _to_a_side(load_steps, measure, shift, sign * between)
+    return [(0.0, answer), *(row for found in sides.values() for row in found)]
+
+
+def _to_a_side(
+    load_steps: LoadSteps, measure: Measure, shift: _Shift, sizes: Array
+) -> list[tuple[float, Quantities]]:
+    """Of sizes of one sign, up to the first that has no answer; collective."""
+    rows = []
+    for size in sizes:
+        change = _by(shift.times(size), load_steps.time)
+        found = last_step_again(load_steps, measure, change)
+        if found is None:
+            break
+        rows.append((float(size), found))
     return rows
 
 

@@ -12,6 +12,7 @@ from fenics_contact.evaluate.contact_areas import contact_area, cut_areas, stick
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import solve
+from fenics_contact.trust.error_estimates.mesh import edge_shift
 from fenics_contact.trust.error_estimates.mesh.edge_shift import (
     edges_inside,
     shifted_answers,
@@ -124,6 +125,31 @@ def test_a_shift_moves_both_edges_by_about_a_piece_to_either_side():
         assert 0.5 < pieces < 4
     assert strong == pytest.approx(0.3)
     assert disturbance is None
+
+
+def weakened(load_steps, measure):
+    """Sizes of shifts, if the floor's friction held the body only where it is not less."""
+    again = edge_shift.last_step_again
+
+    def held(of, measure, change):
+        def tried(problem):
+            change(problem)
+            of_unit = problem.contacts[0].friction.bound_of(np.ones(1))[0]
+            weaker.append(of_unit < 0.3 * (1 - 1e-9))
+
+        weaker = []
+        found = again(of, measure, tried)
+        return None if weaker[-1] else found
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(edge_shift, "last_step_again", held)
+        edges = edges_inside(load_steps.problem, load_steps.last.solution)
+        return [size for size, _ in shifted_answers(load_steps, measure, edges)]
+
+
+def test_where_less_friction_holds_nothing_more_of_it_tells_twice_as_much():
+    sizes = with_load_steps(weakened, 8)
+    assert sorted(sizes) == pytest.approx(np.arange(9) / 8)
 
 
 def kinds_standing(load_steps, measure):
