@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fenics_contact.common.parallel import largest
+from fenics_contact.contact.surface.averaging import SurfaceAverage
 from fenics_contact.evaluate.quantities import contact_quantities
 from fenics_contact.problem.problem import Problem
 from fenics_contact.verification.memory.block_scenes import body_of, scene_of
@@ -31,6 +32,8 @@ from tests.scenes import ROOT
 sys.path.append(str(ROOT / "benchmarks"))
 
 import cost_measure
+import derivative_cost
+import derivative_table
 import fit_coverage
 from cost_cases import all_runs, quick_runs
 from cost_measure import LIMIT_OF_FURTHER_STEP, limit_of, measure
@@ -240,6 +243,27 @@ def test_the_page_of_costs_has_a_place_for_every_row(measured, measured_pair):
     assert filled(new, rows) == new
     with pytest.raises(ValueError, match="is to have"):
         filled(page.replace("table: iterative", "table: other"), rows)
+
+
+@pytest.mark.serial
+def test_rows_of_derivative_cost_say_what_was_asked(monkeypatch):
+    monkeypatch.setattr(derivative_cost, "STEPS", 5)
+    block = derivative_cost.block(square(8))
+    single = derivative_cost.measure(derivative_cost.Asked("block", block), times=1)
+    assert "contact.0.friction_coefficient" in single["keys"]
+    assert single["ratio"] == single["derivative_seconds"] / single["linear_seconds"] > 0
+    assert single["run_seconds"] is single["limit"] is None  # too small for a limit
+    several = derivative_cost.history(8)
+    row = derivative_cost.measure(derivative_cost.Asked("history", several), times=1)
+    assert row["steps"] == 5
+    assert row["ratio"] == row["derivative_seconds"] / row["run_seconds"] > 0
+
+
+def test_a_row_of_the_table_of_derivatives_tells_a_wrong_one(monkeypatch):
+    assert derivative_table.row_of("friction around points")["largest"] < 1
+    monkeypatch.setattr(SurfaceAverage, "radius_slope", lambda average, values: 0.99 * values)
+    row = derivative_table.row_of("friction around points")
+    assert row["largest"] > 1e3 and row["key"] == "contact.0.friction_law.averaging_radius"
 
 
 @pytest.mark.serial

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from fenics_contact.common.timings import Timings
@@ -32,6 +33,27 @@ class SolvedDerivatives:
     one_sided: bool
 
 
+@dataclass(frozen=True, eq=False)
+class SolvedScene:
+    """A scene that has been solved, while its system is there.
+
+    Attributes:
+        load_steps: That were taken; at the last one.
+        system: That has solved them.
+        steps: All of them.
+        one_sided: As of ``SolvedDerivatives``.
+    """
+
+    load_steps: LoadSteps
+    system: CondensedSystem
+    steps: list[AcceptedStep]
+    one_sided: bool
+
+    def derivatives(self, of: Sequence[str], by: Sequence[str] | None) -> Derivatives:
+        """Of its last load step, once: this goes back to the first one; collective."""
+        return derivatives(self.load_steps, self.system, self.steps, of, by)
+
+
 def solved_derivatives(
     kept: KeptBody, scene: Scene, of: Sequence[str], by: Sequence[str] | None
 ) -> SolvedDerivatives:
@@ -45,6 +67,22 @@ def solved_derivatives(
 
     Raises:
         InputError: A quantity or a key has no derivative, or the scene has no equilibrium.
+        NotConvergedError: There is no answer.
+    """
+    with solved_scene(kept, scene) as solved:
+        return SolvedDerivatives(solved.derivatives(of, by), solved.one_sided)
+
+
+@contextmanager
+def solved_scene(kept: KeptBody, scene: Scene) -> Iterator[SolvedScene]:
+    """A scene solved as a separate run does; collective.
+
+    Args:
+        kept: The body of the scene.
+        scene: The scene.
+
+    Raises:
+        InputError: The scene has no equilibrium.
         NotConvergedError: There is no answer.
     """
     timings = Timings()
@@ -63,6 +101,6 @@ def solved_derivatives(
         load_steps = LoadSteps(Newton(problem, system, timings), accepted)
         load_steps.finds_body = False
         load_steps.solve()
-        return SolvedDerivatives(derivatives(load_steps, system, steps, of, by), any(kinks))
+        yield SolvedScene(load_steps, system, steps, any(kinks))
     finally:
         system.destroy()

@@ -1,233 +1,23 @@
-"""A table of quantities and keys of small scenes, and how their derivatives compare with runs."""
+"""Derivatives of the table's scenes beside central differences of whole runs."""
 
 import dataclasses
 
 import numpy as np
-from dolfinx.mesh import CellType
 
-from fenics_contact import (
-    ComplianceFriction,
-    FormulaFriction,
-    NonlocalFriction,
-    Path,
-    PressureDependentFriction,
-    SlipDependentFriction,
-    Steps,
-    Study,
-)
+from fenics_contact import Study
 from fenics_contact.simulation.sensitivities.values import found_in
 from fenics_contact.simulation.studies.changes import with_changes
-from tests.scenes import box_body
-from tests.simulation.studies.cases import (
-    BALL,
-    CASES,
-    DEPTH,
-    FORCE,
-    MU,
-    ON_A_FLOOR,
-    PAD,
-    of_contact,
-    square,
-)
-from tests.solve.load_steps.histories import block, dragged
+from tests.simulation.sensitivities.scenes import TABLE
 
-
-def by_depth(exponent, coefficient=3e5):
-    return ComplianceFriction(kind="compliance", coefficient=coefficient, exponent=exponent)
-
-
-NONLOCAL = NonlocalFriction(kind="nonlocal", averaging_radius=0.3)
-EVERY = CASES | {
-    "friction by depth": (
-        of_contact(CASES["compliance"][0], friction_coefficient=0.0, friction_law=by_depth(2.2)),
-        square,
-        [],
-    ),
-    "friction by depth of springs": (
-        of_contact(
-            CASES["foundation"][0], friction_coefficient=0.0, friction_law=by_depth(1.5, 3e3)
-        ),
-        square,
-        [],
-    ),
-    "friction by pressure": (
-        of_contact(
-            ON_A_FLOOR,
-            friction_law=PressureDependentFriction(
-                kind="pressure dependent", pressures=(0, 1, 3, 100), shares=(1, 0.9, 0.8, 0.3)
-            ),
-        ),
-        square,
-        [],
-    ),
-    "friction by slip": (
-        of_contact(
-            dragged(Steps(number=4)),
-            friction_law=SlipDependentFriction(
-                kind="slip dependent", slips=(0, 0.003, 0.02), shares=(1, 0.8, 0.5)
-            ),
-        ),
-        block,
-        [],
-    ),
-    "friction around points": (of_contact(ON_A_FLOOR, friction_law=NONLOCAL), square, []),
-    "friction around points of rings": (
-        of_contact(BALL, friction_law=NONLOCAL),
-        CASES["half-space"][1],
-        [],
-    ),
-    "friction by a formula": (
-        of_contact(
-            ON_A_FLOOR,
-            friction_law=FormulaFriction(
-                kind="formula", bound="mu * p / (1 + p / p0)", parameters={"p0": 4.0}
-            ),
-        ),
-        square,
-        [],
-    ),
-    "tetrahedra": (PAD, lambda: box_body((3, 3, 2), cell=CellType.tetrahedron), []),
-}
-AT_ONCE = Path((0, 1), (0, 1))
-OBSTACLE, LAW = "contact.0.obstacle", "contact.0.friction_law"
-E, NU = "material.0.youngs_modulus", "material.0.poissons_ratio"
 # Of a run's quantities: what Newton's method leaves of forces.
 ROUND_OFF = 1e-11
-# Case of the studies' → changes that make it one load step under several things, quantities, keys.
-TABLE = {
-    "prescribed": (
-        {},
-        "friction_force_x external_work max_slip reaction_y x0.reaction_x",
-        [MU, "contact.0.pressure", "load.0.traction.0", "load.0.traction.1", NU],
-    ),
-    "unilateral": (
-        {},
-        "normal_force friction_force_x reaction_x pressure_integral max_contact_pressure "
-        "strain_energy external_work friction_work max_slip penalty_energy",
-        [MU, "load.0.traction.0", "support.0.displacement.y", E, NU, "contact.0.penalty_parameter"],
-    ),
-    "foundation": (
-        {},
-        "normal_force strain_energy reaction_y",
-        ["contact.0.foundation_stiffness", MU, E],
-    ),
-    "compliance": (
-        {},
-        "normal_force friction_force_x external_work",
-        ["contact.0.normal_law.coefficient", "contact.0.normal_law.exponent", MU],
-    ),
-    "incremental": (
-        {"steps": Steps(times=(0.5, 0.75, 1.0))},
-        "normal_force friction_force_x strain_energy max_slip reaction_x",
-        [
-            MU,
-            DEPTH,
-            f"{OBSTACLE}.displacement.0",
-            f"{OBSTACLE}.radius",
-            f"{OBSTACLE}.position.0",
-            E,
-        ],
-    ),
-    "half-space": (
-        {},
-        "normal_force strain_energy external_work max_contact_pressure reaction_y",
-        [MU, DEPTH, f"{OBSTACLE}.radius", f"{OBSTACLE}.position.1", E, NU],
-    ),
-    "in space": (
-        {
-            f"{OBSTACLE}.shape": "sphere",
-            f"{OBSTACLE}.radius": 4.0,
-            f"{OBSTACLE}.position": (0.4, 0.45, 0),
-        },
-        "friction_force_x contact_force_x strain_energy indentation max_contact_pressure",
-        [MU, FORCE, "load.0.traction.0", f"{OBSTACLE}.radius", f"{OBSTACLE}.position.0", E],
-    ),
-    "tetrahedra": (
-        {
-            f"{OBSTACLE}.shape": "sphere",
-            f"{OBSTACLE}.radius": 4.0,
-            f"{OBSTACLE}.position": (0.4, 0.45, 0),
-        },
-        "normal_force friction_force_x strain_energy reaction_x",
-        [MU, "load.0.traction.0", f"{OBSTACLE}.radius"],
-    ),
-    "two bodies": (
-        {
-            "steps": Steps(),
-            "contact.0.law": "static",
-            "contact.0.interference": 1e-3,
-            "support.1.path": AT_ONCE,
-            "support.2.path": AT_ONCE,
-            "support.2.displacement.x": 2e-4,
-        },
-        "normal_force friction_force_x strain_energy external_work max_contact_pressure",
-        [MU, "support.1.displacement.y", "support.2.displacement.x", "contact.0.interference", NU],
-    ),
-    "bolt": (
-        {"steps": Steps(), "preload.0.locked_from": None, f"{OBSTACLE}.path": AT_ONCE},
-        "seat.normal_force bolt.elongation strain_energy external_work bottom.reaction_y",
-        ["preload.0.force", FORCE],
-    ),
-    "nearly incompressible": (
-        {},
-        "normal_force strain_energy friction_force_x",
-        [MU, "support.0.displacement.y", E, NU],
-    ),
-    "friction by depth": (
-        {},
-        "friction_force_x normal_force strain_energy max_slip",
-        [
-            f"{LAW}.coefficient",
-            f"{LAW}.exponent",
-            "contact.0.normal_law.coefficient",
-            "contact.0.normal_law.exponent",
-        ],
-    ),
-    "friction by depth of springs": (
-        {},
-        "friction_force_x friction_work",
-        [f"{LAW}.coefficient", f"{LAW}.exponent", "contact.0.foundation_stiffness"],
-    ),
-    "friction by pressure": (
-        {},
-        "friction_force_x strain_energy friction_work",
-        [MU, *(f"{LAW}.{key}" for key in ("shares.1", "shares.2", "pressures.2", "pressures.3"))],
-    ),
-    "friction by slip": (
-        {},
-        "friction_force_x normal_force max_slip strain_energy",
-        [
-            *(f"{LAW}.{key}" for key in ("shares.0", "shares.1", "slips.1")),
-            MU,
-            DEPTH,
-            f"{OBSTACLE}.displacement.0",
-        ],
-    ),
-    "friction around points": (
-        {},
-        "friction_force_x strain_energy max_slip",
-        [f"{LAW}.averaging_radius", MU],
-    ),
-    "friction around points of rings": (
-        {},
-        "normal_force strain_energy max_contact_pressure",
-        [f"{LAW}.averaging_radius", MU, DEPTH],
-    ),
-    "friction by a formula": (
-        {},
-        "friction_force_x strain_energy friction_work",
-        [f"{LAW}.parameters.p0", MU],
-    ),
-}
 
 
-def study_of(name, changes):
-    """Of a case with its automatic parameters given as they are chosen."""
-    scene, make, _ = EVERY[name]
-    scene = with_changes(scene, changes)
+def study_of(name):
+    """Of a scene of the table with its automatic parameters given as they are chosen."""
+    scene, body = TABLE[name].scene, TABLE[name].make()
     solver = dataclasses.replace(scene.solver, errors="none", tolerance=1e-13)
     scene = dataclasses.replace(scene, solver=solver)
-    body = make()
     study = Study(scene, body=body)
     given = {}
     for number, contact in enumerate(study.solve().contacts):

@@ -24,25 +24,24 @@ from fenics_contact.contact.laws.friction.tangent_at_points import PrimalDual
 from fenics_contact.simulation.sensitivities.values import found_in
 from fenics_contact.simulation.studies.changes import with_changes
 from tests.scenes import box_body
-from tests.simulation.sensitivities.table import NU, OBSTACLE, TABLE, E, errors, study_of
+from tests.simulation.sensitivities.scenes import NU, OBSTACLE, SAMPLE, TABLE, E
+from tests.simulation.sensitivities.table import errors, study_of
 from tests.simulation.studies.cases import BALL, DEPTH, MU, ON_A_FLOOR, square
 from tests.solve.condensed.stiff_and_soft import Split
 
 
-@pytest.mark.parametrize("name", TABLE)
+@pytest.mark.parametrize("name", SAMPLE)
 def test_derivatives_are_central_differences_of_runs(name):
-    changes, of, by = TABLE[name]
-    found = errors(study_of(name, changes), of.split(), by)
+    found = errors(study_of(name), TABLE[name].of, TABLE[name].by)
     assert {pair: error for pair, error in found.items() if error > 1} == {}
 
 
 @pytest.mark.parametrize("name", ["in space", "two bodies"])
 def test_the_same_with_stiff_and_soft_apart(name, monkeypatch):
-    changes, of, by = TABLE[name]
-    study = study_of(name, changes)
-    expected = study.derivatives(of.split(), by)
+    study, of, by = study_of(name), TABLE[name].of, TABLE[name].by
+    expected = study.derivatives(of, by)
     split = Split(monkeypatch)
-    found = study.derivatives(of.split(), by)
+    found = study.derivatives(of, by)
     split.require_used()
     for quantity, slopes in expected.items():
         size = max(abs(slopes[key] * found_in(study.scene, key)) for key in by)
@@ -58,7 +57,7 @@ def test_the_slip_so_far_is_that_of_all_load_steps_before(monkeypatch):
         return np.zeros_like(slip), {}
 
     monkeypatch.setattr(BySlip, "step_end_pulled_back", nothing)
-    found = errors(study_of("friction by slip", {}), ["friction_force_x"], [DEPTH])
+    found = errors(study_of("friction by slip"), ["friction_force_x"], [DEPTH])
     assert min(found.values()) > 1e2
 
 
@@ -67,7 +66,7 @@ def test_the_tangent_with_the_bound_held_is_not_the_true_one(monkeypatch):
         return np.zeros((*slope.shape, slope.shape[1]))
 
     monkeypatch.setattr(PrimalDual, "coupling", nothing)
-    study = study_of("half-space", {})
+    study = study_of("half-space")
     found = errors(study, ["normal_force"], [DEPTH, MU])
     assert min(found.values()) > 1e3  # a thousandth of the derivative
 
@@ -181,7 +180,7 @@ class Counting(BySlip):
 def test_a_rule_that_does_not_say_what_its_state_does_is_refused(monkeypatch):
     monkeypatch.setattr(rules, "RULES", (Counting,))
     with pytest.raises(InputError, match="the friction law 'slip dependent' of 'y1' has none"):
-        study_of("friction by slip", {}).derivatives(["normal_force"], [MU])
+        study_of("friction by slip").derivatives(["normal_force"], [MU])
 
 
 class Reversed(Static):
