@@ -5,7 +5,7 @@ Backwards through the laws at the points, by their own second derivatives.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Self
 
@@ -137,9 +137,12 @@ def pulled_back(contact: ContactSurface, answers: AnswerGradient) -> GivenGradie
     of_traction = kinematics.tangential(answers.friction)
     pressed = contact.normal.pressure(jump)
     friction = contact.friction.pulled_back(slip, pressed, of_traction)
-    of_way, state = contact.friction.step_end_pulled_back(
+    of_way, of_others = contact.friction.step_end_pulled_back(
         slip, contact.normal.is_closed(pressed), answers.state
     )
+    of_law = dict(friction.fields)
+    for name, values in of_others.items():
+        of_law[name] = of_law[name] + values if name in of_law else values
     pressure = answers.pressure + friction.pressure
     normal = contact.normal.pulled_back(
         jump, pressure[:, None] * normals - of_traction, answers.energy
@@ -153,21 +156,13 @@ def pulled_back(contact: ContactSurface, answers: AnswerGradient) -> GivenGradie
         gap=normal.gap - depth,
         pressure=pressure,
         across=normal.fields,
-        along=friction.fields,
-        state=_summed(state, friction.fields, contact.friction.derived_state),
+        along=of_law,
+        state={name: of_law[name] for name in contact.friction.derived_state if name in of_law},
         reference=kinematics.tangential(friction.reference - of_way),
         brought_up=answers.brought_up,
         indentation=answers.indentation,
         interference=answers.interference,
     )
-
-
-def _summed(
-    kept: Mapping[str, Array], of_law: Mapping[str, Array], names: Collection[str]
-) -> dict[str, Array]:
-    """Derivatives in arrays of a state: by what a step keeps of them, and by what a law has."""
-    found = {name: of_law[name] for name in names if name in of_law}
-    return found | {name: found.get(name, 0.0) + values for name, values in kept.items()}
 
 
 def along(contact: ContactSurface, gradient: GivenGradient, change: GivenChange) -> float:

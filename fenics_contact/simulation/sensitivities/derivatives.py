@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from fenics_contact.common.errors import InputError
 from fenics_contact.contact.snapshot import recall
 from fenics_contact.problem.problem import Problem
@@ -143,6 +141,7 @@ def of_step_before(problem: Problem, gradient: QuantityGradient) -> StateGradien
         problem.contacts, found.contacts, gradient.contacts, strict=True
     ):
         if contact.friction.follows_path:
-            before.slip += np.asarray(after.reference)
-            before.state = after.state
+            of_slip, of_state = contact.friction.reference_pulled_back(after.reference)
+            before.slip += of_slip
+            before.state = {**after.state, **of_state}
     return found

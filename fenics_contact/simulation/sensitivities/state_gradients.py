@@ -236,6 +236,11 @@ class Quantities:
                 "of: 'friction_work' has derivatives with the static law; with the incremental one "
                 "it is summed up along the load steps"
             )
+        if contact.friction.stores_energy:
+            raise InputError(
+                "of: 'friction_work' has no derivatives where a part of the slip goes back; the "
+                "friction_force has"
+            )
         weights = contact.trace.weights[:, None]
         if contact.friction.rubs:
             found.contacts[number].friction -= weights * state.slip

@@ -15,6 +15,7 @@ from fenics_contact import (
     FormulaFriction,
     Load,
     Material,
+    MicroSlipFriction,
     NonlocalFriction,
     Obstacle,
     Path,
@@ -97,6 +98,7 @@ BY_PRESSURE = PressureDependentFriction(
     kind="pressure dependent", pressures=(0, 1, 3, 100), shares=(1, 0.9, 0.8, 0.3)
 )
 BY_SLIP = SlipDependentFriction(kind="slip dependent", slips=(0, 0.003, 0.02), shares=(1, 0.8, 0.5))
+MICRO = MicroSlipFriction(kind="micro-slip", elastic_slip=1e-3)
 NONLOCAL = NonlocalFriction(kind="nonlocal", averaging_radius=0.3)
 SATURATED = FormulaFriction(kind="formula", bound="mu * p / (1 + p / p0)", parameters={"p0": 4.0})
 ON_ASPERITIES = PressureFormula(
@@ -288,6 +290,20 @@ TABLE = {
         *of_law("averaging_radius"),
         *(MU, FORCE, PULL),
     ),
+    "micro-slip": derived(
+        law(ON_A_FLOOR, MICRO),
+        square,
+        "friction_force_x normal_force strain_energy external_work max_slip",
+        *of_law("elastic_slip"),
+        *(MU, DOWN, PULL),
+    ),
+    "micro-slip, in load steps": derived(
+        law(dragged(Steps(number=4)), dataclasses.replace(MICRO, elastic_slip=3e-4)),
+        block,
+        "friction_force_x normal_force strain_energy max_slip",
+        *of_law("elastic_slip"),
+        *(MU, DEPTH, MOVED, E),
+    ),
     "pressure by a formula": derived(
         of_contact(ON_A_FLOOR, normal_law=ON_ASPERITIES),
         square,
@@ -365,7 +381,12 @@ TABLE = {
 # Those that every run of the tests has; ``benchmarks/derivative_table.py`` has all.
 SAMPLE = [
     *("unilateral", "incremental", "half-space", "in space", "two bodies", "bolt"),
-    *("friction by depth", "friction by slip", "friction around points of rings"),
+    *(
+        "friction by depth",
+        "friction by slip",
+        "micro-slip, in load steps",
+        "friction around points of rings",
+    ),
     *("pressure by a formula", "glued", "a pressure that comes and goes"),
     *("pressed by a force, in load steps", "two materials"),
 ]

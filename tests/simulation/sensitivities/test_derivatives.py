@@ -19,6 +19,7 @@ from fenics_contact import (
 from fenics_contact.contact.laws import friction
 from fenics_contact.contact.laws.friction import rules
 from fenics_contact.contact.laws.friction.rules.by_slip import BySlip
+from fenics_contact.contact.laws.friction.rules.micro_slip import MicroSlip
 from fenics_contact.contact.laws.friction.static import Static
 from fenics_contact.contact.laws.friction.tangent_at_points import PrimalDual
 from fenics_contact.simulation.sensitivities.values import found_in
@@ -50,15 +51,23 @@ def test_the_same_with_stiff_and_soft_apart(name, monkeypatch):
             assert abs(off * found_in(study.scene, key)) <= 1e-7 * size, (quantity, key)
 
 
-def test_the_slip_so_far_is_that_of_all_load_steps_before(monkeypatch):
-    """Without it, derivatives are those at a coefficient that is held."""
+@pytest.mark.parametrize(
+    ("name", "rule"), [("friction by slip", BySlip), ("micro-slip, in load steps", MicroSlip)]
+)
+def test_what_a_rule_keeps_goes_back_through_the_load_steps(name, rule, monkeypatch):
+    """Without it, derivatives are those with the array held."""
 
     def nothing(rule, slip, closed, of_end):
         return np.zeros_like(slip), {}
 
-    monkeypatch.setattr(BySlip, "step_end_pulled_back", nothing)
-    found = errors(study_of("friction by slip"), ["friction_force_x"], [DEPTH])
+    monkeypatch.setattr(rule, "step_end_pulled_back", nothing)
+    found = errors(study_of(name), ["friction_force_x"], [DEPTH])
     assert min(found.values()) > 1e2
+
+
+def test_work_of_friction_where_slip_goes_back_has_none():
+    with pytest.raises(InputError, match="where a part of the slip goes back"):
+        study_of("micro-slip").derivatives(["friction_work"], [MU])
 
 
 def test_the_tangent_with_the_bound_held_is_not_the_true_one(monkeypatch):

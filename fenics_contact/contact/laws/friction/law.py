@@ -292,10 +292,21 @@ class FrictionLaw(ContactLaw):
             of_end: Derivatives of the quantity in arrays at its end, by name; none of others.
 
         Returns:
-            Derivatives in the slip that counts, (points, components), and in the arrays as they
-            were at its begin, by name.
+            Derivatives in the slip that counts, (points, components), and by name in the arrays as
+            they were at its begin and in parameters, as of ``FrictionGradient.fields``.
         """
         return np.zeros_like(slip), {}
+
+    def reference_pulled_back(self, of_reference: Array) -> tuple[Array, Mapping[str, Array]]:
+        """What a quantity's derivatives in ``reference`` are in what the step before left.
+
+        Args:
+            of_reference: Derivatives of the quantity, (points, components).
+
+        Returns:
+            Derivatives in the slip since the start, likewise, and in arrays of the state, by name.
+        """
+        return np.zeros_like(of_reference), {}
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
         """Derivatives of its parameters at the points in a key of the contact; collective.

@@ -408,6 +408,12 @@ class RegularisedFriction(FrictionLaw):
             return super().step_end_pulled_back(slip, closed, of_end)
         return self.rule.step_end_pulled_back(self.counted(slip), closed, of_end)
 
+    def reference_pulled_back(self, of_reference: Array) -> tuple[Array, Mapping[str, Array]]:
+        """The slip then, less what goes back, if the law is incremental."""
+        if self._forms.accepted is None:
+            return super().reference_pulled_back(of_reference)
+        return of_reference, self.rule.carried_pulled_back(0.0 - of_reference)
+
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
         """Of ε in itself, and of what its rule has."""
         if key == "regularisation_parameter":

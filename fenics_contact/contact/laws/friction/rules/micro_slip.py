@@ -13,6 +13,7 @@ from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.results.point_arrays import PointArray
 from fenics_contact.scene.laws.friction_laws import MicroSlipFriction
+from fenics_contact.scene.values import Value
 
 
 class MicroSlip(Coulomb):
@@ -54,6 +55,29 @@ class MicroSlip(Coulomb):
     def at_step_end(self, slip: Array, closed: Flags) -> dict[str, Array]:
         """The elastic slip of points that touch."""
         return {"elastic_slip": np.where(closed[:, None], self.elastic(slip), 0.0)}
+
+    def step_end_pulled_back(
+        self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
+    ) -> tuple[Array, Mapping[str, Array]]:
+        """Of the slip where it is no longer than l, else across it; and of l along it."""
+        of_elastic = np.where(closed[:, None], of_end["elastic_slip"], 0.0)
+        size = np.linalg.norm(slip, axis=1)
+        slides = size > self._longest
+        along = np.where(slides[:, None], slip / np.where(slides, size, 1.0)[:, None], 0.0)
+        of_longest = np.einsum("ij,ij->i", of_elastic, along)
+        of_slip = of_elastic - of_longest[:, None] * along
+        of_slip *= (self._longest / np.maximum(size, self._longest))[:, None]
+        return of_slip, {"regularisation_parameter": of_longest}
+
+    def carried_pulled_back(self, of_carried: Array) -> Mapping[str, Array]:
+        """It is the elastic slip."""
+        return {"elastic_slip": of_carried}
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Of l, which stands in the place of ε, too."""
+        if key == "friction_law.elastic_slip":
+            return {"regularisation_parameter": np.ones_like(self.coefficient)}
+        return super().field_slopes(key, unit)
 
     def take(self, kept: Mapping[str, Array]) -> None:
         """Go on from the elastic slip."""

@@ -152,9 +152,18 @@ class FrictionRule:
             of_end: Derivatives of the quantity in what ``at_step_end`` returns, by name.
 
         Returns:
-            Derivatives in the slip, (points, components), and in the arrays at the begin, by name.
+            Derivatives in the slip, (points, components), and by name in the arrays at the begin
+            and in parameters, as of ``BoundGradient.fields``.
         """
         return np.zeros_like(slip), {}
+
+    def carried_pulled_back(self, of_carried: Array) -> Mapping[str, Array]:
+        """What a quantity's derivatives in ``carried_slip`` are in the arrays that have it.
+
+        Args:
+            of_carried: Derivatives of the quantity, (points, components).
+        """
+        return {}
 
     def take(self, kept: Mapping[str, Array]) -> None:
         """Go by arrays of ``state`` from now on.
