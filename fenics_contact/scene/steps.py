@@ -137,9 +137,10 @@ class SolverSettings:
     errors: Annotated[
         Literal["auto", "all", "none"],
         Field(
-            description="whether to estimate the errors of the results: `auto` with the condensed "
-            "solver, where it takes little, without what friction that remembers its path asks for "
-            "after more than four load steps, the whole history again; `all` estimates these too"
+            description="whether to estimate the errors of the results: `auto` what takes little, "
+            "with the condensed solver all but what friction that remembers its path asks for "
+            "after more than four load steps, the whole history again; with others errors by "
+            "penalty, regularisation and iterations, without any history; `all` estimates all"
         ),
     ] = "auto"
     outer_tolerance: Annotated[

@@ -56,6 +56,7 @@ class CondensedSystem(System):
     """
 
     name = "condensed"
+    repeats_cheaply: ClassVar = True
     options: ClassVar = {"ksp_type": "preonly"}
 
     def __init__(

@@ -31,6 +31,7 @@ class System(ABC):
         tangent: Its derivative, a PETSc matrix.
         options: PETSc's options for its linear solves.
         first_way: Which strategy of Coulomb friction ``auto`` begins with.
+        repeats_cheaply: Whether another answer of the body costs little beside the first.
         scale_tolerance: Imbalance over the forces from which the ε of a contact that carries
             most of the forces is known well enough; None where further steps cost little.
         factorisations: How often a matrix of the bulk was factorised.
@@ -41,6 +42,7 @@ class System(ABC):
     name: ClassVar[str]
     options: ClassVar[dict[str, Any]]
     first_way: str = "campos"
+    repeats_cheaply: ClassVar[bool] = False
     scale_tolerance: ClassVar[float | None] = None
     state: PETSc.Vec
     residual: PETSc.Vec

@@ -18,7 +18,7 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.analytic.half_space import boussinesq, cerruti
-from fenics_contact.trust.error_estimates import budget as error_budget
+from fenics_contact.trust.error_estimates import estimates as error_estimates
 from fenics_contact.verification.published.shear import sheared_scene
 from tests.scenes import ROOT
 
@@ -62,7 +62,7 @@ def scene(extent, coefficient=0.0, errors="auto", kinematics="axisymmetric", **o
 
 @pytest.fixture(autouse=True)
 def without_those_of_the_mesh(monkeypatch):
-    monkeypatch.setattr(error_budget, "mesh_errors", lambda *arguments: ({}, None))
+    monkeypatch.setattr(error_estimates, "mesh_errors", lambda *arguments: ({}, None))
 
 
 @pytest.mark.parametrize("coefficient", [0.0, 0.6])
@@ -99,7 +99,7 @@ def test_line_contact_and_a_force():
 
 def test_sideways_in_space(monkeypatch):
     """Cerruti's field, and mirror images: half of a body is pulled across its plane, too."""
-    monkeypatch.setattr(error_budget, "_remembers", lambda problem: False)
+    monkeypatch.setattr(error_estimates, "_remembers", lambda problem: False)
     small, large = (
         run(sheared_scene(0.02, extent=extent, cells_outside=cells))
         for extent, cells in ((4, 2), (8, 3))

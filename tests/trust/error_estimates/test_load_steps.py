@@ -8,8 +8,7 @@ from mpi4py import MPI
 
 from fenics_contact import Run, Steps, run
 from fenics_contact.common.errors import StoppedError
-from fenics_contact.trust.error_estimates import budget as error_budget
-from fenics_contact.trust.error_estimates import load_steps
+from fenics_contact.trust.error_estimates import estimates, load_steps
 from fenics_contact.trust.error_estimates.load_steps import _between_turns, _cut, _other_steps
 from tests.scenes import box_body, with_solver
 from tests.solve.load_steps.histories import dragged, shoved, times, two_blocks
@@ -27,7 +26,7 @@ def solved(steps, errors="all"):
 
 @pytest.fixture(autouse=True)
 def without_those_of_the_mesh(monkeypatch):
-    monkeypatch.setattr(error_budget, "mesh_errors", lambda *arguments: ({}, None))
+    monkeypatch.setattr(estimates, "mesh_errors", lambda *arguments: ({}, None))
 
 
 @pytest.fixture(scope="module")

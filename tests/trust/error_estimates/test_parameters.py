@@ -4,11 +4,21 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Contact, Material, Obstacle, Run, Scene, SolverSettings, Steps, Support
+from fenics_contact import (
+    Contact,
+    Material,
+    Obstacle,
+    Run,
+    Scene,
+    SolverSettings,
+    Steps,
+    Support,
+    run,
+)
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.solve.coulomb import alternating_loop
 from fenics_contact.solve.newton.newton import Newton
-from fenics_contact.trust.error_estimates import budget as error_budget
+from fenics_contact.trust.error_estimates import estimates
 from tests.scenes import box_body
 
 pytestmark = pytest.mark.errors
@@ -46,7 +56,7 @@ def solved(epsilon=EPSILON, penalty=PENALTY, law="static", steps=1, errors="all"
 
 @pytest.fixture(autouse=True)
 def without_those_of_the_mesh(monkeypatch):
-    monkeypatch.setattr(error_budget, "mesh_errors", lambda *arguments: ({}, None))
+    monkeypatch.setattr(estimates, "mesh_errors", lambda *arguments: ({}, None))
 
 
 def true_errors(found, exact):
@@ -72,6 +82,47 @@ def test_estimates_are_the_true_errors(source, settings):
     true = true_errors(found, exact(source, **settings))
     for name in NAMES:
         assert found.errors[name][source] == pytest.approx(true[name], rel=0.1), name
+
+
+def in_space(epsilon=1e-5, penalty=1e-6, errors="auto"):
+    """A sphere on a block, by multigrid."""
+    scene = Scene(
+        kinematics="3D",
+        material=Material(1000, 0.3),
+        support=(Support("z0", {"x": 0, "y": 0, "z": 0}),),
+        contact=(
+            Contact(
+                "z1",
+                obstacle=Obstacle(
+                    "paraboloid",
+                    radius=2,
+                    position=(0.52, 0.47, 0.5),
+                    indentation=0.03,
+                    displacement=(0.004, 0, 0),
+                ),
+                friction_coefficient=0.3,
+                regularisation_parameter=epsilon,
+                penalty_parameter=penalty,
+            ),
+        ),
+        solver=SolverSettings(solver="iterative", errors=errors),
+    )
+    return run(scene, COMM, box_body((8, 8, 4), (1, 1, 0.5)))
+
+
+def test_with_the_iterative_solver_they_are_there_without_being_asked_for():
+    found = in_space()
+    small = {
+        "penalty": in_space(penalty=1e-9, errors="none"),
+        "regularisation": in_space(epsilon=1e-8, errors="none"),
+    }
+    for source, other in small.items():
+        true = true_errors(found, other)
+        for name in (*NAMES, "reaction"):
+            assert found.errors[name][source] == pytest.approx(true[name], rel=0.1), name
+            assert true[name] > 1e-6 * np.linalg.norm(found.quantities[name])
+            assert found.errors[name]["mesh"] is None and found.errors[name]["total"] is None
+            assert found.errors[name]["iteration"] < 1e-3 * true[name]
 
 
 def test_what_an_epsilon_makes_in_which_nothing_slips_is_seen():

@@ -1,0 +1,180 @@
+"""The estimate of each source of errors, where the scene has it and it is to be made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from typing import Any
+
+from fenics_contact.common.timings import ESTIMATING, doing
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.quantity_names import Reaction
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.trust.error_estimates.half_space import domain_errors
+from fenics_contact.trust.error_estimates.load_steps import step_errors
+from fenics_contact.trust.error_estimates.measured import Measured, recorded
+from fenics_contact.trust.error_estimates.mesh.estimate import mesh_errors
+from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
+from fenics_contact.trust.error_estimates.parameters import (
+    iteration_errors,
+    penalty_errors,
+    regularisation_errors,
+)
+
+_WORDS = {
+    "mesh": "the mesh",
+    "penalty": "the penalty",
+    "regularisation": "the regularisation",
+    "iteration": "the iterations",
+    "step": "the load steps",
+    "domain": "the piece of the half-space",
+}
+SOURCES = tuple(_WORDS)
+# Histories of at most so many steps are solved again without being asked for.
+_SHORT = 4
+
+# None where a source was not estimated.
+Errors = Mapping[Hashable, float] | None
+
+
+class Estimates:
+    """The estimate of each source, where the scene has it and it is to be made.
+
+    Attributes:
+        local: Of the cells, once the error by the mesh has been estimated.
+    """
+
+    def __init__(
+        self, load_steps: LoadSteps, measure: Measured, steps: Sequence[Mapping[str, Any]]
+    ) -> None:
+        self._load_steps, self._measure, self._steps = load_steps, measure, steps
+        self._times = [step["load_factor"] for step in steps]
+        self._problem = load_steps.problem
+        system = load_steps.newton.system
+        scene = self._problem.scene
+        self._wants_all = scene.solver.errors == "all" or scene.accuracy is not None
+        self._is_cheap, self._solver = system.repeats_cheaply, system.name
+        self._notes: list[str] = []
+        self.local: LocalErrors | None = None
+
+    def all(self) -> tuple[dict[str, Errors], list[str]]:
+        """Of all sources by name, with {} for one that the scene does not have; and notes."""
+        return {source: self._of(source) for source in SOURCES}, self._notes
+
+    def _has(self, source: str) -> bool:
+        problem = self._problem
+        return {
+            "mesh": True,
+            "penalty": any(contact.has_penalty for contact in problem.contacts),
+            "regularisation": any(one.friction.has_regularisation for one in problem.contacts),
+            "iteration": True,
+            "step": _remembers(problem),
+            "domain": problem.far_field is not None,
+        }[source]
+
+    def _of(self, source: str) -> Errors:
+        if not self._has(source):
+            return {}
+        again = self._times if self._takes_history(source) else ()
+        why = self._not_here(source)
+        if why is None and not self._wants_all:
+            why = self._too_dear(source, len(again))
+        if why is not None:
+            if why not in self._notes:
+                self._notes.append(why)
+            return None
+        load_steps, measure = self._load_steps, self._measure
+        estimate: dict[str, Callable[[], Errors]] = {
+            "mesh": self._of_mesh,
+            "penalty": lambda: penalty_errors(load_steps, measure, again),
+            "regularisation": lambda: regularisation_errors(load_steps, measure, again),
+            "iteration": lambda: iteration_errors(load_steps, measure),
+            "step": lambda: step_errors(load_steps, measure, again),
+            "domain": lambda: domain_errors(load_steps, measure),
+        }
+        doing(f"{ESTIMATING} by {_WORDS[source]}")
+        found = estimate[source]()
+        if found is None:
+            self._notes.append(
+                f"The error by {_WORDS[source]} was not estimated: solving again with less of it "
+                "did not converge."
+            )
+        return found
+
+    def _not_here(self, source: str) -> str | None:
+        """Why there is no estimate of a source, asked for or not; None where there is one."""
+        if source == "mesh" and any(contact.wear.wears for contact in self._problem.contacts):
+            return (
+                "The error by the mesh is not estimated where contacts wear: what was worn before "
+                "has a part in it."
+            )
+        return None
+
+    def _too_dear(self, source: str, again: int) -> str | None:
+        """Why a source is estimated on demand alone, None for one that is at once.
+
+        Where another answer costs about as much as it did first, the sources that take one or two
+        from near by are had; others take many, or begin anew.
+
+        Args:
+            source: By its name.
+            again: How many load steps it takes again from the start, 0 for the last one alone.
+        """
+        if again > (_SHORT if self._is_cheap else 0):
+            return (
+                "Errors by penalty, regularisation and load steps were not estimated, as friction "
+                'remembers its path: solver.errors = "all" solves the whole history again.'
+            )
+        if source == "mesh" and not self._is_cheap:
+            return (
+                f"The error by the mesh was not estimated, which with the {self._solver} solver "
+                'takes several times as long as the run: solver.errors = "all" does it.'
+            )
+        return None
+
+    def _of_mesh(self) -> Errors:
+        assert self._load_steps.last is not None
+        answer = self._measure(self._load_steps.last.solution)
+        rows = [(step["load_factor"], recorded(step, answer)) for step in self._steps]
+        again = self._times if self._takes_history("penalty") else []
+        again = again if len(again) <= _SHORT or self._wants_all else []
+        found, self.local = mesh_errors(self._load_steps, self._measure, rows, again)
+        if found is not None:
+            for key, error in self._shared().items():
+                if key in found:
+                    found[key] += error
+        if found is not None and "max_contact_pressure" not in found:
+            self._notes.append(
+                "The largest contact pressure has no error bar: cells are too coarse there, or it "
+                "grows with every refinement, as under a corner of an obstacle."
+            )
+        return found
+
+    def _shared(self) -> dict[Hashable, float]:
+        """What is not known of reactions where supports meet; collective."""
+        problem, last = self._problem, self._load_steps.last
+        assert last is not None
+        needed = BulkForces(problem, last.solution).unbalanced.reshape(-1)
+        labels = [support.label for support in problem.applied_supports]
+        groups: dict[int | str, list[int]] = {number: [number] for number in range(len(labels))}
+        for number, label in enumerate(labels):
+            groups.setdefault(label, []).append(number)
+        unknown = problem.shared_reactions.unknown
+        displacement = last.solution.displacement
+        return {
+            Reaction(of): unknown(needed, displacement, numbers) for of, numbers in groups.items()
+        }
+
+    def _takes_history(self, source: str) -> bool:
+        """Whether an estimate takes all load steps again, not the last one alone."""
+        several = len(self._times) > 1 and _remembers(self._problem)
+        return source == "step" or (several and source in ("penalty", "regularisation"))
+
+
+def _remembers(problem: Problem) -> bool:
+    """Whether the answer depends on load steps: friction, wear, locked bolts, new pairings."""
+    if any(contact.remembers for contact in problem.contacts):
+        return True
+    if any(preload.is_locked for preload in problem.preloads):
+        return True
+    return any(contact.kinematics.paired_at is not None for contact in problem.contacts)
