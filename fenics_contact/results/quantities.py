@@ -141,7 +141,8 @@ ALL = (
     Quantity(
         "friction_work",
         "energy",
-        "dissipated by friction since the start, ≥ 0",
+        "dissipated by friction since the start, ≥ 0; where friction has micro-slip, less what "
+        "rising pressures add to `elastic_slip_energy`, which can make it negative",
         "sum",
         needs="friction",
     ),

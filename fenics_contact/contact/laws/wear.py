@@ -89,7 +89,7 @@ class Archard(Unworn):
 
     def _slip_in_step(self, state: ContactState) -> Array:
         if self._friction.follows_path:
-            return self._friction.counted(state.slip)
+            return self._friction.sliding(state.slip)
         return state.slip - self._last.state.slip
 
     def quantities(self, state: ContactState) -> dict[str, float]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Contact, Material, Path, Run, Scene, Steps, Support, run
+from fenics_contact import Contact, Material, Path, Run, Scene, Steps, Study, Support, run
 from fenics_contact.contact.snapshot import recall, remember
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
@@ -262,3 +262,50 @@ def test_wrong_tractions_fail_its_checks():
         internal[problem.contacts[0].nodes] += (factor - 1) * solution.friction_force[0]
         wrong = BulkForces(problem, with_body(solution, internal_force=internal))
         assert not run_checks(wrong)[expected].passed, expected
+
+
+@pytest.mark.parametrize("law", ["static", "incremental"])
+def test_derivatives_go_through_what_is_remembered(law):
+    """Against differences of answers: some points slide, and after a turn of the load, back."""
+    path = Path(time=(0, 1, 2), factor=(0, 1, 0.2))
+    scene = sheared(keys(SHORT, law) | {"penalty_parameter": 1e-6}, steps=Steps(number=4, end=2.0))
+    loads = (dataclasses.replace(scene.load[0], path=path),)
+    scene = dataclasses.replace(scene, load=loads)
+    study = Study(scene, body=box_body((6, 3)))
+    of = ["strain_energy", "max_slip"]
+    at = {
+        "contact.0.friction_coefficient": 0.4,
+        "contact.0.friction_law.elastic_slip": SHORT,
+        "load.0.traction.0": 3.0,
+    }
+    found = study.derivatives(of, list(at))
+    for key, value in at.items():
+        step = 1e-4 * value
+        up, down = (study.solve({key: value + sign * step}).quantities for sign in (1, -1))
+        for name in of:
+            quotient = (up[name] - down[name]) / (2 * step)
+            assert abs(quotient) > 0
+            assert found[name][key] == pytest.approx(quotient, rel=1e-4), (name, key)
+
+
+def test_pressure_that_grows_with_the_slip_adds_a_third():
+    """t = μ p s/l with p and s in proportion: stored μ p s²/(2l), of which two thirds are work."""
+    scene = moved((0.0, 1.0), 20, along=(LONGEST / 2,), pressures=(0.0, 1.0))
+    found = run(scene, COMM, box_body((2, 1), (2, 1))).quantities
+    stored = 2.0 * 0.4 * 30 * LONGEST / 8
+    assert found["elastic_slip_energy"] == pytest.approx(stored, rel=1e-2)
+    assert found["friction_work"] == pytest.approx(-stored / 3, rel=1e-2)
+
+
+def test_what_goes_back_wears_nothing():
+    """k p (s − l), in one step or in four."""
+    wear = {"coefficient": 1e-6}
+    for steps in (1, 4):
+        scene = moved((0.0, 1.0), steps)
+        contact = Contact("y0", foundation_stiffness=1e3, wear=wear, **keys())
+        down = Support("y1", {"y": -0.03}, path=CONSTANT)
+        support = (down, scene.support[1])
+        scene = dataclasses.replace(scene, contact=(contact,), support=support)
+        found = run(scene, COMM, box_body((2, 1), (2, 1))).quantities
+        worn = 1e-6 * 30 * (0.01 - LONGEST)
+        assert found["worn_volume"] == pytest.approx(2.0 * worn, rel=1e-3)
