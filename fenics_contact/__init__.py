@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from fenics_contact.simulation.fits.measured import Measured
     from fenics_contact.simulation.scene_run import Run
     from fenics_contact.simulation.studies.study import Study
+    from fenics_contact.simulation.studies.worn_cycles import Jumps, WornCycle
 
 __all__ = [
     "Accuracy",
@@ -82,6 +83,7 @@ __all__ = [
     "Group",
     "HalfSpace",
     "InputError",
+    "Jumps",
     "Load",
     "Material",
     "Measured",
@@ -114,6 +116,7 @@ __all__ = [
     "Support",
     "Units",
     "Wear",
+    "WornCycle",
     "allow_laws",
     "fit",
     "load_scene",
@@ -168,6 +171,7 @@ _MODULES = {
     "simulation.fits.measured": ("Measured",),
     "simulation.scene_run": ("Run",),
     "simulation.studies.study": ("Study",),
+    "simulation.studies.worn_cycles": ("Jumps", "WornCycle"),
 }
 
 

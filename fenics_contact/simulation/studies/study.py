@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +28,7 @@ from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
 from fenics_contact.simulation.studies.saved_body import SavedBody, save_body
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
 from fenics_contact.simulation.studies.solved_history import History, solved_history
+from fenics_contact.simulation.studies.worn_cycles import Jumps, WornCycle, WornCycles
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 
 if TYPE_CHECKING:
@@ -330,6 +331,36 @@ class Study:
         scene, timings = self.changed(changes), Timings()
         with failing_together(self.comm):
             return solved_history(self._body_of(scene, timings), scene, of, by, is_judged, is_whole)
+
+    def worn(
+        self, begin: float, cycles: int, jumps: Jumps | None = None, changes: Changes = None
+    ) -> Iterator[WornCycle]:
+        """Wear over many cycles of loads, most of which are passed over; collective.
+
+        The scene's load steps lead to the begin of a cycle, and through it once.
+
+        Args:
+            begin: Pseudo-time at which the cycle begins, the end of a load step, with the loads of
+                the last one.
+            cycles: How many there are.
+            jumps: How far cycles may be passed over; by default as far as pressures change by 20 %
+                and depths are off by 1 %.
+            changes: As of ``solve``.
+
+        Returns:
+            Each cycle that is computed, when it is; the last one is among them.
+
+        Raises:
+            InputError: As of ``solve``; or no contact wears, or the cycle is none.
+            NotConvergedError: A load step of a cycle.
+        """
+        scene, timings = self.changed(changes), Timings()
+        with failing_together(self.comm):
+            cycling = WornCycles(self._body_of(scene, timings), scene, begin, jumps or Jumps())
+            try:
+                yield from cycling.run(cycles)
+            finally:
+                cycling.close()
 
     def forget_answer(self) -> None:
         """Begin the next quick answer as a separate run does, not at the last one."""

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.snapshot import ContactMemory, recall, recall_pairing, remember
@@ -138,6 +139,26 @@ class LoadSteps:
         self.last = dataclasses.replace(last, solution=solution)
         self.go_back()
         return solution
+
+    def go_on_from(self, step: AcceptedStep, time: float, worn: Sequence[Array]) -> None:
+        """Go on from a load step as at another pseudo-time, and worn otherwise; collective.
+
+        Args:
+            step: That was accepted.
+            time: At which loads are about the same.
+            worn: Depths of each contact, (points,) (length).
+        """
+        self.last = step
+        self.go_back()
+        self._move_on(step)
+        for contact, depth in zip(self.problem.contacts, worn, strict=True):
+            contact.wear.recall({"worn_depth": depth})
+        self.last = AcceptedStep(
+            unknowns=dataclasses.replace(step.unknowns, time=time),
+            contacts=[remember(contact) for contact in self.problem.contacts],
+            solution=step.solution,
+            before=None,
+        )
 
     def afresh(self, times: Sequence[float]) -> LoadSteps:
         """Other load steps over the same system, from the start; collective.

@@ -1,0 +1,158 @@
+"""Wear over many cycles, most of them passed over: against formulas, and against all of them."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import (
+    Contact,
+    InputError,
+    Jumps,
+    Material,
+    Obstacle,
+    Path,
+    Run,
+    Scene,
+    SolverSettings,
+    Steps,
+    Study,
+    Support,
+    Wear,
+)
+from tests.contact.wear.test_archard import MU, ROUGH, worn
+from tests.scenes import box_body
+from tests.solve.load_steps.histories import dragged
+
+COMM = MPI.COMM_WORLD
+SPRING, DEPTH, WAY = 500.0, 0.01, 4.0
+TO_AND_FRO = Path(time=(1, 2, 4, 5), factor=(0, 1, -1, 0))
+
+
+def on_springs(k, **contact):
+    """A stiff block on springs; a plane pressed in by a depth rubs to and fro on it, 4 a cycle."""
+    plane = Obstacle(
+        gap=lambda x: 0 * x[0] - DEPTH,
+        direction=(0, 1),
+        displacement=(1.0, 0),
+        displacement_path=TO_AND_FRO,
+    )
+    return Scene(
+        kinematics="plane strain",
+        material=Material(1e9, 0.0),
+        support=(Support("y1", {"x": 0, "y": 0}),),
+        contact=(
+            Contact("y0", obstacle=plane, foundation_stiffness=SPRING, wear=Wear(k), **contact),
+        ),
+        steps=Steps(number=5, end=5),
+        solver=SolverSettings(errors="none"),
+    )
+
+
+def study_of(scene, cells=(2, 1), sizes=(2, 1)):
+    return Study(scene, COMM, box_body(cells, sizes))
+
+
+def last_of(study, cycles, jumps=None):
+    return list(study.worn(1.0, cycles, jumps))[-1]
+
+
+def test_springs_follow_the_exponential_at_second_order():
+    """p = p₀ exp(−k K v t): to 1e-4 with 50 jumps, and four times nearer with twice as many."""
+    cycles, found = 10_001, {}
+    k = 1 / (SPRING * WAY * cycles)
+    study = study_of(on_springs(k))
+    for jumps in (5, 10, 50):
+        last = last_of(study, cycles, Jumps(fixed=cycles // jumps))
+        assert last.number == cycles
+        off = last.points.contact_pressure - SPRING * DEPTH * np.exp(-1)
+        found[jumps] = np.abs(off).max() / (SPRING * DEPTH * np.exp(-1))
+        assert last.errors["max_wear_depth"] > np.abs(off).max() / SPRING
+    assert found[50] < 1e-4
+    assert found[5] / found[10] == pytest.approx(4, rel=0.2)
+
+
+def test_where_all_slips_the_volume_is_that_of_the_work():
+    scene = on_springs(1e-6, **ROUGH)
+    every = list(study_of(scene).worn(1.0, 500))
+    assert len(every) < 50
+    assert [cycle.number for cycle in every] == sorted({cycle.number for cycle in every})
+    assert sum(1 + cycle.passed_over for cycle in every) == 500 == every[-1].number
+    assert every[-1].pressure_change > 0
+    for cycle in every:
+        assert cycle.worn_volume == pytest.approx(1e-6 / MU * cycle.friction_work, rel=1e-10)
+        points = cycle.points
+        assert cycle.max_wear_depth == pytest.approx(points.own["worn_depth"].max(), rel=1e-12)
+        assert cycle.worn_volume == pytest.approx(
+            np.sum(points.weights * points.own["worn_depth"]), rel=1e-12
+        )
+        # In a cycle the springs have what the depth leaves, but for that cycle's own wear.
+        left = SPRING * (DEPTH - points.own["worn_depth"])
+        np.testing.assert_allclose(points.contact_pressure, left, rtol=5e-3)
+
+
+def fretting(increments=8):
+    """A parabola pressed onto a block, then moved to and fro so that the middle sticks."""
+    scene = worn(dragged(Steps(1)), 2e-3)
+    contact = scene.contact[0]
+    obstacle = dataclasses.replace(
+        contact.obstacle,
+        displacement=(0.005, 0),
+        path=Path(time=(0, 1), factor=(0, 1)),
+        displacement_path=TO_AND_FRO,
+    )
+    times = (0.5, 1.0, *(1 + 4 * (1 + np.arange(increments)) / increments).tolist())
+    return dataclasses.replace(
+        scene,
+        contact=(dataclasses.replace(contact, obstacle=obstacle),),
+        steps=Steps(times=times),
+    )
+
+
+def test_cycles_that_are_passed_over_are_worn_as_if_they_were_not():
+    """Partial slip: within the estimated error of what all cycles give; the middle stays."""
+    study = study_of(fretting(), (24, 5), (1, 1))
+    whole = last_of(study, 14, Jumps(fixed=1))
+    every = list(study.worn(1.0, 14, Jumps(error=0.05)))
+    last = every[-1]
+    assert len(every) < 10
+    for name in ("max_wear_depth", "worn_volume"):
+        found, expected = getattr(last, name), getattr(whole, name)
+        assert abs(found - expected) < last.errors[name] < 0.05 * expected
+    stuck = last.points.status == "STICK"
+    assert stuck.any()
+    assert last.points.own["worn_depth"][stuck].min() < 1e-3 * last.max_wear_depth
+    # Where the middle carries more, the rest carries less.
+    first = every[0].points.contact_pressure
+    assert last.points.contact_pressure.max() > first.max()
+
+
+def test_cycles_of_one_are_those_of_a_run():
+    """Three cycles as load steps of one run, whose path repeats them."""
+    k = 1e-4
+    scene = on_springs(k, **ROUGH)
+    path = Path(time=(1, 2, 4, 6, 8, 10, 12, 13), factor=(0, 1, -1, 1, -1, 1, -1, 0))
+    contact = scene.contact[0]
+    obstacle = dataclasses.replace(contact.obstacle, displacement_path=path)
+    whole = dataclasses.replace(
+        scene,
+        contact=(dataclasses.replace(contact, obstacle=obstacle),),
+        steps=Steps(number=13, end=13),
+    )
+    expected = Run(whole, COMM, box_body((2, 1), (2, 1))).solve()
+    found = last_of(study_of(scene), 3, Jumps(fixed=1))
+    # Each cycle begins with the gap that all before left; in the run, steps lag behind by one.
+    assert found.worn_volume == pytest.approx(expected.quantities["worn_volume"], rel=0.05)
+    assert found.friction_work == pytest.approx(expected.quantities["friction_work"], rel=0.05)
+
+
+def test_what_is_no_cycle_is_refused():
+    scene = on_springs(1e-6)
+    with pytest.raises(InputError, match=r"begin = 0\.5: a cycle begins at the end of a load step"):
+        list(study_of(scene).worn(0.5, 3))
+    smooth = dataclasses.replace(scene, contact=(dataclasses.replace(scene.contact[0], wear=None),))
+    with pytest.raises(InputError, match=r"contact\.wear is missing"):
+        list(study_of(smooth).worn(1.0, 3))
+    with pytest.raises(InputError, match=r"error = -1: must be > 0"):
+        Jumps(error=-1)
