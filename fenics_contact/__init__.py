@@ -63,7 +63,7 @@ if TYPE_CHECKING:
     from fenics_contact.simulation.fits.measured import Measured
     from fenics_contact.simulation.scene_run import Run
     from fenics_contact.simulation.studies.study import Study
-    from fenics_contact.simulation.studies.worn_cycles import Jumps, WornCycle
+    from fenics_contact.simulation.studies.worn_cycle import Jumps, WornCycle
 
 __all__ = [
     "Accuracy",
@@ -171,7 +171,7 @@ _MODULES = {
     "simulation.fits.measured": ("Measured",),
     "simulation.scene_run": ("Run",),
     "simulation.studies.study": ("Study",),
-    "simulation.studies.worn_cycles": ("Jumps", "WornCycle"),
+    "simulation.studies.worn_cycle": ("Jumps", "WornCycle"),
 }
 
 

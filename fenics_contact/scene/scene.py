@@ -294,6 +294,7 @@ class Scene(HasUnits):
         _require_distinct("preloads", [preload.label for preload in self.preload])
         _require_known(self)
         require_cycles(self)
+        _require_wear_to_end(self)
 
     @cached_property
     def load_steps(self) -> Steps:
@@ -330,6 +331,20 @@ class Scene(HasUnits):
             points=tuple(point.name for point in self.point),
             preloads=tuple(preload.label for preload in self.preload),
             dimension=self.dimension,
+        )
+
+
+def _require_wear_to_end(scene: Scene) -> None:
+    """Loops that are closed still wear, and do not come again as they were.
+
+    Raises:
+        ValueError: Cycles end as soon as they are closed, and a contact wears.
+    """
+    worn = next((number for number, one in enumerate(scene.contact) if one.wear), None)
+    if worn is not None and scene.cycles is not None and scene.cycles.until == "closed":
+        raise ValueError(
+            f"cycles.until = 'closed': contact[{worn}] has a wear, which goes on when the loop is "
+            "closed; set until = 'end'"
         )
 
 

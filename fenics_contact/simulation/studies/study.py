@@ -28,7 +28,8 @@ from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
 from fenics_contact.simulation.studies.saved_body import SavedBody, save_body
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
 from fenics_contact.simulation.studies.solved_history import History, solved_history
-from fenics_contact.simulation.studies.worn_cycles import Jumps, WornCycle, WornCycles
+from fenics_contact.simulation.studies.worn_cycle import Jumps, WornCycle, one_cycle
+from fenics_contact.simulation.studies.worn_cycles import WornCycles
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 
 if TYPE_CHECKING:
@@ -333,16 +334,21 @@ class Study:
             return solved_history(self._body_of(scene, timings), scene, of, by, is_judged, is_whole)
 
     def worn(
-        self, begin: float, cycles: int, jumps: Jumps | None = None, changes: Changes = None
+        self,
+        begin: float | None = None,
+        cycles: int | None = None,
+        jumps: Jumps | None = None,
+        changes: Changes = None,
     ) -> Iterator[WornCycle]:
         """Wear over many cycles of loads, most of which are passed over; collective.
 
-        The scene's load steps lead to the begin of a cycle, and through it once.
+        They are those of the scene's ``cycles``. Where it has none, its load steps lead to the
+        begin of a cycle, and through it once.
 
         Args:
             begin: Pseudo-time at which the cycle begins, the end of a load step, with the loads of
-                the last one.
-            cycles: How many there are.
+                the last one; by default that of ``cycles``.
+            cycles: How many there are; by default as many as ``cycles`` has.
             jumps: How far cycles may be passed over; by default as far as pressures change by 20 %
                 and depths are off by 1 %.
             changes: As of ``solve``.
@@ -356,7 +362,8 @@ class Study:
         """
         scene, timings = self.changed(changes), Timings()
         with failing_together(self.comm):
-            cycling = WornCycles(self._body_of(scene, timings), scene, begin, jumps or Jumps())
+            once, begin, cycles = one_cycle(scene, begin, cycles)
+            cycling = WornCycles(self._body_of(once, timings), once, begin, jumps or Jumps())
             try:
                 yield from cycling.run(cycles)
             finally:

@@ -12,7 +12,6 @@ import dataclasses
 import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -24,10 +23,10 @@ from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.quantities import contact_points, contact_quantities
 from fenics_contact.problem.existence.condition import require_equilibrium
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.steps import Steps
 from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.simulation.studies.worn_cycle import Jumps, WornCycle
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
@@ -45,61 +44,6 @@ _GROWTH, _SHRINKING = 3.0, 0.2
 _AIM, _TOO_FAR = 0.8, 1.25
 # Of so many jumps each may have its part of the error, where there is hardly any wear left.
 _MANY = 50
-
-
-@dataclass(frozen=True)
-class Jumps:
-    """How far cycles are passed over.
-
-    Attributes:
-        pressure_change: Largest change of a pressure in a jump, over the largest pressure.
-        error: Largest estimated error of the depths at the end of all, over the deepest.
-        fixed: How many cycles further on every next one is, in place of the control; None with it.
-    """
-
-    pressure_change: float = 0.2
-    error: float = 0.01
-    fixed: int | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("pressure_change", "error", "fixed"):
-            value = getattr(self, name)
-            if value is not None and not value > 0:
-                raise InputError(f"{name} = {value}: must be > 0")
-
-
-@dataclass(frozen=True, eq=False)
-class WornCycle:
-    """A cycle that was computed.
-
-    Attributes:
-        number: Of the cycle, from 1.
-        passed_over: How many cycles before it were not computed, since the last one that was.
-        pressure_change: Largest change of a pressure since then, over the largest pressure.
-        errors: Estimated error of all jumps so far: ``worn_volume`` (volume) and
-            ``max_wear_depth`` (length), absolute.
-        friction_work: To the end of the cycle (energy).
-        contacts: Quantities of each contact at its end, in scene order.
-        points: The contact points then.
-    """
-
-    number: int
-    passed_over: int
-    pressure_change: float
-    errors: dict[str, float]
-    friction_work: float
-    contacts: list[dict[str, Any]]
-    points: ContactPoints
-
-    @property
-    def worn_volume(self) -> float:
-        """Of all contacts (volume)."""
-        return float(sum(found.get("worn_volume", 0.0) for found in self.contacts))
-
-    @property
-    def max_wear_depth(self) -> float:
-        """The deepest (length)."""
-        return float(max(found.get("max_wear_depth", 0.0) for found in self.contacts))
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
+    Cycles,
     InputError,
     Jumps,
     Material,
@@ -21,6 +22,7 @@ from fenics_contact import (
     Support,
     Wear,
 )
+from fenics_contact.common.errors import SceneError
 from tests.contact.wear.test_archard import MU, ROUGH, worn
 from tests.scenes import box_body
 from tests.solve.load_steps.histories import dragged
@@ -147,6 +149,19 @@ def test_cycles_of_one_are_those_of_a_run():
     assert found.friction_work == pytest.approx(expected.quantities["friction_work"], rel=0.05)
 
 
+def test_cycles_of_the_scene_are_taken():
+    scene = on_springs(1e-5, law="incremental")
+    said = Cycles(begin=1, end=5, number=6, increments=4, until="end")
+    scene = dataclasses.replace(scene, cycles=said, steps=Steps(times=(1.0, 5.0)))
+    found = list(study_of(scene).worn(jumps=Jumps(fixed=2)))
+    expected = list(study_of(on_springs(1e-5)).worn(1.0, 6, Jumps(fixed=2)))
+    assert [cycle.number for cycle in found] == [1, 3, 5, 6]
+    for one, other in zip(found, expected, strict=True):
+        assert one.worn_volume == pytest.approx(other.worn_volume, rel=1e-9)
+    with pytest.raises(SceneError, match=r"contact\[0\] has a wear.* set until = 'end'"):
+        dataclasses.replace(scene, cycles=dataclasses.replace(said, until="closed"))
+
+
 def test_what_is_no_cycle_is_refused():
     scene = on_springs(1e-6)
     with pytest.raises(InputError, match=r"begin = 0\.5: a cycle begins at the end of a load step"):
@@ -154,5 +169,7 @@ def test_what_is_no_cycle_is_refused():
     smooth = dataclasses.replace(scene, contact=(dataclasses.replace(scene.contact[0], wear=None),))
     with pytest.raises(InputError, match=r"contact\.wear is missing"):
         list(study_of(smooth).worn(1.0, 3))
+    with pytest.raises(InputError, match="the scene has no"):
+        list(study_of(scene).worn())
     with pytest.raises(InputError, match=r"error = -1: must be > 0"):
         Jumps(error=-1)
