@@ -290,6 +290,19 @@ class CountingBulk:
         return self.matrix @ load
 
 
+@pytest.mark.parametrize("nu", [0.3, 0.4999])
+def test_round_off_of_the_bulk_is_that_of_each_product(nu):
+    """20 × machine epsilon × Σ |K_ij| |u_j| over the displacements' rows, of all ranks' cells."""
+    problem = Run(pressed(nu=nu), COMM, box_body((6, 5), (1, 1))).problem
+    stiffness = LocalStiffness(problem.discrete)
+    values = np.sin(1.0 + stiffness.numbers)
+    products = np.abs(stiffness.matrix.toarray()) * np.abs(values)
+    own = products[: len(stiffness.displacements)].sum()
+    expected = 20 * np.finfo(float).eps * COMM.allreduce(own)
+    assert stiffness.round_off(values) == pytest.approx(expected, rel=1e-12)
+    assert stiffness.round_off(2 * values) == pytest.approx(2 * expected, rel=1e-12)
+
+
 def test_combinations_of_known_loads_cost_no_solve():
     bulk = CountingBulk(5)
     loads = CondensedLoads(bulk)
