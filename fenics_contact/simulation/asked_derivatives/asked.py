@@ -9,14 +9,12 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.derivatives import Derivative, Derivatives
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.asked_derivatives.means import Mean, Means
+from fenics_contact.simulation.asked_derivatives.window_answers import edges_of
 from fenics_contact.simulation.sensitivities.derivatives import keys_of
 from fenics_contact.simulation.sensitivities.state_gradients import Quantities
 from fenics_contact.simulation.sensitivities.values import found_in
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
-
-# From cell to cell these are no smooth function of anything: only their means have a meaning.
-_MEANS_ALONE = ("contact_area", "stick_area", "slip_area", "contact_radius", "stick_radius")
 
 
 def keys_asked_of(problem: Problem) -> list[str]:
@@ -50,7 +48,7 @@ def _with_exact(scene: Scene) -> list[str]:
     """Quantities asked for whose discrete answer has a derivative."""
     asked = scene.derivatives
     assert asked is not None
-    return [name for name in asked.of if scene.names.find(name).quantity not in _MEANS_ALONE]
+    return [name for name in asked.of if edges_of(scene.names.find(name).quantity) is None]
 
 
 def asked_derivatives(kept: KeptBody, scene: Scene, keys: Sequence[str]) -> Derivatives:

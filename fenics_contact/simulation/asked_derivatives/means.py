@@ -14,8 +14,18 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.asked_derivatives.drive import driven
-from fenics_contact.simulation.asked_derivatives.window_answers import WindowAnswer, WindowAnswers
-from fenics_contact.simulation.asked_derivatives.windows import Answers, Window, find_window
+from fenics_contact.simulation.asked_derivatives.window_answers import (
+    WindowAnswer,
+    WindowAnswers,
+    edges_of,
+)
+from fenics_contact.simulation.asked_derivatives.windows import (
+    INTERVALS,
+    INTERVALS_OF_AREAS,
+    Answers,
+    Window,
+    find_window,
+)
 from fenics_contact.simulation.sensitivities.derivatives import Derivatives
 from fenics_contact.simulation.sensitivities.values import found_in
 from fenics_contact.simulation.studies.changes import with_changes
@@ -29,6 +39,8 @@ from fenics_contact.simulation.studies.solved_derivatives import (
 Mean = tuple[float, float]
 # A number smaller than this share of what its changes are measured by counts as 0.
 _NOTHING = 1e-3
+# Cells that an edge moves by, from end to end of a window that is as wide as one.
+_A_CELL = 0.8
 
 
 class Means:
@@ -52,6 +64,8 @@ class Means:
     ) -> None:
         self._kept, self._scene, self._names, self._keys = kept, scene, names, keys
         self._with_exact = list(exact.slopes)
+        has_areas = any(edges_of(scene.names.find(name).quantity) for name in names)
+        self._intervals = INTERVALS_OF_AREAS if has_areas else INTERVALS
         self._answers = WindowAnswers(kept, scene)
         self._middle = self._answers.of(scene)
 
@@ -82,11 +96,29 @@ class Means:
         if len(solved) < len(answers):
             return {}
         values = {name: [found.get(name) for found in solved] for name in self._names}
+        known = {name: found for name, found in values.items() if None not in found}
+        first, *_, last = (answer for answer in answers if answer is not None)
         return {
             name: window.mean([value for value in found if value is not None])
-            for name, found in values.items()
-            if None not in found
+            for name, found in known.items()
+            if self._is_averaged(name, first, last)
         }
+
+    def _is_averaged(self, name: str, first: WindowAnswer, last: WindowAnswer) -> bool:
+        """Whether edges move by a cell from end to end of a window, those that bound an area.
+
+        Else an area has jumped there, or it has not: that says nothing of its derivative.
+        """
+        middle, asked = self._middle, self._scene.names.find(name)
+        assert middle is not None
+        edges = edges_of(asked.quantity)
+        if edges is None:
+            return True
+        moved = self._answers.moved(first, last, middle.strips)
+        first_of = [2 * number for number in range(len(self._scene.names.contacts))]
+        if asked.owner:
+            first_of = [2 * self._scene.names.contacts.index(asked.owner)]
+        return all(moved[place + edge] >= _A_CELL for place in first_of for edge in edges)
 
     def _is_of_body(self, key: str, number: float) -> bool:
         """Whether another number makes another body."""
@@ -103,7 +135,7 @@ class Means:
         def moved(one: WindowAnswer, other: WindowAnswer) -> Array:
             return self._answers.moved(one, other, middle.strips)
 
-        return find_window(answers, moved, number, size)
+        return find_window(answers, moved, number, size, self._intervals)
 
     def _size(self, key: str, number: float) -> float:
         """What changes of a number are measured by: itself, or what the answer has of its kind."""

@@ -15,8 +15,8 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.simulation.asked_derivatives.window_answers import WindowAnswer
 
-# Intervals between the answers of a window.
-_INTERVALS = 8
+# Intervals between the answers of a window; and where an area jumps inside of them.
+INTERVALS, INTERVALS_OF_AREAS = 8, 16
 # Half of a window at most, over the size of the number.
 _WIDEST = 0.25
 # Where no edge moves, over the same.
@@ -45,16 +45,19 @@ class Window:
     shares: Array
 
     @classmethod
-    def of_boxes(cls, middle: float, first: float, second: float) -> Window:
+    def of_boxes(
+        cls, middle: float, first: float, second: float, intervals: int = INTERVALS
+    ) -> Window:
         """The window of two boxes.
 
         Args:
             middle: The number.
             first: Width of one box.
             second: Width of the other.
+            intervals: Between its answers.
         """
         half, a, b = (first + second) / 2, first / 2, second / 2
-        offsets = np.linspace(-half, half, _INTERVALS + 1)
+        offsets = np.linspace(-half, half, intervals + 1)
         ramps = [np.maximum(offsets + s, 0.0) ** 2 / 2 for s in (a + b, a - b, b - a, -a - b)]
         below = (ramps[0] - ramps[1] - ramps[2] + ramps[3]) / (4 * a * b)
         return cls(middle + offsets, np.diff(below))
@@ -101,7 +104,9 @@ class Window:
         return np.asarray((self.middles - 0.5 * (self.places[-1] + self.places[0])) / half)
 
 
-def find_window(answers: Answers, moved: Moved, middle: float, size: float) -> Window | None:
+def find_window(
+    answers: Answers, moved: Moved, middle: float, size: float, intervals: int = INTERVALS
+) -> Window | None:
     """The window about a number; collective.
 
     Args:
@@ -109,6 +114,7 @@ def find_window(answers: Answers, moved: Moved, middle: float, size: float) -> W
         moved: How far edges move between answers.
         middle: The number.
         size: What changes of it are measured by, > 0.
+        intervals: Between the answers of the window.
 
     Returns:
         None where no answers are to be had on both sides.
@@ -133,4 +139,4 @@ def find_window(answers: Answers, moved: Moved, middle: float, size: float) -> W
     boxes = [box for box in boxes if box <= 2 * widest] or [min(widest, _STILL * size)]
     first = min(boxes[0], widest)
     second = boxes[-1] if (first + boxes[-1]) / 2 <= widest else first
-    return Window.of_boxes(middle, first, second)
+    return Window.of_boxes(middle, first, second, intervals)

@@ -6,7 +6,19 @@ import json
 import numpy as np
 import pytest
 
-from fenics_contact import InputError, Study, load_scene, main, run
+from fenics_contact import (
+    Contact,
+    HalfSpace,
+    InputError,
+    Material,
+    Obstacle,
+    Scene,
+    Steps,
+    Study,
+    load_scene,
+    main,
+    run,
+)
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.asked.derivatives import AskedDerivatives
 from fenics_contact.simulation.scene_run import Run
@@ -22,6 +34,7 @@ from tests.simulation.sensitivities.test_derivatives import (
     uniform_block,
 )
 from tests.simulation.studies.cases import BALL, DEPTH, MU, ON_A_FLOOR, square
+from tests.solve.load_steps.histories import DRAGGED, PRESSED
 
 RADIUS = "contact.0.obstacle.radius"
 
@@ -60,6 +73,50 @@ def test_of_a_sphere_without_friction_they_are_those_of_hertz():
     discrete = found["normal_force"][RADIUS]
     assert abs(discrete.discrete / expected[RADIUS] - 1) > 0.01
     assert abs(discrete.value - discrete.discrete) <= discrete.spread
+
+
+def cylinder(shift, cells):
+    """A parabola of radius 1 pressed on a half-plane by a force and moved; its cells."""
+    young, ratio, half_width = 1000.0, 0.49, 0.16
+    force = np.pi * young / (1 - ratio**2) * half_width**2 / 4
+    obstacle = Obstacle(
+        "parabola",
+        radius=1,
+        position=(0, 0),
+        force=force,
+        displacement=(shift, 0),
+        path=PRESSED,
+        displacement_path=DRAGGED,
+    )
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(young, ratio),
+        half_space=HalfSpace(("x0", "x1", "y0")),
+        contact=(Contact("y1", obstacle=obstacle, friction_coefficient=0.3, law="incremental"),),
+        steps=Steps(times=(0.5, 1.0)),
+    )
+    body = box_body((cells, cells // 2), (2, 1))
+    points = body.mesh.geometry.x
+    across, down = points[:, 0] - 1, points[:, 1] - 1
+    points[:, 0], points[:, 1] = (np.sinh(4 * x) / np.sinh(4) for x in (across, down))
+    return scene, body, half_width, force
+
+
+def test_the_half_width_that_sticks_follows_the_coefficient_as_cattaneo_has_it():
+    """c = a √(1 − q), q = Q/(μP); of a shift that is given, Q follows the coefficient, too."""
+    scene, body, half_width, force = cylinder(0.008, 60)
+    result = run(
+        asking(scene, ("stick_area", "friction_force_x", "contact_area"), (MU,)), body=body
+    )
+    friction = result.quantities["friction_force"][0]
+    found = {name: slopes[MU].value for name, slopes in result.derivatives.items()}
+    part = friction / (0.3 * force)
+    of_part = found["friction_force_x"] / (0.3 * force) - part / 0.3
+    expected = -half_width / 2 / np.sqrt(1 - part) * of_part
+    assert 0.45 < part < 0.6
+    assert found["stick_area"] / 2 == pytest.approx(expected, rel=0.03)
+    # The edge of contact does not move by a cell: nothing is said of it.
+    assert found["contact_area"] is None
 
 
 def test_where_no_edge_moves_both_are_those_of_the_formula():

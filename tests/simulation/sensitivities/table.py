@@ -50,7 +50,11 @@ def differences(study, of, key, share=3e-4):
     step = share * (abs(number) or 1.0)
     ends = [study.solve({key: number + sign * step}) for sign in (1, -1)]
     values = np.array([[value_of(end, name) for name in of] for end in ends])
-    return (values[0] - values[1]) / (2 * step), ROUND_OFF * np.abs(values).max(axis=0) / step
+    pressed = [contact.quantities["pressure_integral"] for end in ends for contact in end.contacts]
+    forces = ["force" in name or "reaction" in name for name in of]
+    # Of a small force beside large ones, rounding is that of the large ones.
+    sizes = np.maximum(np.abs(values).max(axis=0), np.where(forces, max(pressed), 0.0))
+    return (values[0] - values[1]) / (2 * step), ROUND_OFF * sizes / step
 
 
 def errors(study, of, by):
