@@ -27,6 +27,12 @@ from fenics_contact.scene.values import Value
 from fenics_contact.simulation.sensitivities.values import found_in, unit_of, value_under
 
 _MODULI = ("youngs_modulus", "poissons_ratio")
+# Why numbers have none that answers do follow.
+_WHY = {
+    "mesh": "cells would be others, from which answers jump more than they change; compare runs",
+    "thickness": "stresses do not follow it, and forces are in proportion to it, unless a force is "
+    "given: then stresses are those of a force so many times smaller; derive by the force",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +91,9 @@ class SceneChanges:
             "material": self._of_material,
         }
         if group not in kinds:
-            raise _refused(key, "answers do not follow it smoothly, or not by itself")
+            raise _refused(
+                key, _WHY.get(group, "answers do not follow it smoothly, or not by itself")
+            )
         return kinds[group](key, int(number), rest)
 
     def _of_load(self, key: str, number: int, rest: list[str]) -> Change:

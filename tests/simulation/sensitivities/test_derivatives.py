@@ -10,6 +10,7 @@ from fenics_contact import (
     InputError,
     Load,
     Material,
+    MeshSource,
     Obstacle,
     Profile,
     Scene,
@@ -27,7 +28,7 @@ from fenics_contact.simulation.studies.changes import with_changes
 from tests.scenes import box_body
 from tests.simulation.sensitivities.scenes import NU, OBSTACLE, SAMPLE, TABLE, E
 from tests.simulation.sensitivities.table import errors, study_of
-from tests.simulation.studies.cases import BALL, DEPTH, MU, ON_A_FLOOR, square
+from tests.simulation.studies.cases import BALL, DEPTH, MU, ON_A_FLOOR, of_contact, square
 from tests.solve.condensed.stiff_and_soft import Split
 
 
@@ -171,10 +172,20 @@ def test_all_numbers_that_have_a_derivative_are_found():
         ("normal_force", "contact.0.penalty_parameter", "it is chosen automatically, and held"),
         ("normal_force", "solver.tolerance", "answers do not follow it smoothly"),
         ("normal_force", "support.0.path.time.0", "it is part of a path"),
+        ("normal_force", "thickness", "forces are in proportion to it, unless a force is given"),
+        ("normal_force", "mesh.0.parameters.cells", "cells would be others"),
+        ("normal_force", "contact.0.obstacle.normal.0", "a direction of the obstacle moves"),
     ],
 )
 def test_what_has_no_derivative_is_refused_in_a_sentence(of, by, said):
-    study = Study(ON_A_FLOOR, body=square())
+    scene = dataclasses.replace(
+        ON_A_FLOOR,
+        kinematics="plane stress",
+        thickness=0.5,
+        mesh=(MeshSource("block.geo", parameters={"cells": 4.0}),),
+    )
+    plane = Obstacle("plane", normal=(0.0, 1.0))
+    study = Study(of_contact(scene, obstacle=plane), body=square())
     with pytest.raises(InputError, match=said.replace("(", r"\(")):
         study.derivatives([of], [by])
 
