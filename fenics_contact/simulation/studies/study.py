@@ -30,6 +30,7 @@ from fenics_contact.simulation.studies.solved_derivatives import solved_derivati
 from fenics_contact.simulation.studies.solved_history import History, solved_history
 from fenics_contact.simulation.studies.worn_cycle import Jumps, WornCycle, one_cycle
 from fenics_contact.simulation.studies.worn_cycles import WornCycles
+from fenics_contact.simulation.studies.worn_files import WornFiles
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 
 if TYPE_CHECKING:
@@ -339,6 +340,7 @@ class Study:
         cycles: int | None = None,
         jumps: Jumps | None = None,
         changes: Changes = None,
+        folder: str | Path | None = None,
     ) -> Iterator[WornCycle]:
         """Wear over many cycles of loads, most of which are passed over; collective.
 
@@ -352,6 +354,8 @@ class Study:
             jumps: How far cycles may be passed over; by default as far as pressures change by 20 %
                 and depths are off by 1 %.
             changes: As of ``solve``.
+            folder: Where to write ``wear.csv``, a row a cycle, and ``wear_profiles.csv``, with the
+                contact points of each; whatever ends the run, what was computed is there.
 
         Returns:
             Each cycle that is computed, when it is; the last one is among them.
@@ -359,13 +363,18 @@ class Study:
         Raises:
             InputError: As of ``solve``; or no contact wears, or the cycle is none.
             NotConvergedError: A load step of a cycle.
+            MachineError: A file could not be written.
         """
         scene, timings = self.changed(changes), Timings()
         with failing_together(self.comm):
             once, begin, cycles = one_cycle(scene, begin, cycles)
             cycling = WornCycles(self._body_of(once, timings), once, begin, jumps or Jumps())
             try:
-                yield from cycling.run(cycles)
+                files = None if folder is None else WornFiles(self.comm, Path(folder))
+                for cycle in cycling.run(cycles):
+                    if files is not None:
+                        files.add(cycle)
+                    yield cycle
             finally:
                 cycling.close()
 

@@ -43,6 +43,8 @@ class WornCycle:
         errors: Estimated error of all jumps so far: ``worn_volume`` (volume) and
             ``max_wear_depth`` (length), absolute.
         friction_work: To the end of the cycle (energy).
+        depth_over_width: Deepest wear over half the width that is worn, about a slope; beyond .1
+            the linear theory of gaps ends.
         contacts: Quantities of each contact at its end, in scene order.
         points: The contact points then.
     """
@@ -52,6 +54,7 @@ class WornCycle:
     pressure_change: float
     errors: dict[str, float]
     friction_work: float
+    depth_over_width: float
     contacts: list[dict[str, Any]]
     points: ContactPoints
 

@@ -33,6 +33,7 @@ from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.step_control import FixedPace
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.linear_theory.worn_width import worn_share
 
 logger = logging.getLogger(__name__)
 
@@ -263,7 +264,9 @@ class WornCycles:
             contacts.append(found)
         points = contact_points(self._problem, rates.solution)
         work = before + rates.work
-        return WornCycle(number, passed_over, change, errors, work, contacts, points)
+        pairs = zip(self._contacts, rates.solution.states, strict=True)
+        slope = max(worn_share(contact, state) for contact, state in pairs)
+        return WornCycle(number, passed_over, change, errors, work, slope, contacts, points)
 
 
 @dataclass(frozen=True, eq=False)

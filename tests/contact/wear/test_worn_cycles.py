@@ -1,5 +1,6 @@
 """Wear over many cycles, most of them passed over: against formulas, and against all of them."""
 
+import csv
 import dataclasses
 
 import numpy as np
@@ -23,6 +24,7 @@ from fenics_contact import (
     Wear,
 )
 from fenics_contact.common.errors import SceneError
+from fenics_contact.common.parallel import on_root
 from tests.contact.wear.test_archard import MU, ROUGH, worn
 from tests.scenes import box_body
 from tests.solve.load_steps.histories import dragged
@@ -160,6 +162,33 @@ def test_cycles_of_the_scene_are_taken():
         assert one.worn_volume == pytest.approx(other.worn_volume, rel=1e-9)
     with pytest.raises(SceneError, match=r"contact\[0\] has a wear.* set until = 'end'"):
         dataclasses.replace(scene, cycles=dataclasses.replace(said, until="closed"))
+
+
+def test_tables_of_the_cycles(folder):
+    """They have the cycles that were computed before the last was asked for."""
+    cycles, done = study_of(on_springs(1e-5, **ROUGH)).worn(1.0, 50, folder=folder), []
+    for cycle in cycles:
+        done.append(cycle)
+        if len(done) == 4:
+            break
+    cycles.close()
+
+    def read():
+        with (folder / "wear.csv").open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert [int(row["cycle"]) for row in rows] == [cycle.number for cycle in done]
+        for row, cycle in zip(rows, done, strict=True):
+            assert float(row["worn_volume"]) == pytest.approx(cycle.worn_volume, rel=1e-12)
+            assert float(row["depth_over_width"]) == pytest.approx(cycle.max_wear_depth, rel=1e-9)
+            assert float(row["stick_area"]) == cycle.contacts[0]["stick_area"]
+        with (folder / "wear_profiles.csv").open(newline="") as file:
+            rows = [row for row in csv.DictReader(file) if int(row["cycle"]) == done[-1].number]
+        points = done[-1].points
+        found = [float(row["worn_depth"]) for row in rows]
+        np.testing.assert_allclose(found, points.own["worn_depth"], rtol=1e-12)
+        assert [row["status"] for row in rows] == points.status.tolist()
+
+    on_root(COMM, read)
 
 
 def test_what_is_no_cycle_is_refused():
