@@ -177,7 +177,8 @@ def _spreading(problem: Problem, solution: Solution, edges: Sequence[Edge]) -> A
 def _pull(contact: ContactSurface, state: ContactState) -> Array:
     """Of one contact, at all nodes of its surface, (nodes, components) (force); collective.
 
-    Its traction is the first size at the mean of squared distances from the middle.
+    Its traction is the first size at the mean of squared distances from the middle. None of one
+    that touches in a single point.
     """
     trace, surface, comm = contact.trace, contact.trace.surface, contact.spaces.comm
     share = np.where(state.status != OPEN, trace.weights, 0.0) * trace.owned
@@ -185,6 +186,8 @@ def _pull(contact: ContactSurface, state: ContactState) -> Array:
     area, force, *moments = total(comm, np.array(sums))
     middle = np.array(moments) / area
     mean = total(comm, float(share @ ((trace.coordinates - middle) ** 2).sum(axis=1))) / area
+    if mean == 0:
+        return np.zeros_like(trace.normals_at_nodes)
     away = ((surface.coordinates - middle) ** 2).sum(axis=1) / mean
     pulls = _FIRST * force / area * away[:, None] * trace.normals_at_nodes
     traction = surface.vector_function(pulls, "traction")

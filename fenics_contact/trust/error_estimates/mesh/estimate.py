@@ -1,11 +1,12 @@
 """Errors of a run's quantities by its mesh.
 
-Four things make them. The elements cannot follow the exact displacement: local problems tell by
+Five things make them. The elements cannot follow the exact displacement: local problems tell by
 how much (``local_errors``), and forces that move the solution likewise tell what that does to each
 quantity. The edges of contact and stick lie somewhere inside elements: as the load, or a small
 change of something else, moves them through these, quantities scatter about smooth functions of
 it. A peak of the contact pressure lies between what the penalty makes of gaps and what the bulk
-needs. And facets miss curved surfaces, which changes gaps (``geometry_errors``).
+needs. Facets miss curved surfaces, which changes gaps (``geometry_errors``). And how large a
+contact is that touches in single points, no mesh as coarse tells (``single_points``).
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
 from fenics_contact.trust.error_estimates.mesh.load_scatter import load_scatter
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 from fenics_contact.trust.error_estimates.mesh.pinned_friction import pinned_friction
+from fenics_contact.trust.error_estimates.mesh.single_points import single_point_errors
 from fenics_contact.trust.error_estimates.mesh.torn_corners import torn_errors
 from fenics_contact.trust.error_estimates.solving_again import (
     Measure,
@@ -87,7 +89,8 @@ def mesh_errors(
     scatter = load_scatter(load_steps, measure, recorded)
     curved = geometry_errors(load_steps, measure)
     torn = torn_errors(load_steps, measure)
-    if changes is None or scatter is None or curved is None or torn is None:
+    points = single_point_errors(load_steps, measure)
+    if changes is None or scatter is None or curved is None or torn is None or points is None:
         return None, local
     for name, error in local.at_points().items():
         changes[name] += error
@@ -95,12 +98,14 @@ def mesh_errors(
     changes |= {name: part * energy for name, part in _ENERGIES.items() if name in changes}
     for key in _frictional_works(problem) & changes.keys():
         changes[key] += energy
-    known = changes.keys() & scatter.keys() & curved.keys() & torn.keys()
+    known = changes.keys() & scatter.keys() & curved.keys() & torn.keys() & points.keys()
     found = {
         key: _LOCAL * changes[key] + _SCATTER * scatter[key] + _CURVED * curved[key] + torn[key]
         for key in changes
         if key in known
     }
+    for key in found:
+        found[key] += points[key]
     for key, unknown in _beside_pinned(problem, solution).items():
         if key in found:
             found[key] += unknown

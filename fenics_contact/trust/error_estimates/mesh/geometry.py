@@ -84,16 +84,22 @@ def _again(
             problem.disturbance = forces.nodal / time
             problem.set_time(time)
         for (contact, one), gap in zip(gaps, before, strict=True):
-            _set_gap(contact, gap - one)
+            set_gap(contact, gap - one)
 
     try:
         return last_step_again(load_steps, measure, narrow)
     finally:
         for (contact, _), gap in zip(gaps, before, strict=True):
-            _set_gap(contact, gap)
+            set_gap(contact, gap)
 
 
-def _set_gap(contact: ContactSurface, gap: Array) -> None:
+def set_gap(contact: ContactSurface, gap: Array) -> None:
+    """Give a contact other gaps at its points.
+
+    Args:
+        contact: The contact.
+        gap: Of the undeformed body (length).
+    """
     contact.kinematics.gap = gap
     contact.normal.set_gap(gap)
 
