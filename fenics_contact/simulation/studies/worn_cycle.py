@@ -17,7 +17,8 @@ class Jumps:
 
     Attributes:
         pressure_change: Largest change of a pressure in a jump, over the largest pressure.
-        error: Largest estimated error of the depths at the end of all, over the deepest.
+        error: About the largest estimated error at the end of all: of the depths over the deepest,
+            and of the volume over itself.
         fixed: How many cycles further on every next one is, in place of the control; None with it.
     """
 

@@ -218,10 +218,11 @@ class WornCycles:
                 number, guessed.end, [h + 0.5 * (ahead - 1) * (new - old) for h, old, new in both]
             )
         errors = self._errors(earlier, rates, guessed, found)
-        rate = max(largest(self._comm, depth) for depth in rates.depths)
-        deepest = max(largest(self._comm, depth) for depth in found.begin)
-        allowed = self._jumps.error * max(ahead * rate, deepest / _MANY)
-        wrong = errors["max_wear_depth"] / allowed if allowed > 0 else 0.0
+        in_cycle, so_far = self._sizes(rates.depths), self._sizes(found.begin)
+        wrong = 0.0
+        for name, error in errors.items():
+            allowed = self._jumps.error * max(ahead * in_cycle[name], so_far[name] / _MANY)
+            wrong = max(wrong, error / allowed if allowed > 0 else 0.0)
         excess = max(change / self._jumps.pressure_change, np.sqrt(wrong))
         return _Ahead(guessed, found, change, errors, float(excess))
 
@@ -230,16 +231,23 @@ class WornCycles:
     ) -> dict[str, float]:
         """Estimated, of a jump: of the volume, and the largest of the depths."""
         ahead, back = found.number - rates.number, rates.number - earlier.number
-        volume = deepest = 0.0
+        off: list[Array] = []
         of_depths = (one.depths for one in (earlier, rates, guessed, found))
-        for contact, before, now, guess, then in zip(self._contacts, *of_depths, strict=True):
-            off = 0.5 * (ahead - 1) * np.abs(then - guess)
+        for before, now, guess, then in zip(*of_depths, strict=True):
+            by_guess = 0.5 * (ahead - 1) * np.abs(then - guess)
+            bend = np.zeros_like(by_guess)
             if back > 0:
                 bend = ((then - now) / ahead - (now - before) / back) / (ahead + back)
-                off += ahead * (ahead**2 - 1) / 6 * np.abs(bend)
-            volume += float(contact.trace.integral(off))
-            deepest = max(deepest, largest(self._comm, off))
-        return {"worn_volume": volume, "max_wear_depth": deepest}
+            off.append(by_guess + ahead * (ahead**2 - 1) / 6 * np.abs(bend))
+        return self._sizes(off)
+
+    def _sizes(self, depths: list[Array]) -> dict[str, float]:
+        """Volume of depths of each contact, and the largest of them."""
+        pairs = list(zip(self._contacts, depths, strict=True))
+        return {
+            "worn_volume": sum(float(one.trace.integral(depth)) for one, depth in pairs),
+            "max_wear_depth": max(largest(self._comm, depth) for depth in depths),
+        }
 
     def _next_size(self, found: _Ahead, ahead: int) -> int:
         """How many cycles further on the next one that is computed is thought to be."""
