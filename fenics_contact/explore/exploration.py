@@ -83,7 +83,8 @@ class Exploration:
         self.address = f"http://{shown}:{self._server.port}/{token}/"
         self.is_local = access.is_local
         if self._loop is not None:
-            self._loop.call_soon(self._begin)
+            # Cells go on, so there the page alone says why there is no answer.
+            self._loop.call_soon(self._begin, self._explorer.follow)
 
     def serve(self, until: Callable[[], bool] = lambda: False) -> None:
         """Answer the page until Ctrl-C; by one thread only.
@@ -92,10 +93,12 @@ class Exploration:
             until: Whether to end, asked now and then.
 
         Raises:
+            InputError: The scene as it is has no equilibrium.
+            NotConvergedError: It has no answer.
             KeyboardInterrupt: Ctrl-C was pressed.
             MachineError: The machine failed.
         """
-        self._begin()
+        self._begin(self._explorer.begin)
         while not until():
             found = self._exchange.take(_WAIT)
             if found is not None:
@@ -121,7 +124,7 @@ class Exploration:
         """To a page that was opened: how far all is, or where it begins."""
         return self._greeting
 
-    def _begin(self) -> None:
+    def _begin(self, answer: Callable[[Mapping[str, Any]], Iterator[Message]]) -> None:
         """Find where pages begin, whether one is there or not."""
         if self._has_begun:
             return
@@ -129,7 +132,7 @@ class Exploration:
         start = {one.key: one.taken(one.start) for one in self.keys}
         found = []
         with self._failing(), self._telling():
-            for message in self._explorer.follow(start):
+            for message in answer(start):
                 found.append(with_number(message, 0))
                 self._server.send_all(found[-1])
         self._greeting = found

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.errors import InputError
+from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.explore.messages import Message
 from fenics_contact.explore.rows import Numbers, rows_of
 from fenics_contact.explore.shape import Shape
@@ -57,15 +57,27 @@ class Explorer:
         Raises:
             MachineError: The machine failed.
         """
-        start = time.perf_counter()
         try:
-            answer = self._study.quantities(changes, follow=True, checks=False)
-            if answer.converged and answer.points is not None:
-                yield from self._quick(answer, answer.points, changes, start)
-            else:
-                yield _nothing(answer.said)
-        except InputError as error:
+            yield from self.begin(changes)
+        except (InputError, NotConvergedError) as error:
             yield _nothing(str(error))
+
+    def begin(self, changes: Mapping[str, Any]) -> Iterator[Message]:
+        """The same, where without an answer there is nothing to go on from.
+
+        Args:
+            changes: As of ``follow``.
+
+        Raises:
+            InputError: The scene cannot be used, or has no equilibrium.
+            NotConvergedError: There is no answer.
+            MachineError: The machine failed.
+        """
+        start = time.perf_counter()
+        answer = self._study.quantities(changes, follow=True, checks=False)
+        if not answer.converged or answer.points is None:
+            raise NotConvergedError(answer.said)
+        yield from self._quick(answer, answer.points, changes, start)
 
     def solve(self, changes: Mapping[str, Any], stopped: Callable[[], bool]) -> Iterator[Message]:
         """The whole answer, with checks and bars; nothing if it was stopped.

@@ -11,6 +11,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import InputError, Study, main
+from fenics_contact.explore.requests import Exchange
 from tests.scenes import ROOT, slab
 
 SLAB = str(ROOT / "demos" / "slab.toml")
@@ -47,6 +48,40 @@ def test_what_cannot_be_explored_is_said(capsys, tmp_path):
         port = str(taken.getsockname()[1])
         assert f"--port {port}: another program listens there" in refused(capsys, "--port", port)
     assert "not an address of this machine" in refused(capsys, "--host", "192.0.2.1")
+
+
+@pytest.fixture
+def own_scene(tmp_path, monkeypatch):
+    """A block that is pressed on a rough floor, and pulled along it."""
+    monkeypatch.chdir(tmp_path)
+    main(["new", "own", "--quiet"])
+    return "own.toml"
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("setting", "code", "words"),
+    [
+        ("contact.0.friction_coefficient=1e-3", 2, "no equilibrium at time 1.5: the supports"),
+        ("solver.max_iterations=1", 3, "the Newton steps allowed were used up"),
+    ],
+)
+def test_a_scene_without_an_answer_ends_it_as_a_run(
+    setting, code, words, own_scene, monkeypatch, capsys
+):
+    def ended(*_):
+        raise KeyboardInterrupt  # were it to serve, it would end with 0
+
+    monkeypatch.setattr(Exchange, "take", ended)
+    before = signal.getsignal(signal.SIGTERM)
+    try:
+        assert main(["explore", own_scene, "--no-browser", "--quiet", "--set", setting]) == code
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    said = capsys.readouterr().err.strip()
+    assert words in said and len(said.splitlines()) == 1
+    assert main(["explore", own_scene, "--no-browser", "--quiet"]) == 0
+    signal.signal(signal.SIGTERM, before)
 
 
 @pytest.mark.serial

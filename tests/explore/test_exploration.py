@@ -22,7 +22,9 @@ from fenics_contact import (
     load_scene,
     main,
 )
+from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.explore.exploration import Exploration
+from fenics_contact.explore.explorer import Explorer
 from tests.explore.talking import row, talk
 from tests.scenes import ROOT, box_body
 from tests.simulation.studies.cases import square
@@ -156,15 +158,19 @@ def test_without_equilibrium_the_page_says_so_and_goes_on(own, alone):
 
 def test_no_convergence_is_said_in_words(own, alone):
     few = dataclasses.replace(own, solver=dataclasses.replace(own.solver, max_iterations=1))
+    explorer, changes = Explorer(alone(few)), {"load.0.pressure": 12}
+    for found in (explorer.follow(changes), explorer.solve(changes, lambda: False)):
+        (message,) = found
+        assert message.kind == "nothing"
+        assert len(message.header["said"][0]) > 20
+
+
+def test_where_a_scene_as_it_is_has_no_answer_the_page_ends(own, alone):
+    few = dataclasses.replace(own, solver=dataclasses.replace(own.solver, max_iterations=1))
     exploration = Exploration(alone(few))
-
-    async def conversation(page):
-        said = await page.until("nothing", 0)
-        await page.ask(1, "solve", load__0__pressure=12)
-        return said, await page.until("nothing", 1)
-
-    for answer in talk(exploration, conversation):
-        assert len(answer["said"][0]) > 20
+    with pytest.raises(NotConvergedError, match="Newton steps allowed were used up"):
+        exploration.serve()
+    exploration.close()
 
 
 def test_a_followed_branch_is_named(alone):

@@ -27,7 +27,9 @@ def explore(options: argparse.Namespace) -> int:
         options: Of the command line.
 
     Raises:
-        InputError: The scene, a key or the address cannot be used, or there are several ranks.
+        InputError: The scene, a key or the address cannot be used, or there are several ranks; or
+            the scene as it is has no equilibrium.
+        NotConvergedError: It has no answer.
         MachineError: The machine failed.
     """
     ranks = MPI.COMM_WORLD.size

@@ -1,4 +1,4 @@
-"""A scene with other values: keys as on the command line, values as in Python."""
+"""A scene with other values for a study: keys as on the command line, values as in Python."""
 
 from __future__ import annotations
 
@@ -36,6 +36,19 @@ def with_changes(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     changed = _changed(scene, tree, "")
     assert isinstance(changed, Scene)
     return changed
+
+
+def refuse_accuracy(scene: Scene) -> None:
+    """One that asks for an accuracy has its own meshes.
+
+    Raises:
+        InputError: It does.
+    """
+    if scene.accuracy is not None:
+        raise InputError(
+            "accuracy: a study keeps one mesh for all answers; leave accuracy out, and look at the "
+            "error bars"
+        )
 
 
 @dataclasses.dataclass(frozen=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 
 from fenics_contact.body.description import BodyDescription
@@ -10,12 +12,13 @@ from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.evaluate.rows_of_body import RowsOfBody
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.discrete_body import DiscreteBody
+from fenics_contact.problem.existence.condition import require_equilibrium
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.studies.saved_body import SavedBody
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
-from fenics_contact.solve.condensed.condensed_system import acting_sides
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem, acting_sides
 
 
 class KeptBody:
@@ -75,6 +78,28 @@ class KeptBody:
             saved.give_to(self.condensed)
         self.saved = None
         return self.condensed
+
+    @contextmanager
+    def solving(
+        self, scene: Scene, timings: Timings
+    ) -> Iterator[tuple[CondensedSystem, CondensedBody]]:
+        """A scene on the body while it is solved, and the body condensed; collective.
+
+        Args:
+            scene: Whose body it is.
+            timings: Seconds so far.
+
+        Raises:
+            InputError: The scene cannot be used, or has no equilibrium.
+        """
+        problem = Problem(scene, self.discrete, timings, by_points=True)
+        require_equilibrium(problem)
+        body = self.condense(problem, timings)
+        system = CondensedSystem(problem, timings, body)
+        try:
+            yield system, body
+        finally:
+            system.destroy()
 
     def make_rows(self) -> None:
         """Make those that quick answers of the last problem ask for; collective."""

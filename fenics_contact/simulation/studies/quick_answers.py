@@ -11,7 +11,6 @@ from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.condensed_forces import CondensedForces
 from fenics_contact.evaluate.quantities import contact_points
-from fenics_contact.problem.existence.condition import require_equilibrium
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
@@ -123,14 +122,8 @@ class QuickAnswers:
             MachineError: The machine failed.
         """
         timings = Timings()
-        problem = Problem(scene, self._kept.discrete, timings, by_points=True)
-        require_equilibrium(problem)
-        body = self._kept.condense(problem, timings)
-        system = CondensedSystem(problem, timings, body)
-        try:
+        with self._kept.solving(scene, timings) as (system, body):
             return self._solved(system, body, timings, follow, checks, watch)
-        finally:
-            system.destroy()
 
     def _solved(
         self,

@@ -7,6 +7,7 @@ and of what is held and touches it has digests.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,9 @@ from fenics_contact.common.parallel import gather_rows, on_root
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.discrete_body import DiscreteBody
+from fenics_contact.scene.reading import scene_of_text
+from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.writing import scene_text
 from fenics_contact.simulation.restart import fingerprint
 from fenics_contact.simulation.restart.node_keys import NodalKeys
 from fenics_contact.simulation.restart.row_tables import Rows, SavedTables, write
@@ -198,3 +202,14 @@ class SavedBody:
 
 def _keys_of(discrete: DiscreteBody) -> NodalKeys:
     return NodalKeys(discrete.spaces.body.mesh, discrete.spaces.displacement_space.dofmap)
+
+
+def text_of(scene: Scene) -> str:
+    """A scene as TOML, its meshes from anywhere; empty if no file can have all of it."""
+    meshes = [dataclasses.replace(mesh, file=str(Path(mesh.file).resolve())) for mesh in scene.mesh]
+    placed = dataclasses.replace(scene, mesh=tuple(meshes))
+    text = scene_text(placed)
+    try:
+        return text if scene_of_text(text, Path("scene.toml")) == placed else ""
+    except InputError:
+        return ""

@@ -7,8 +7,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from fenics_contact.common.timings import Timings
-from fenics_contact.problem.existence.condition import require_equilibrium
-from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.sensitivities.derivatives import Derivatives, derivatives
 from fenics_contact.simulation.sensitivities.kinks import has_kink
@@ -86,21 +84,16 @@ def solved_scene(kept: KeptBody, scene: Scene) -> Iterator[SolvedScene]:
         NotConvergedError: There is no answer.
     """
     timings = Timings()
-    problem = Problem(scene, kept.discrete, timings, by_points=True)
-    require_equilibrium(problem)
-    system = CondensedSystem(problem, timings, kept.condense(problem, timings))
-    try:
+    with kept.solving(scene, timings) as (system, _):
         steps: list[AcceptedStep] = []
         kinks: list[bool] = []
 
         def accepted(time: float, solution: Solution) -> None:
             assert load_steps.last is not None
             steps.append(load_steps.last)
-            kinks.append(has_kink(problem, solution))
+            kinks.append(has_kink(system.problem, solution))
 
-        load_steps = LoadSteps(Newton(problem, system, timings), accepted)
+        load_steps = LoadSteps(Newton(system.problem, system, timings), accepted)
         load_steps.finds_body = False
         load_steps.solve()
         yield SolvedScene(load_steps, system, steps, any(kinks))
-    finally:
-        system.destroy()

@@ -17,7 +17,6 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.point_gradients import GivenChange
 from fenics_contact.evaluate.condensed_forces import CondensedForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.problem.existence.condition import require_equilibrium
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check
@@ -26,7 +25,6 @@ from fenics_contact.simulation.sensitivities.history_slopes import history_slope
 from fenics_contact.simulation.sensitivities.scene_changes import Change, SceneChanges
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies.kept_body import KeptBody
-from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.newton import Newton
@@ -80,11 +78,8 @@ def solved_history(
         NotConvergedError: There is no answer.
     """
     timings = Timings()
-    problem = Problem(scene, kept.discrete, timings, by_points=True)
-    require_equilibrium(problem)
-    body = kept.condense(problem, timings)
-    system = CondensedSystem(problem, timings, body)
-    try:
+    with kept.solving(scene, timings) as (system, body):
+        problem = system.problem
         steps: list[AcceptedStep] = []
 
         def forces_of(solution: Solution) -> CondensedForces:
@@ -112,8 +107,6 @@ def solved_history(
             {} if errors is None else errors.along(found),
             checks,
         )
-    finally:
-        system.destroy()
 
 
 def _changes(

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
-import logging
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
 
-from fenics_contact.body.description import BodyDescription
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import failing_together
@@ -19,24 +16,21 @@ from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
 from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.writing import scene_text
-from fenics_contact.simulation.scene_run import Run, mesh_of
+from fenics_contact.simulation.scene_run import Run
 from fenics_contact.simulation.sensitivities.derivatives import Derivatives
-from fenics_contact.simulation.studies.changes import with_changes
+from fenics_contact.simulation.studies.body_of_study import BodyOfStudy
+from fenics_contact.simulation.studies.changes import refuse_accuracy, with_changes
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
-from fenics_contact.simulation.studies.saved_body import SavedBody, save_body
+from fenics_contact.simulation.studies.saved_body import SavedBody, save_body, text_of
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
 from fenics_contact.simulation.studies.solved_history import History, solved_history
 from fenics_contact.simulation.studies.worn_cycle import Jumps, WornCycle, one_cycle
 from fenics_contact.simulation.studies.worn_cycles import WornCycles
 from fenics_contact.simulation.studies.worn_files import WornFiles
-from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 
 if TYPE_CHECKING:
     from fenics_contact import Exploration, Objective
-
-logger = logging.getLogger(__name__)
 
 # Other values of a scene's keys; a whole scene; or nothing.
 Changes = Mapping[str, Any] | Scene | None
@@ -82,15 +76,11 @@ class Study:
     def __init__(
         self, scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None
     ) -> None:
-        _refuse_accuracy(scene)
+        refuse_accuracy(scene)
         self.scene, self.comm = scene, comm
         self.run: Run | None = None
-        self._mesh, self._own_mesh = body, body is not None
-        self._mesh_of = mesh_key(scene)
-        self._kept: KeptBody | None = None
+        self._body = BodyOfStudy(comm, body)
         self._quick: QuickAnswers | None = None
-        self._factors = KnownFactors()
-        self._before = 0  # factorisations of bodies that are gone
 
     @classmethod
     def load(
@@ -123,7 +113,7 @@ class Study:
                     "scene"
                 )
             study = cls(scene or scene_of_text(saved.scene, path), comm, body)
-            kept = study._body_of(study.scene, Timings())
+            kept = study._body_of(study.scene)
             saved.require_fit(kept.discrete.description, kept.discrete.spaces.body)
             kept.saved = saved
         return study
@@ -138,17 +128,17 @@ class Study:
             InputError: Nothing was solved yet, or a stabilisation holds the body.
             MachineError: The file could not be written; what was there stays.
         """
-        path = Path(file)
-        if self._kept is None or self._kept.condensed is None:
+        path, kept = Path(file), self._body.kept
+        if kept is None or kept.condensed is None:
             raise InputError(f"{path}: solve before saving: no body is condensed yet")
         with failing_together(self.comm):
-            self._kept.make_rows()
-            save_body(path, self._kept.condensed, _text_of(self.scene))
+            kept.make_rows()
+            save_body(path, kept.condensed, text_of(self.scene))
 
     @property
     def factorisations(self) -> int:
         """How often a body was factorised."""
-        return self._before + (0 if self._kept is None else self._kept.factorisations)
+        return self._body.factorisations
 
     def changed(self, changes: Changes = None) -> Scene:
         """The scene with other values.
@@ -161,7 +151,7 @@ class Study:
             InputError: A key is none of the scene, or the scene cannot have such a value.
         """
         found = changes if isinstance(changes, Scene) else with_changes(self.scene, changes or {})
-        _refuse_accuracy(found)
+        refuse_accuracy(found)
         return found
 
     def other_parts(self, changes: Mapping[str, Any]) -> list[str]:
@@ -170,10 +160,7 @@ class Study:
         Args:
             changes: As of ``changed``.
         """
-        scene = self.changed(changes)
-        found = list(BodyDescription.of(self.scene).differences(BodyDescription.of(scene)))
-        same_mesh = self._own_mesh or mesh_key(scene) == mesh_key(self.scene)
-        return found if same_mesh else ["mesh", *found]
+        return self._body.differences(self.scene, self.changed(changes))
 
     def solve(self, changes: Changes = None) -> Result:
         """Solve and evaluate the scene with other values; collective.
@@ -215,9 +202,9 @@ class Study:
             InputError: As of ``solve``.
             MachineError: Likewise.
         """
-        scene, timings = self.changed(changes), Timings()
+        scene = self.changed(changes)
         with failing_together(self.comm):
-            kept = self._body_of(scene, timings)
+            kept = self._body_of(scene)
             if self._quick is None:
                 self._quick = QuickAnswers(kept)
             return self._quick.answer(scene, follow, checks)
@@ -286,9 +273,9 @@ class Study:
             NotConvergedError: There is no answer.
             MachineError: As of ``solve``.
         """
-        scene, timings = self.changed(changes), Timings()
+        scene = self.changed(changes)
         with failing_together(self.comm):
-            return solved_derivatives(self._body_of(scene, timings), scene, of, by).slopes
+            return solved_derivatives(self._body_of(scene), scene, of, by).slopes
 
     def objective(
         self, of: str, by: Sequence[str], changes: Mapping[str, Any] | None = None
@@ -330,9 +317,9 @@ class Study:
             NotConvergedError: There is no answer.
             MachineError: As of ``solve``.
         """
-        scene, timings = self.changed(changes), Timings()
+        scene = self.changed(changes)
         with failing_together(self.comm):
-            return solved_history(self._body_of(scene, timings), scene, of, by, is_judged, is_whole)
+            return solved_history(self._body_of(scene), scene, of, by, is_judged, is_whole)
 
     def worn(
         self,
@@ -365,10 +352,10 @@ class Study:
             NotConvergedError: A load step of a cycle.
             MachineError: A file could not be written.
         """
-        scene, timings = self.changed(changes), Timings()
+        scene = self.changed(changes)
         with failing_together(self.comm):
             once, begin, cycles = one_cycle(scene, begin, cycles)
-            cycling = WornCycles(self._body_of(once, timings), once, begin, jumps or Jumps())
+            cycling = WornCycles(self._body_of(once), once, begin, jumps or Jumps())
             try:
                 files = None if folder is None else WornFiles(self.comm, Path(folder))
                 for cycle in cycling.run(cycles):
@@ -391,66 +378,18 @@ class Study:
         Raises:
             InputError: As of ``solve``.
         """
-        scene, timings = self.changed(changes), Timings()
+        scene = self.changed(changes)
         with failing_together(self.comm):
-            kept = self._body_of(scene, timings)
+            kept = self._body_of(scene)
         return Run(scene, self.comm, kept=kept)
 
-    def _body_of(self, scene: Scene, timings: Timings) -> KeptBody:
-        """That of a scene, made anew if the last one was another; collective."""
-        description, kept = BodyDescription.of(scene), self._kept
-        same_mesh = self._own_mesh or mesh_key(scene) == self._mesh_of
-        if kept is not None:
-            other = list(kept.discrete.description.differences(description))
-            other += [] if same_mesh else ["mesh"]
-            if not other:
-                return kept
-            logger.info("the body is made anew: other %s", ", ".join(other))
-            self._forget_body()
-        if self._mesh is None or not same_mesh:
-            self._mesh = mesh_of(scene, self.comm, timings)
-            self._mesh_of = mesh_key(scene)
-        self._kept = KeptBody(scene, self._mesh, timings, self._factors)
-        return self._kept
-
-    def _forget_body(self) -> None:
-        assert self._kept is not None
-        self._before += self._kept.factorisations
-        self._kept.close()
-        self._kept = self._quick = None
-        self.run = None
+    def _body_of(self, scene: Scene) -> KeptBody:
+        """That of a scene; answers of another one tell nothing of it; collective."""
+        before, found = self._body.kept, self._body.of(scene, Timings())
+        if found is not before:
+            self._quick = self.run = None
+        return found
 
     def close(self) -> None:
         """Free the factorisation; the next answer makes another one."""
-        if self._kept is not None:
-            self._kept.close()
-        self._factors.destroy()
-
-
-def mesh_key(scene: Scene) -> Sequence[object]:
-    """What the mesh of a scene depends on: its files, and where preloads have bodies cut."""
-    return scene.mesh, [(p.on, p.axis, p.between) for p in scene.preload if p.between is not None]
-
-
-def _refuse_accuracy(scene: Scene) -> None:
-    """One that asks for an accuracy has its own meshes.
-
-    Raises:
-        InputError: It does.
-    """
-    if scene.accuracy is not None:
-        raise InputError(
-            "accuracy: a study keeps one mesh for all answers; leave accuracy out, and look at the "
-            "error bars"
-        )
-
-
-def _text_of(scene: Scene) -> str:
-    """A scene as TOML, its meshes from anywhere; empty if no file can have all of it."""
-    meshes = [dataclasses.replace(mesh, file=str(Path(mesh.file).resolve())) for mesh in scene.mesh]
-    placed = dataclasses.replace(scene, mesh=tuple(meshes))
-    text = scene_text(placed)
-    try:
-        return text if scene_of_text(text, Path("scene.toml")) == placed else ""
-    except InputError:
-        return ""
+        self._body.close()

@@ -17,8 +17,9 @@ from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.adaptive.levels import AdaptiveRun
 from fenics_contact.simulation.scene_run import Run
+from fenics_contact.simulation.studies.body_of_study import mesh_key
 from fenics_contact.simulation.studies.quick_answers import Answer
-from fenics_contact.simulation.studies.study import Study, mesh_key
+from fenics_contact.simulation.studies.study import Study
 from fenics_contact.simulation.sweeps.journal import Done
 from fenics_contact.simulation.sweeps.rows import row_of, row_of_quick, states_of
 from fenics_contact.simulation.sweeps.shared_meshes import SharedMeshes

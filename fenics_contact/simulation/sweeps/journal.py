@@ -24,6 +24,7 @@ import numpy as np
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.atomic_files import append, make_folder, replace_file, replaced_file
 from fenics_contact.common.errors import InputError, MachineError, StoppedError
+from fenics_contact.simulation.sweeps.folder_lock import FolderLock
 from fenics_contact.simulation.sweeps.tables import clear
 
 logger = logging.getLogger(__name__)
@@ -84,6 +85,7 @@ class Journal:
     Attributes:
         path: Of the file.
         is_there: Whether there is one of this sweep.
+        lock: Held while the sweep goes on.
 
     Args:
         folder: Of the sweep.
@@ -91,6 +93,7 @@ class Journal:
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / NAME
+        self.lock = FolderLock(folder)
         self._waiting: list[bytes] = [_record(json.dumps(_made_by()).encode())]
         self.is_there = False
 
@@ -101,8 +104,10 @@ class Journal:
             known: Digest → number of every point.
 
         Raises:
-            InputError: It is of another sweep or another version, or damaged.
+            InputError: It is of another sweep or another version, or damaged; or another sweep is
+                being solved there.
         """
+        self.lock.take()
         if not self.path.exists():
             logger.info("there is no '%s' to resume from: beginning at the start", self.path)
             return {}
@@ -131,6 +136,7 @@ class Journal:
             content: The same, packed.
 
         Raises:
+            InputError: Another sweep has begun in the folder meanwhile.
             MachineError: The file could not be written; what was there stays.
         """
         self._waiting.append(_record(content))
@@ -138,6 +144,7 @@ class Journal:
             return
         if not self.is_there:
             make_folder(self.path.parent)
+            self.lock.take()
             clear(self.path.parent)
             replace_file(self.path, b"")
             self.is_there = True

@@ -13,7 +13,7 @@ from fenics_contact.body.description import BodyDescription
 from fenics_contact.common.errors import InputError
 from fenics_contact.scene.reading import SceneFile
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.studies.study import mesh_key
+from fenics_contact.simulation.studies.body_of_study import mesh_key
 from fenics_contact.simulation.sweeps.grid import Grid
 
 

@@ -36,7 +36,7 @@ class Sweep:
 
     Raises:
         InputError: A setting is wrong, or no point has a scene; or what is to be resumed is another
-            sweep.
+            sweep, or still being solved.
     """
 
     def __init__(
@@ -82,7 +82,8 @@ class Sweep:
             stopped: Whether the user asked to stop.
 
         Raises:
-            InputError: No point can be solved; as a run of the first would say. Nothing is written.
+            InputError: No point can be solved; as a run of the first would say. Or another sweep is
+                being solved in the folder. Nothing is written.
             StoppedError: The user asked to stop.
             MachineError: The machine failed.
         """
@@ -91,11 +92,13 @@ class Sweep:
             self.done[number] = done
             announce(number, done)
 
+        self._journal.lock.take()
         try:
             Leader(self.points, self._journal, note, stopped).solve(self.groups, jobs)
         finally:
             if self.has_files:
                 self._write()
+            self._journal.lock.give_up()
         if not self.has_files:
             raise InputError(self.done[min(self.done)].said)
 

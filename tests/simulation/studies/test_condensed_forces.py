@@ -30,7 +30,7 @@ def solved(name):
     scene, make, _ = CASES[name]
     study = Study(scene, COMM, make())
     assert study.solve({"solver.errors": "none", **CHANGES.get(name, {})}).converged
-    dofs = study._kept.condensed.dofs
+    dofs = study._body.kept.condensed.dofs
     displacement = study.run.solution.displacement
     position = dofs.gathered(displacement.reshape(-1))[dofs.is_free]
     return study, position, study.run.last.scalars
@@ -38,7 +38,7 @@ def solved(name):
 
 def inside(study, position, scalars):
     """The fields of the body where contact dofs and scalars are given."""
-    problem, body = study.run.problem, study._kept.condensed
+    problem, body = study.run.problem, study._body.kept.condensed
     supported, load = prescribed(problem), 0.0
     far = [u for u in problem.unknowns if u.column is not None]
     for value, unknown in zip(scalars, far, strict=False):
@@ -64,7 +64,7 @@ def both(study, solution, position, scalars):
     states = problem.preload_states(found.displacement) if problem.preloads else ()
     whole = dataclasses.replace(solution, find_body=lambda: found, preloads=states)
     given = dataclasses.replace(solution, find_body=None, preloads=states)
-    body = study._kept.condensed
+    body = study._body.kept.condensed
     return BulkForces(problem, whole), CondensedForces(problem, given, body, position, scalars)
 
 

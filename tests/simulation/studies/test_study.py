@@ -381,7 +381,7 @@ def test_a_wrong_compliance_of_the_contacts_is_noticed():
     study = Study(ON_A_FLOOR, COMM, square())
     assert study.quantities().passed
     study.forget_answer()
-    body = study._kept.condensed
+    body = study._body.kept.condensed
     if COMM.rank == 0:
         body.bulk.schur *= 1.001
         body._of_schur = None

@@ -6,6 +6,8 @@ import logging
 import os
 import re
 import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from fenics_contact import InputError, load_scene, main, run
 from fenics_contact.common.errors import MachineError, StoppedError
 from fenics_contact.scene.reading import SceneFile
 from fenics_contact.simulation.sweeps import journal, leader
+from fenics_contact.simulation.sweeps.folder_lock import FolderLock
 from fenics_contact.simulation.sweeps.journal import Done
 from fenics_contact.simulation.sweeps.processes import DiedError
 from fenics_contact.simulation.sweeps.rows import row_of
@@ -81,6 +84,55 @@ def test_the_table_has_a_row_for_each_point_as_run_gives_it(scene, tmp_path):
         "bulk_factorisations": 1,
         "failures": {},
     }
+
+
+_HOLDS = """
+import sys, time
+from pathlib import Path
+from fenics_contact.simulation.sweeps.folder_lock import FolderLock
+lock = FolderLock(Path(sys.argv[1]))
+lock.take()
+print("held", flush=True)
+time.sleep(600)
+"""
+
+
+def test_a_folder_has_one_sweep_at_a_time(scene, tmp_path):
+    """Another one is refused, and writes nothing; a sweep that was killed is in nobody's way."""
+    out = tmp_path / "out"
+    swept(scene, [f"{MU}=0.2,0.3"], out)
+    before = {path.name: path.read_bytes() for path in out.iterdir()}
+    command = [sys.executable, "-c", _HOLDS, str(out)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdout.readline() == "held\n"
+        for resume in (False, True):
+            with pytest.raises(InputError, match="another sweep is being solved there") as caught:
+                swept(scene, [f"{MU}=0.2,0.3,0.4"], out, resume=resume)
+            assert "\n" not in str(caught.value)
+        assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+        other.kill()
+    _, solved = swept(scene, [f"{MU}=0.2,0.3,0.4"], out, resume=True)
+    assert solved == [2]
+    assert {path.name for path in out.iterdir()} == set(before)
+
+
+def test_of_two_sweeps_that_begin_at_once_one_has_the_folder(scene, tmp_path, monkeypatch):
+    """There was none when they began: the first to have an answer makes it, and has it."""
+    out = tmp_path / "out"
+    other = FolderLock(out)
+
+    def make_folder(path):
+        path.mkdir()
+        other.take()
+
+    with monkeypatch.context() as meanwhile:
+        meanwhile.setattr(journal, "make_folder", make_folder)
+        with pytest.raises(InputError, match="another sweep is being solved there"):
+            swept(scene, [f"{MU}=0.2"], out)
+    assert not list(out.iterdir())
+    other.give_up()
+    swept(scene, [f"{MU}=0.2"], out)
+    assert len(rows_of(out)) == 1
 
 
 def test_friction_that_begins_at_0_takes_no_second_factorisation(scene, tmp_path):

@@ -130,19 +130,19 @@ def test_another_material_of_one_body_leaves_the_others_as_they_are():
     """Only the part that changed is factorised; numbers are those of a run of its own."""
     study = Study(blocks_apart(moduli=(1000, 700, 500)), COMM)
     study.solve()
-    made = study._factors.made
+    made = study._body.factors.made
     result = study.solve({"material.1.youngs_modulus": 2000})
     assert study.factorisations == 2
     if COMM.size == 1:
         assert made == 3
-        assert study._factors.made == 4
+        assert study._body.factors.made == 4
     alone = run(study.changed({"material.1.youngs_modulus": 2000}), COMM)
     for ours, theirs in zip(result.contacts, alone.contacts, strict=True):
         for name in ("normal_force", "friction_force", "max_slip"):
             assert ours.quantities[name] == pytest.approx(theirs.quantities[name], rel=1e-9)
     study.solve()
     if COMM.size == 1:
-        assert study._factors.made == 5  # the body before is not kept
+        assert study._body.factors.made == 5  # the body before is not kept
     study.close()
 
 
@@ -151,7 +151,7 @@ def test_equal_blocks_share_a_factor_and_give_what_a_block_alone_gives():
     study = Study(blocks_apart(), COMM)
     found = study.solve()
     if COMM.size == 1:
-        assert study._factors.made == 1
+        assert study._body.factors.made == 1
     one, two, three = (each.quantities for each in found.contacts)
     assert two["normal_force"] == pytest.approx(one["normal_force"], rel=1e-10)
     assert three["max_slip"] == pytest.approx(one["max_slip"], rel=1e-9)
@@ -160,5 +160,5 @@ def test_equal_blocks_share_a_factor_and_give_what_a_block_alone_gives():
     other = Study(blocks_apart(cells=(3, 4, 3)), COMM)
     other.solve()
     if COMM.size == 1:
-        assert other._factors.made == 2
+        assert other._body.factors.made == 2
     other.close()
