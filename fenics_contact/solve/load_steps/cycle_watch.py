@@ -19,6 +19,8 @@ from fenics_contact.solve.newton.solution import Solution
 
 # Of pseudo-times that are the same.
 _SAME = 1e-9
+# Of what counts as nothing: so much less is round-off, which leaves no pattern.
+_ROUND_OFF = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +58,10 @@ class CycleWatch:
         if cycles.begin == 0:
             self._before = self._at_rest()
         self._begin_cycle()
+
+    def resume(self) -> None:
+        """Take up the load steps of another run, whose cycles are not known."""
+        self._before = None
 
     def step(self, time: float, found: Solution) -> CycleEnd | None:
         """Follow a load step that is accepted, before slip is counted anew; collective.
@@ -96,7 +102,7 @@ class CycleWatch:
             held = float(contact.trace.integral(np.abs(state.contact_pressure) + friction))
             self._largest[number] = max(self._largest[number], held)
             self._touched[number] = np.maximum(self._touched[number], state.status != OPEN)
-            if contact.friction.rubs:
+            if contact.friction.has_regularisation:
                 epsilon = contact.regularisation_parameter
                 self._creep += epsilon
                 self._creep_work += epsilon * float(contact.trace.integral(friction))
@@ -148,7 +154,9 @@ class CycleWatch:
             moved = np.abs(now - before.kept.get(key, 0.0)).reshape(len(trace.weights), -1)
             found = float(trace.integral(moved.sum(axis=1)))
             self._moved[key] = max(self._moved.get(key, 0.0), found)
-            rests &= found <= self._cycles.tolerance * self._moved[key]
+            there = float(trace.integral(np.abs(now).reshape(len(moved), -1).sum(axis=1)))
+            most = max(self._moved[key], _ROUND_OFF * there)
+            rests &= found <= self._cycles.tolerance * most
         return rests
 
     def _kind(self, change: float, advance: float, loss: float) -> str:
@@ -160,7 +168,7 @@ class CycleWatch:
         if last is None or last.change is None or last.advance is None:
             return ""
         share = self._cycles.tolerance
-        little = share * max(*self._losses, loss) + self._creep_work
+        little = share * max(*self._losses, loss, self._round_off) + self._creep_work
         slight = share * float(self._swings.max(initial=0.0)) + self._creep
         if _to_come(change, last.change, share) > share:
             return ""
@@ -169,6 +177,11 @@ class CycleWatch:
         if advance > slight:
             return "ratchetting" if abs(advance - last.advance) <= share * advance else ""
         return "shakedown" if loss <= little else "steady loop"
+
+    @property
+    def _round_off(self) -> float:
+        """Of the loss, over what counts as nothing: of forces times slip to and fro (energy)."""
+        return _ROUND_OFF * float(self._largest @ self._swings)
 
     def _end(self, found: Solution) -> _End:
         """Of a solution; collective."""
@@ -193,8 +206,8 @@ def _to_come(change: float, before: float, share: float) -> float:
     Args:
         change: In the cycle, over what changes in it.
         before: In the cycle before.
-        share: What counts as nothing; much less than it is round-off, which leaves no pattern.
+        share: What counts as nothing.
     """
-    if change <= 1e-3 * share:
+    if change <= _ROUND_OFF * share:
         return change
     return max(change, change * change / (before - change)) if change < before else np.inf

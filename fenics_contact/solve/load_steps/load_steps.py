@@ -24,7 +24,7 @@ from fenics_contact.solve.coulomb.friction_scale import follow_pressure
 from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns, contact_change
 from fenics_contact.solve.load_steps.cycle_watch import CycleWatch
-from fenics_contact.solve.load_steps.step_control import FixedPace, Pace, UntilClosed, pace_of
+from fenics_contact.solve.load_steps.step_control import FixedPace, Pace, PaceOfCycles, pace_of
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.newton.tightening import let_go, tighten
@@ -69,7 +69,7 @@ class LoadSteps:
         self.last: AcceptedStep | None = None
         scene = self.problem.scene
         self._knots = knots(scene)
-        self.pace: Pace | UntilClosed = pace_of(scene, self._knots)
+        self.pace: Pace | PaceOfCycles = pace_of(scene, self._knots)
         cycles = cycles_of(scene)
         self._cycles = None if cycles is None else CycleWatch(self.problem, cycles)
         self._accepted, self._kept = accepted, kept
@@ -127,6 +127,8 @@ class LoadSteps:
         """
         self.last = last
         self.pace.resume(pace)
+        if self._cycles is not None:
+            self._cycles.resume()
         self.newton.system.earlier_forces = forces
         self.go_back()
         said, newton = last.solution, self.newton
@@ -200,8 +202,8 @@ class LoadSteps:
             return
         every = found.newton_iterations + self.spent
         cycle = None if self._cycles is None else self._cycles.step(time, found)
-        if cycle is not None and cycle.is_closed and isinstance(self.pace, UntilClosed):
-            self.pace.end()
+        if cycle is not None and cycle.is_closed and isinstance(self.pace, PaceOfCycles):
+            self.pace.closed()
         self._accept(time, dataclasses.replace(found, newton_iterations=every, cycle=cycle))
         self.pace.went(found.newton_iterations, change)
         if self._kept is not None:

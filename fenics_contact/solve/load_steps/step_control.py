@@ -132,20 +132,21 @@ class AutomaticPace:
             self._refused, self._refused_until = state[2:]
 
 
-class UntilClosed:
-    """Load steps that end as soon as the cycles of loads change nothing any more.
+class PaceOfCycles:
+    """Load steps that may end as soon as the cycles of loads change nothing any more.
 
     Args:
         pace: Which step comes next until then.
+        ends_early: Whether they do.
     """
 
-    def __init__(self, pace: Pace) -> None:
-        self._pace, self._is_ended = pace, False
+    def __init__(self, pace: Pace, ends_early: bool) -> None:
+        self._pace, self._ends_early, self._is_ended = pace, ends_early, False
         self.cut, self.exceeds, self.went = pace.cut, pace.exceeds, pace.went
 
-    def end(self) -> None:
-        """Let no step follow."""
-        self._is_ended = True
+    def closed(self) -> None:
+        """The loop is closed: no step follows, where they end early."""
+        self._is_ended = self._ends_early
 
     def next(self, time: float) -> float | None:
         """The pseudo-time after one that is reached; None at the end."""
@@ -162,14 +163,14 @@ class UntilClosed:
         Args:
             state: That of another run.
         """
-        self._is_ended = bool(state and state[-1])
+        self._is_ended = self._ends_early and bool(state[-1])
         self._pace.resume(state[:-1])
 
 
 Pace = FixedPace | AutomaticPace
 
 
-def pace_of(scene: Scene, knots: Sequence[float]) -> Pace | UntilClosed:
+def pace_of(scene: Scene, knots: Sequence[float]) -> Pace | PaceOfCycles:
     """That of the load steps of a scene.
 
     Args:
@@ -178,7 +179,7 @@ def pace_of(scene: Scene, knots: Sequence[float]) -> Pace | UntilClosed:
     """
     steps = scene.load_steps
     pace: Pace = AutomaticPace(steps, knots) if steps.automatic else FixedPace(steps)
-    return UntilClosed(pace) if _ends_early(scene) else pace
+    return pace if scene.cycles is None else PaceOfCycles(pace, _ends_early(scene))
 
 
 def has_ended(scene: Scene, state: Sequence[float]) -> bool:
@@ -188,7 +189,7 @@ def has_ended(scene: Scene, state: Sequence[float]) -> bool:
         scene: Of the run.
         state: That of its pace.
     """
-    return _ends_early(scene) and bool(state and state[-1])
+    return _ends_early(scene) and bool(state[-1])
 
 
 def _ends_early(scene: Scene) -> bool:
