@@ -161,6 +161,33 @@ def _times_in_cycle(scene: Scene, cycles: Cycles) -> list[float]:
     return times
 
 
+def require_back(scene: Scene, begin: float, end: float) -> None:
+    """Refuse a cycle at whose end a path is not where it was at its begin.
+
+    Args:
+        scene: Of the cycle.
+        begin: Its pseudo-time.
+        end: Likewise.
+
+    Raises:
+        ValueError: In words.
+    """
+    for one in keyed_paths(scene):
+        if one.acts:
+            _require_back(one, begin, end)
+
+
+def _require_back(path: KeyedPath, begin: float, end: float) -> float:
+    """The factor at the begin, which is that at the end."""
+    first, last = path(begin), path(end)
+    if abs(last - first) > _CLOSE * max(abs(first), abs(last)):
+        raise ValueError(
+            f"cycles: {path.key} gives {first:g} at begin, {begin:g}, and {last:g} at end, "
+            f"{end:g}; it must come back, or every cycle would begin with a jump"
+        )
+    return first
+
+
 def require_cycles(scene: Scene) -> None:
     """Refuse cycles in which loads jump or nothing changes, or that are said twice.
 
@@ -176,12 +203,7 @@ def require_cycles(scene: Scene) -> None:
             raise ValueError(f"cycles: {one.key} has cycles, too; say them in one place")
         if not one.acts:
             continue
-        first, last = one(begin), one(end)
-        if abs(last - first) > _CLOSE * max(abs(first), abs(last)):
-            raise ValueError(
-                f"cycles: {one.key} gives {first:g} at begin, {begin:g}, and {last:g} at end, "
-                f"{end:g}; it must come back, or every cycle would begin with a jump"
-            )
+        first = _require_back(one, begin, end)
         between = np.linspace(begin, end, _PROBED).tolist()
         if isinstance(one.path, Path):
             between += [knot for knot in one.path.knots if begin < knot < end]

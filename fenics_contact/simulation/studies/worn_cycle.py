@@ -8,6 +8,7 @@ from typing import Any
 
 from fenics_contact.common.errors import InputError
 from fenics_contact.results.contact_points import ContactPoints
+from fenics_contact.scene.loading.load_paths import require_back
 from fenics_contact.scene.scene import Scene
 
 
@@ -79,13 +80,21 @@ def one_cycle(scene: Scene, begin: float | None, cycles: int | None) -> tuple[Sc
         cycles: In place of their number.
 
     Raises:
-        InputError: They are not given, and the scene has none.
+        InputError: They are not given, and the scene has none; or a load is at the end of the
+            cycle not as at its begin.
     """
     said = scene.cycles
     if said is not None:
         once = dataclasses.replace(scene, cycles=dataclasses.replace(said, number=1))
         scene = dataclasses.replace(scene, cycles=None, steps=once.load_steps)
-        begin, cycles = begin or said.begin, cycles or said.number
+        begin = said.begin if begin is None else begin
+        cycles = said.number if cycles is None else cycles
     if begin is None or cycles is None:
         raise InputError("begin and cycles are missing, and the scene has no [cycles]")
+    if cycles < 1:
+        raise InputError(f"cycles = {cycles}: must be >= 1")
+    try:
+        require_back(scene, begin, scene.steps.last)
+    except ValueError as error:
+        raise InputError(str(error)) from None
     return scene, begin, cycles

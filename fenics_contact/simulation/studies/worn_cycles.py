@@ -130,7 +130,7 @@ class WornCycles:
         """
         rates = self._first()
         errors = dict.fromkeys(("worn_volume", "max_wear_depth"), 0.0)
-        number, before, size = 1, 0.0, self._jumps.fixed or 1
+        number, before, size = 1, self._settled[1], self._jumps.fixed or 1
         earlier = rates
         yield self._cycle(1, 0, 0.0, errors, before, rates)
         while number < cycles:
@@ -149,10 +149,9 @@ class WornCycles:
         """The way to the first cycle, and that cycle."""
         solution = self._load_steps.solve()
         self.computed = 1
-        depths, work = self._worn(solution)
+        begin, rates, work = self._since_begin(solution)
         assert self._load_steps.last is not None
-        nothing = [np.zeros_like(depth) for depth in depths]
-        return _Rates(1, nothing, depths, work, solution, self._load_steps.last)
+        return _Rates(1, begin, rates, work, solution, self._load_steps.last)
 
     def _rates(self, number: int, end: AcceptedStep, begin: list[Array]) -> _Rates:
         """Of a cycle that begins at some depths.
@@ -167,9 +166,7 @@ class WornCycles:
         load_steps.pace = FixedPace(self._times)
         solution = load_steps.solve()
         self.computed += 1
-        depths, work = self._worn(solution)
-        settled, worked = self._settled
-        rates = [after - at_begin for after, at_begin in zip(depths, settled, strict=True)]
+        _, rates, work = self._since_begin(solution)
         states = [
             _with_depth(state, depth + rate) if contact.wear.wears else state
             for contact, state, depth, rate in zip(
@@ -178,12 +175,21 @@ class WornCycles:
         ]
         assert load_steps.last is not None
         at_end = dataclasses.replace(solution, states=states)
-        return _Rates(number, begin, rates, work - worked, at_end, load_steps.last)
+        return _Rates(number, begin, rates, work, at_end, load_steps.last)
 
     def _add(self, time: float, solution: Solution) -> None:
-        """A load step is accepted: slip by which what was worn takes effect is of no cycle."""
-        if abs(time - self._begin) <= 0.5 * self._close:
+        """A load step is accepted: what comes before a cycle is of none.
+
+        That is the way to the first one, and the slip by which what was worn takes effect.
+        """
+        if abs(time - self._begin) <= self._close:
             self._settled = self._worn(solution)
+
+    def _since_begin(self, solution: Solution) -> tuple[list[Array], list[Array], float]:
+        """Depths at the begin of a cycle, and what it adds to them and to the work of friction."""
+        depths, work = self._worn(solution)
+        begin, worked = self._settled
+        return begin, [now - then for now, then in zip(depths, begin, strict=True)], work - worked
 
     def _worn(self, solution: Solution) -> tuple[list[Array], float]:
         """Depths of each contact at the end of a step (length), and work of friction (energy)."""

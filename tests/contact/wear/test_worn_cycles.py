@@ -164,6 +164,24 @@ def test_cycles_of_the_scene_are_taken():
         dataclasses.replace(scene, cycles=dataclasses.replace(said, until="closed"))
 
 
+def test_what_the_way_to_the_first_cycle_wears_is_worn_once():
+    """Where wear is too little to change the pressure it is k F times the way, jumps or not."""
+    scene = on_springs(1e-9, **ROUGH)
+    contact = scene.contact[0]
+    there = Path(time=(0.5, 1, 2, 4, 5), factor=(-10, 0, 1, -1, 0))
+    plane = dataclasses.replace(contact.obstacle, displacement_path=there)
+    scene = dataclasses.replace(
+        scene,
+        contact=(dataclasses.replace(contact, obstacle=plane),),
+        steps=Steps(times=(0.25, 0.5, 1, 2, 4, 5)),
+    )
+    each, far = (list(study_of(scene).worn(1.0, 11, Jumps(fixed=n)))[-1] for n in (1, 10))
+    in_cycles = 11 * 1e-9 * SPRING * DEPTH * 2 * WAY
+    assert each.worn_volume > 1.1 * in_cycles
+    assert far.worn_volume == pytest.approx(each.worn_volume, rel=1e-6)
+    assert far.friction_work == pytest.approx(each.friction_work, rel=1e-6)
+
+
 def test_tables_of_the_cycles(folder):
     """They have the cycles that were computed before the last was asked for."""
     cycles, done = study_of(on_springs(1e-5, **ROUGH)).worn(1.0, 50, folder=folder), []
@@ -200,5 +218,12 @@ def test_what_is_no_cycle_is_refused():
         list(study_of(smooth).worn(1.0, 3))
     with pytest.raises(InputError, match="the scene has no"):
         list(study_of(scene).worn())
+    with pytest.raises(InputError, match="cycles = 0: must be >= 1"):
+        list(study_of(scene).worn(1.0, 0))
+    with pytest.raises(InputError, match=r"_path gives 0 at begin, 1, and -1 at end, 4"):
+        list(study_of(dataclasses.replace(scene, steps=Steps(times=(1, 2, 4)))).worn(1.0, 3))
+    said = Cycles(begin=1, end=5, until="end", increments=4)
+    with pytest.raises(InputError, match="begin = 0: a cycle begins at the end of a load step"):
+        list(study_of(dataclasses.replace(scene, cycles=said)).worn(begin=0.0))
     with pytest.raises(InputError, match=r"error = -1: must be > 0"):
         Jumps(error=-1)
