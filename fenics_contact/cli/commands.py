@@ -192,11 +192,15 @@ def _report(folder: Path, quiet: bool) -> int:
     from fenics_contact.report.report import PAGE, write_report
     from fenics_contact.report.sweep.files import RECORD
     from fenics_contact.report.sweep.page import write_sweep_page
+    from fenics_contact.report.wear.files import HISTORY as WEAR
+    from fenics_contact.report.wear.page import write_wear_page
 
     if (folder / RECORD).exists():
         written = [write_sweep_page(folder)]
     elif (folder / FIT).exists():
         written = [write_fit_page(folder)]
+    elif (folder / WEAR).exists() and not (folder / "result.json").exists():
+        written = [write_wear_page(folder)]
     else:
         written = [*(picture.path for picture in write_report(folder)), folder / PAGE]
     for path in [] if quiet else written:

@@ -72,8 +72,8 @@ Examples:
 
 _REPORT = """\
 Makes pictures and a page, report.html, of what a run has left in its folder; of a sweep its page,
-sweep.html, of a fit its page, fit.html. It needs the extra `pictures` (pyvista, matplotlib), but no
-mesh, no scene and no MPI.
+sweep.html, of a fit its page, fit.html, of cycles that wear theirs, wear.html. It needs the extra
+`pictures` (pyvista, matplotlib), but no mesh, no scene and no MPI.
 
 Example:
   fenics-contact report results/hertz"""
@@ -264,7 +264,7 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
         explore.COMMAND,
         (
             "report",
-            "pictures and a page from the files of a run, sweep or fit",
+            "pictures and a page from the files of a run, sweep, fit or wear",
             "DIR [options]",
             _REPORT,
         ),
@@ -291,7 +291,10 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
     _add_scene(made["fit"])
     fit.describe(made["fit"])
     made["report"].add_argument(
-        "folder", metavar="DIR", type=Path, help="results of a run, a sweep or a fit"
+        "folder",
+        metavar="DIR",
+        type=Path,
+        help="results of a run, a sweep, a fit or of cycles that wear",
     )
     compare.describe(made["compare"])
     _describe_verify(made["verify"])

@@ -40,6 +40,7 @@ NOT_OF_SCENES = {
     "results/comparison/scenes.py",
     "report/fit/files.py",
     "report/sweep/files.py",
+    "report/wear/files.py",
     "results/contact_table.py",
     "results/result_file.py",
     "simulation/adaptive/targets.py",

@@ -95,6 +95,8 @@ def _profiles(cycle: WornCycle) -> Iterator[dict[str, Any]]:
             "cycle": cycle.number,
             "contact": int(points.contact[place]),
             **dict(zip("xyz", where, strict=True)),
+            **dict(zip(("nx", "ny", "nz"), points.normals[place].tolist(), strict=True)),
+            "gap": float(points.gap[place]),
             "worn_depth": float(points.own["worn_depth"][place]),
             "contact_pressure": float(points.contact_pressure[place]),
             "status": str(points.status[place]),

@@ -1,0 +1,1 @@
+"""The page of many cycles that wear, and its pictures."""

@@ -1,0 +1,113 @@
+"""``wear.html``: the page of cycles that wear, one file that needs nothing else to be shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from fenics_contact.common.atomic_files import replace_file
+from fenics_contact.report.gallery import require
+from fenics_contact.report.page.page import style_sheet
+from fenics_contact.report.page.templates import render, table
+from fenics_contact.report.wear.files import HISTORY, PAGE, PROFILES, WornHistory, read_worn
+from fenics_contact.report.wear.pictures import draw_wear
+from fenics_contact.results.words.rounding import rounded
+
+_MOST_ROWS = 20
+# Deepest wear over half its width from which gaps along the unworn normals are no longer theirs.
+_STEEP = 0.1
+
+
+def write_wear_page(folder: Path) -> Path:
+    """Write the page of cycles that wear and its pictures, from their tables.
+
+    Args:
+        folder: With ``wear.csv`` and ``wear_profiles.csv``.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: A file is missing or damaged, or a library is.
+        MachineError: The page could not be written.
+    """
+    history = read_worn(folder)
+    require("matplotlib")
+    page = render(
+        "wear.html",
+        title=f"Wear, {folder.resolve().name}",
+        style=style_sheet(),
+        is_steep=_steepest(history) > _STEEP,
+        outcome=_outcome(history),
+        facts=list(_facts(history)),
+        pictures=draw_wear(folder, history),
+        cycles=table(_rows(history), "Cycles that were computed"),
+        history=HISTORY,
+        profiles=PROFILES,
+    )
+    path = folder / PAGE
+    replace_file(path, page.encode())
+    return path
+
+
+def _steepest(history: WornHistory) -> float:
+    return float(history.columns["depth_over_width"].max())
+
+
+def _with_bar(history: WornHistory, name: str, place: int) -> str:
+    """Such as ``0.00123 ± 0.00001``."""
+    columns = history.columns
+    row = {"total": float(columns[f"{name}_error"][place])}
+    value, bar = rounded(float(columns[name][place]), row)
+    return f"{value} ± {bar}" if bar else value
+
+
+def _outcome(history: WornHistory) -> str:
+    """What is worn in the end."""
+    return (
+        f"After {history.cycles[-1]} cycles a volume of {_with_bar(history, 'worn_volume', -1)} "
+        f"is worn, at the deepest {_with_bar(history, 'max_wear_depth', -1)}."
+    )
+
+
+def _facts(history: WornHistory) -> Iterator[str]:
+    shown, passed = len(history.cycles), int(history.columns["passed_over"].sum())
+    yield f"Cycles: {shown} computed, {passed} passed over by the rates of those."
+    yield (
+        "After ± stands the estimated error of passing over cycles, of all jumps so far; it says "
+        "nothing of the mesh, of ε₁ and ε, and of the load steps."
+    )
+    yield f"Work of friction: {history.columns['friction_work'][-1]:.4g}."
+    steepest = _steepest(history)
+    ends = ": beyond it, results are not to be relied on" if steepest > _STEEP else ""
+    yield (
+        f"Deepest wear over half its width: {steepest:.3g}. At {_STEEP:g} the linear theory of "
+        f"gaps ends{ends}."
+    )
+
+
+def _rows(history: WornHistory) -> list[list[str]]:
+    """A row a cycle, of many some, after one of heads."""
+    count = len(history.cycles)
+    places = np.unique(np.linspace(0, count - 1, min(count, _MOST_ROWS)).round().astype(int))
+    several = len(history.contacts) > 1
+    heads = ["cycle", "passed over before", "worn volume", "deepest wear"]
+    for name in ("largest pressure", "stick area"):
+        heads += [f"{name}, {history.title(n)}" if several else name for n in history.contacts]
+    return [heads, *(_row(history, int(place)) for place in places)]
+
+
+def _row(history: WornHistory, place: int) -> list[str]:
+    return [
+        str(history.cycles[place]),
+        f"{history.columns['passed_over'][place]:.0f}",
+        _with_bar(history, "worn_volume", place),
+        _with_bar(history, "max_wear_depth", place),
+        *(
+            f"{history.of_contact(number, name)[place]:.4g}"
+            for name in ("max_contact_pressure", "stick_area")
+            for number in history.contacts
+        ),
+    ]
