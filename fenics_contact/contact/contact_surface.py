@@ -12,6 +12,7 @@ import numpy as np
 
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.contact.contact_work import ContactWork
 from fenics_contact.contact.driving import ContactPaths
 from fenics_contact.contact.kinematics.against_body import BodyKinematics
 from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
@@ -63,6 +64,7 @@ class ContactSurface:
         normal: The law across it.
         friction: The law along it.
         wear: What slip wears off.
+        work: Of friction and of what goes back along it.
         own_arrays: What these keep of their own at the points, and results have.
         by_points: Whether forces and tangents are worked out point by point, without the compiled
             forms: the same numbers, sooner where points are few; for nodal points only.
@@ -102,6 +104,7 @@ class ContactSurface:
             before = np.maximum(before, 0.0)
         self.last_step = LastStep(self._at_rest(), before)
         self.wear: Unworn = wear_of(site, self.friction, self.last_step)
+        self.work = ContactWork(self.trace, self.normal, self.friction, self.last_step)
         self.own_arrays = of_one_contact(*(law.state for law in self.laws))
 
     def _kinematics(self, key: str, law: type[NormalLaw]) -> ContactKinematics:
@@ -232,7 +235,7 @@ class ContactSurface:
         """A load step is done: slip counts from here where the law is incremental; collective."""
         state = self.state()
         self.wear.advance(state)  # before the step is the last one, from whose end it goes
-        self.last_step.advance(state, self.kinematics.gap, self._work_in_step(state))
+        self.last_step.advance(state, self.kinematics.gap, self.work.in_step(state))
         self.normal.advance(state)
         self.friction.advance(state)
         self.friction.accept(state.slip)
@@ -241,43 +244,6 @@ class ContactSurface:
     def remembers(self) -> bool:
         """Whether what it does depends on the load steps before."""
         return self.friction.follows_path or self.wear.wears
-
-    def _work_in_step(self, state: ContactState) -> float:
-        """Dissipated in the present step; with the static law, since the start; collective."""
-        in_step = self.last_step.dissipation(state, self.friction.sliding(state.slip))
-        before = self.last_step.state.friction_traction
-        work = self.friction.work(in_step, before, state.friction_traction, state.slip)
-        return float(self.trace.integral(work))
-
-    def elastic_slip_energy(self, state: ContactState) -> float:
-        """Stored along the surface by slip that goes back (energy); collective.
-
-        Args:
-            state: As of ``friction_work``.
-        """
-        return float(self.trace.integral(self.friction.stored(state.friction_traction, state.slip)))
-
-    def friction_work(self, state: ContactState) -> float:
-        """Dissipated since the start: in all steps, or by the static law; collective.
-
-        Args:
-            state: At the end of the present step, before it is accepted.
-        """
-        before = self.last_step.dissipated if self.friction.follows_path else 0.0
-        return before + self._work_in_step(state)
-
-    def open_work(self, state: ContactState) -> float:
-        """Work that the present step leaves open, where points touched or slipped anew; collective.
-
-        Args:
-            state: At its end, before it is accepted.
-        """
-        left = np.zeros(len(state.gap))
-        if self.is_one_sided:
-            left += self.last_step.open_pressing(state)
-        if self.friction.rubs:
-            left += self.last_step.open_friction(state, self.friction.sliding(state.slip))
-        return float(self.trace.integral(left))
 
     @property
     def on_body(self) -> Flags:

@@ -75,7 +75,7 @@ class EnergyBook:
         self.round_off += solution.imbalance_limit * farthest
         pairs = zip(problem.contacts, solution.states, strict=True)
         for (contact, state), motion in zip(pairs, motions, strict=True):
-            self.left_open += contact.open_work(state)
+            self.left_open += contact.work.left_open(state)
             self.left_open += _work_at_edges(contact, state, moved, motion)
             changed = contact.last_step.changed(state) & contact.trace.owned
             self.changed |= total(problem.comm, changed.sum()) > 0

@@ -40,7 +40,7 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
         **radii(contact, state),
         "max_penetration": max(largest(comm, depth), 0.0) if contact.is_one_sided else 0.0,
         "max_slip": largest(comm, slip),
-        "friction_work": contact.friction_work(state),
+        "friction_work": contact.work.of_friction(state),
         "penalty_energy": float(contact.trace.integral(state.penalty_energy)),
         **contact.wear.quantities(state),
         **_stored_along(contact, state),
@@ -68,7 +68,7 @@ def _stored_along(contact: ContactSurface, state: ContactState) -> dict[str, flo
     """Energy of elastic slip, where friction has such; collective."""
     if not contact.friction.stores_energy:
         return {}
-    return {"elastic_slip_energy": contact.elastic_slip_energy(state)}
+    return {"elastic_slip_energy": contact.work.in_elastic_slip(state)}
 
 
 def _undecided(contact: ContactSurface, state: ContactState) -> dict[str, int]:

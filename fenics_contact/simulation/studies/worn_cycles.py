@@ -198,7 +198,7 @@ class WornCycles:
             state.own["worn_depth"] if contact.wear.wears else np.zeros(len(state.gap))
             for contact, state in pairs
         ]
-        return depths, sum(contact.friction_work(state) for contact, state in pairs)
+        return depths, sum(contact.work.of_friction(state) for contact, state in pairs)
 
     def _ahead(self, earlier: _Rates, rates: _Rates, ahead: int) -> _Ahead:
         """A cycle further on.

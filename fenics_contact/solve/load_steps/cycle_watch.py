@@ -190,7 +190,7 @@ class CycleWatch:
             [np.column_stack([s.contact_pressure, s.friction_traction]) for _, s in pairs],
             [state.slip.copy() for _, state in pairs],
             {(i, key): kept for i, (_, s) in enumerate(pairs) for key, kept in s.own.items()},
-            sum(contact.friction_work(state) for contact, state in pairs),
+            sum(contact.work.of_friction(state) for contact, state in pairs),
         )
 
     def _at_rest(self) -> _End:

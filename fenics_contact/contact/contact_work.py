@@ -1,0 +1,71 @@
+"""Work along a contact: what friction takes, what goes back, what a load step leaves open."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fenics_contact.contact.last_step import LastStep
+from fenics_contact.contact.laws.friction.law import FrictionLaw
+from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.state import ContactState
+from fenics_contact.contact.surface.trace import Trace
+
+
+class ContactWork:
+    """Works of a contact, over all of it; each method is collective.
+
+    Args:
+        trace: The contact points.
+        normal: The law across it.
+        friction: The law along it.
+        last_step: What is kept of its last load step.
+    """
+
+    def __init__(
+        self, trace: Trace, normal: NormalLaw, friction: FrictionLaw, last_step: LastStep
+    ) -> None:
+        self._trace, self._last = trace, last_step
+        self._normal, self._friction = normal, friction
+
+    def in_step(self, state: ContactState) -> float:
+        """Dissipated in the present step; with the static law, since the start (energy).
+
+        Args:
+            state: At its end, before it is accepted.
+        """
+        friction, last = self._friction, self._last
+        in_step = last.dissipation(state, friction.sliding(state.slip))
+        before = last.state.friction_traction
+        work = friction.work(in_step, before, state.friction_traction, state.slip)
+        return float(self._trace.integral(work))
+
+    def of_friction(self, state: ContactState) -> float:
+        """Dissipated since the start: in all steps, or by the static law (energy).
+
+        Args:
+            state: As of ``in_step``.
+        """
+        before = self._last.dissipated if self._friction.follows_path else 0.0
+        return before + self.in_step(state)
+
+    def in_elastic_slip(self, state: ContactState) -> float:
+        """Stored along the surface by slip that goes back (energy).
+
+        Args:
+            state: As of ``in_step``.
+        """
+        stored = self._friction.stored(state.friction_traction, state.slip)
+        return float(self._trace.integral(stored))
+
+    def left_open(self, state: ContactState) -> float:
+        """What the present step leaves open, where points touched or slipped anew (energy).
+
+        Args:
+            state: As of ``in_step``.
+        """
+        left = np.zeros(len(state.gap))
+        if self._normal.pushes_only:
+            left += self._last.open_pressing(state)
+        if self._friction.rubs:
+            left += self._last.open_friction(state, self._friction.sliding(state.slip))
+        return float(self._trace.integral(left))
