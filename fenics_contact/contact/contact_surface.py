@@ -227,7 +227,9 @@ class ContactSurface:
         """
         self.kinematics.pair_anew(displacement)
         self.normal.set_gap(self.kinematics.gap)
-        self.friction.accept(self.kinematics.tangential(self.kinematics.jump_at_points()))
+        slip = self.kinematics.tangential(self.kinematics.jump_at_points())
+        self.friction.accept(slip)
+        self.last_step.count_from(slip)
         left = self.last_step.measured_anew(self.state().gap)
         self.last_step.left_open += float(self.trace.integral(left))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -90,6 +90,16 @@ class LastStep:
         """
         self.state, self.gap = state, gap
         self.dissipated += work
+
+    def count_from(self, slip: Array) -> None:
+        """What faces what was found anew: the slip of the last step, in the new measure.
+
+        Else a point that faced nothing would have slipped by all that its body has moved.
+
+        Args:
+            slip: Since the start, (points, components) (length).
+        """
+        self.state = replace(self.state, slip=slip)
 
     def measured_anew(self, gap: Array) -> Array:
         """Work that is open when it was found anew, after a step, what faces what (energy/area).

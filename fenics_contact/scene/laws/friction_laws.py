@@ -274,7 +274,7 @@ class OrthotropicFriction(FrictionLawTable):
             if isinstance(value, float | int) and value <= 0:
                 raise ValueError(f"{key} = {value:g} must be > 0")
         if not any(self.direction):
-            raise ValueError("direction = [0, 0, 0] is none")
+            raise ValueError("direction must not be a zero vector")
 
     def require_model(self, kinematics: str, key: str) -> None:
         """There are two directions to slide in.

@@ -29,6 +29,7 @@ from fenics_contact.contact.snapshot import recall, remember
 from fenics_contact.results.contact_table import CSV_HEADER
 from fenics_contact.scene.writing import scene_text
 from fenics_contact.simulation.output import run_folder as files
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 from tests.simulation.restart.test_state_file import resumed, stopped_after
 from tests.solve.load_steps.histories import block, dragged, require_same, shoved, two_blocks
@@ -159,6 +160,22 @@ def test_two_bodies_wear_together():
     # What is worn is no overlap any more: at a fixed approach the force falls.
     assert found["normal_force"] < smooth.quantities["normal_force"]
     assert "worn_volume" not in smooth.quantities
+
+
+def test_points_that_come_to_face_a_body_are_not_worn_by_the_way_there():
+    """A block that comes in over an edge, without friction and with next to none."""
+    lower, upper = Box("lower", (0, -1), (2, 0), (8, 3)), Box("upper", (-0.5, 0), (0.5, 1), (6, 2))
+    scene = shoved(Steps(6), errors="none")
+    shift = dataclasses.replace(scene.support[2], displacement={"x": 0.5})
+    volumes = []
+    for friction in ({}, {"friction_coefficient": 1e-6, "law": "incremental"}):
+        contact = Contact("upper.y0", against="lower.y1", slave="on", wear=Wear(1e-6), **friction)
+        changed = dataclasses.replace(
+            scene, support=(*scene.support[:2], shift), contact=(contact,)
+        )
+        found = Run(changed, COMM, boxes((lower, upper), comm=COMM)).solve()
+        volumes.append(found.quantities["worn_volume"])
+    assert volumes[0] == pytest.approx(volumes[1], rel=1e-3)
 
 
 def test_a_step_that_is_rejected_leaves_no_trace():
