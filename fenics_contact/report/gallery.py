@@ -25,6 +25,7 @@ from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.units import in_units
 from fenics_contact.report.formulas.recognition import AnalyticContact, recognise
 from fenics_contact.report.histories.load_steps import draw_history
+from fenics_contact.report.histories.wear import draw_worn_history
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import RunRecord
@@ -123,6 +124,7 @@ def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
             *_of_contacts(run),
             *_along_lines(run),
             *draw_history(folder, result, run.far),
+            *draw_worn_history(folder, result),
             *_animations(run),
             *_adapted(run),
         ]

@@ -57,7 +57,14 @@ def draw_history(folder: Path, result: Outcome, far: tuple[str, ...] = ()) -> li
     return [*drawn, _energies(history, folder / "history_energy.png")]
 
 
-def _over_time(title: str, heights: list[float], history: History) -> tuple[Figure, list[Axes]]:
+def over_time(title: str, heights: list[float], history: History) -> tuple[Figure, list[Axes]]:
+    """A figure of panels over the pseudo-time, one below the other.
+
+    Args:
+        title: Of the first.
+        heights: Of each (inches).
+        history: Of the run.
+    """
     figure, panels = new_figure(
         title,
         (WIDE, sum(heights) + _MARGIN),
@@ -71,8 +78,16 @@ def _over_time(title: str, heights: list[float], history: History) -> tuple[Figu
     return figure, panels
 
 
-def _line(panel: Axes, x: Array, y: Array, label: str, number: int) -> None:
-    """One of several curves, told apart by colour and dashes."""
+def line(panel: Axes, x: Array, y: Array, label: str, number: int) -> None:
+    """Draw one of several curves, told apart by colour and dashes.
+
+    Args:
+        panel: Matplotlib's axes.
+        x: To the right, (points,).
+        y: Upwards, likewise.
+        label: Of the legend.
+        number: Of the curve, from 0.
+    """
     colour, dashes = LINES[number % len(LINES)]
     mark = "." if len(x) <= _MANY else ""
     panel.plot(x, y, linestyle=dashes, color=colour, marker=mark, label=label)
@@ -94,7 +109,7 @@ def draw_forces(history: History, contacts: list[ContactRecord], path: Path) -> 
     """
     friction = list(_friction_curves(history, contacts))
     heights = [_HEIGHT] * (2 if friction else 1)
-    figure, panels = _over_time("Forces on the body", heights, history)
+    figure, panels = over_time("Forces on the body", heights, history)
     wraps = False
     for number, contact in enumerate(contacts):
         normal, around = history.of_contact(number, "normal_force"), r""
@@ -102,12 +117,12 @@ def draw_forces(history: History, contacts: list[ContactRecord], path: Path) -> 
             normal, around = history.of_contact(number, "pressure_integral"), r", $\int p\,dA$"
         if normal is not None:
             wraps |= bool(around)
-            _line(panels[0], history.time, normal, plain(f"'{contact.name}'") + around, number)
+            line(panels[0], history.time, normal, plain(f"'{contact.name}'") + around, number)
     panels[0].set_ylabel(labelled("normal force, $P$", "force"))
     if wraps and len(contacts) == 1:
         panels[0].set_ylabel(labelled(r"pressure integral, $\int p\,dA$", "force"))
     for number, (label, values) in enumerate(friction):
-        _line(panels[1], history.time, values, label, number)
+        line(panels[1], history.time, values, label, number)
     if friction:
         panels[1].set_ylabel(labelled("friction force, $Q$", "force"))
         if len(friction) == 1:
@@ -121,7 +136,7 @@ def draw_forces(history: History, contacts: list[ContactRecord], path: Path) -> 
     said = f"{said} on the body over the pseudo-time t."
     if wraps:
         said += " Where a surface wraps around, ∫ p dA stands for the normal force."
-    return Picture(path, "Forces on the body", said, _followed(figure, panels, history))
+    return Picture(path, "Forces on the body", said, followed(figure, panels, history))
 
 
 def _friction_curves(
@@ -140,7 +155,7 @@ def _friction_curves(
 
 def _areas(history: History, contacts: list[ContactRecord], path: Path) -> Picture:
     """In contact, and the part of it that sticks, one panel a contact."""
-    figure, panels = _over_time("Areas in contact", [_HEIGHT] * len(contacts), history)
+    figure, panels = over_time("Areas in contact", [_HEIGHT] * len(contacts), history)
     for number, (contact, panel) in enumerate(zip(contacts, panels, strict=True)):
         closed = history.of_contact(number, "contact_area")
         sticks = history.of_contact(number, "stick_area")
@@ -163,7 +178,7 @@ def _areas(history: History, contacts: list[ContactRecord], path: Path) -> Pictu
     said = "Area in contact over the pseudo-time t"
     if any(contact.carries_shear for contact in contacts):
         said += ", and the parts of it that stick and slip"
-    return Picture(path, "Areas in contact", said + ".", _followed(figure, panels, history))
+    return Picture(path, "Areas in contact", said + ".", followed(figure, panels, history))
 
 
 def _energies(history: History, path: Path) -> Picture:
@@ -179,15 +194,15 @@ def _energies(history: History, path: Path) -> Picture:
     names = {name: label for name, label in names.items() if name in known}
     work = np.abs(history.quantity("external_work")).max()
     balances = "energy_defect" in known
-    figure, panels = _over_time("Work and energies", [2.1, 1.1][: 1 + balances], history)
+    figure, panels = over_time("Work and energies", [2.1, 1.1][: 1 + balances], history)
     for number, (name, label) in enumerate(names.items()):
         values = history.quantity(name)
         least = 0.0 if name == "friction_work" else _SHOWN * work
         if np.abs(values).max() > least:
-            _line(panels[0], history.time, values, label, number)
+            line(panels[0], history.time, values, label, number)
     panels[0].set_ylabel(labelled("energy", "energy"))
     if balances:
-        _line(panels[1], history.time, history.quantity("energy_defect"), "", 0)
+        line(panels[1], history.time, history.quantity("energy_defect"), "", 0)
         sprung = " - E_s" if "elastic_slip_energy" in known else ""
         panels[1].set_ylabel(labelled(f"$W - E - E_p{sprung} - D$", "energy"))
     for panel in panels:
@@ -196,11 +211,17 @@ def _energies(history: History, path: Path) -> Picture:
     save(figure, path)
     said = "Work W of loads and obstacles, strain energy E and what friction has dissipated, D"
     said += "; below, what does not balance, which load steps leave." if balances else "."
-    return Picture(path, "Work and energies", said, _followed(figure, panels, history))
+    return Picture(path, "Work and energies", said, followed(figure, panels, history))
 
 
-def _followed(figure: Figure, panels: list[Axes], history: History) -> Followed:
-    """Each step is at its pseudo-time."""
+def followed(figure: Figure, panels: list[Axes], history: History) -> Followed:
+    """Where the steps are: each at its pseudo-time.
+
+    Args:
+        figure: Of the panels.
+        panels: All of them.
+        history: Of the run.
+    """
     return Followed(frame_of(figure, panels), [(history.time, None) for _ in panels])
 
 
@@ -229,8 +250,8 @@ def _loops(history: History, drives: list[Drive], path: Path) -> Picture:
         said += f" Shaded: the last closed loop; ΔW is the work of this drive over it, {work}."
     if any(is_sheared for *_, is_sheared in shown):
         said += " Beside it the same less the straight line C F between its turning points."
-    followed = Followed(frame_of(figure, panels[: len(paths)]), [(p.x, p.y) for p in paths])
-    return Picture(path, "Force against displacement", said, followed)
+    places = Followed(frame_of(figure, panels[: len(paths)]), [(p.x, p.y) for p in paths])
+    return Picture(path, "Force against displacement", said, places)
 
 
 def _dissipates(history: History, loops: list[Loop | None]) -> bool:
@@ -250,7 +271,7 @@ def _loop(panel: Axes, drive: Drive, loop: Loop | None, is_sheared: bool) -> Dri
         inside = slice(loop.first, loop.last + 1)
         words = with_unit(rf"$\Delta W = {_number(loop.work)}$", "energy")
         panel.fill(moved[inside], drive.y[inside], color=COLOURS["OPEN"], lw=0, label=words)
-    _line(panel, path.x, path.y, "", 0)
+    line(panel, path.x, path.y, "", 0)
     _arrows(panel, path)
     panel.plot(*(path.x[-1:], path.y[-1:]), "o", color=COLOURS["SLIP"], markersize=5, zorder=4)
     panel.axhline(0, color="black", linewidth=0.5, zorder=0)
