@@ -11,11 +11,14 @@ from fenics_contact.body.held_dofs import Held, HeldDofs
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.parallel import largest, raise_together
+from fenics_contact.common.parallel import largest, of_every_rank, raise_together
 from fenics_contact.scene.conditions import Support
-from fenics_contact.scene.loading.load_paths import KeyedPath
+from fenics_contact.scene.loading.load_paths import KeyedPath, knots
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import AXES, RAMP, AxisName, Value
+
+# Of the largest displacement, of those that are the same; and of shares of one.
+_SAME_VALUE, _SAME_SHARE = 1e-12, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +69,7 @@ class Supports:
             for each in held.by_symmetry
         ]
         self.dofs, self.values = self._constraints()
+        self._require_same_paths(scene)
 
     def _support(self, key: str, support: Support, held: Held) -> AppliedSupport:
         spaces = self._spaces
@@ -91,7 +95,7 @@ class Supports:
         size = largest(self._spaces.comm, np.abs(given))
         dofs, first, same = np.unique(every, return_index=True, return_inverse=True)
         values = given[first]  # the first to hold a dof counts
-        other = np.flatnonzero(np.abs(values[same] - given) > 1e-12 * size)
+        other = np.flatnonzero(np.abs(values[same] - given) > _SAME_VALUE * size)
         error = None
         if len(other):
             last = int(other[-1])
@@ -108,6 +112,35 @@ class Supports:
         """Where the support is of which a dof is, by its place among those of all supports."""
         ends = np.cumsum([len(support.dofs) for support in self.applied])
         return self.applied[int(np.searchsorted(ends, place, side="right"))].on
+
+    def _require_same_paths(self, scene: Scene) -> None:
+        """Supports that move a dof as far do so at the same time.
+
+        Raises:
+            InputError: They do not; on every rank.
+        """
+        size = largest(self._spaces.comm, np.abs(self.values))
+        mine = {
+            (one, other)
+            for other, support in enumerate(self.applied)
+            for one, first in enumerate(self.applied[:other])
+            if np.isin(support.dofs[np.abs(support.values) > _SAME_VALUE * size], first.dofs).any()
+        }
+        shared = sorted(set().union(*of_every_rank(self._spaces.comm, mine)))
+        if not shared:
+            return
+        ends = {*scene.load_steps.all_times, *knots(scene)}
+        times = sorted({scene.path_time(time) for time in ends})
+        for one, other in shared:
+            first, second = self.applied[one], self.applied[other]
+            for time in times:
+                shares = (first.path(time), second.path(time))
+                if abs(shares[0] - shares[1]) > _SAME_SHARE * max(np.abs(shares)):
+                    raise InputError(
+                        f"support on '{second.on}': at time {time:g} its path gives "
+                        f"{shares[1]:g}, but that of the support on '{first.on}', which moves a "
+                        f"point of both as far, {shares[0]:g}"
+                    )
 
     def at(self, time: float) -> Array:
         """Prescribed displacements of ``dofs`` at a pseudo-time (length)."""
