@@ -20,12 +20,15 @@ class CycleEnd(Record):
         kind: `shakedown` where friction loses nothing any more, `steady loop` where every cycle
             loses the same, `ratchetting` where slip grows by the same in each; empty as long as
             the loop is not closed.
+        is_kept_changing: Whether what laws keep at the points, such as wear, has changed as well,
+            so that the loop cannot be closed.
     """
 
     number: int
     change: float | None
     advance: float | None
     kind: str
+    is_kept_changing: bool = False
 
     @property
     def is_closed(self) -> bool:

@@ -24,6 +24,8 @@ def cycle_words(cycles: CyclesRecord | None) -> str:
     last = cycles.each[-1]
     if not last.is_closed:
         still = "" if last.change is None else f"; tractions still change by {last.change:.2g}"
+        if last.is_kept_changing:
+            still += ", and so does what is kept at the contact points, such as wear"
         many = "cycle" if cycles.computed == 1 else "cycles"
         return f" The loop is not closed after {cycles.computed} {many}{still}."
     words = _KINDS[last.kind].format(loss=last.loss, advance=last.advance)

@@ -140,7 +140,9 @@ class CycleWatch:
         kind = self._kind(change, advance, end.lost - before.lost) if rests else ""
         self._losses.append(end.lost - before.lost)
         self._begin_cycle()
-        self._last = CycleEnd(number=number, change=change, advance=advance, kind=kind)
+        self._last = CycleEnd(
+            number=number, change=change, advance=advance, kind=kind, is_kept_changing=not rests
+        )
         return self._last
 
     def _rests(self, before: _End, end: _End) -> bool:

@@ -241,6 +241,7 @@ def test_friction_that_goes_on_weakening_closes_no_loop():
         with_cycles(dataclasses.replace(BAR, contact=(contact,)), number=4), body=bar_body()
     )
     assert (found.cycles.kind, found.cycles.computed) == ("", 4)
+    assert "and so does what is kept at the contact points, such as wear" in found.verdict
     losses = [cycle.loss for cycle in found.cycles.each]
     assert losses == sorted(losses)  # less friction lets more of the bar slip, by F³/τ
 
