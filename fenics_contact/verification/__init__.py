@@ -7,6 +7,7 @@ from fenics_contact.verification.case import Case, Finding, Outcome
 from fenics_contact.verification.laws import by_pressure as by_pressure_cases
 from fenics_contact.verification.laws import compliance as compliance_cases
 from fenics_contact.verification.laws import micro_slip as micro_slip_cases
+from fenics_contact.verification.laws import orthotropic as orthotropic_cases
 from fenics_contact.verification.laws import slip_weakening as slip_weakening_cases
 from fenics_contact.verification.laws import wear as wear_cases
 from fenics_contact.verification.memory import check as memory_check
@@ -44,6 +45,7 @@ CASES: tuple[Case, ...] = (
     *by_pressure_cases.CASES,
     *slip_weakening_cases.CASES,
     *micro_slip_cases.CASES,
+    *orthotropic_cases.CASES,
     *wear_cases.CASES,
     *memory_check.CASES,
 )

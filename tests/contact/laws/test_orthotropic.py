@@ -23,19 +23,24 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.trust.checks.run_checks import run_checks
+from fenics_contact.verification.laws.orthotropic import (
+    ACROSS,
+    ALONG,
+    AXES,
+    CASES,
+    sliding_friction,
+    starting_to_slide,
+)
 from fenics_contact.verification.laws.stiff_block import block_of, stiff_block
 from tests.contact.laws.test_by_points import both, displaced, matrix_of
 from tests.scenes import box_body, with_solver
 from tests.simulation.restart.test_state_file import resumed, stopped_after
 
 COMM = MPI.COMM_WORLD
-ALONG, ACROSS = 0.2, 0.5
-# The axis along the surface; what of it is across does not count.
-AXIS = np.array([0.8, 0.6])
-ROTATED = np.array([AXIS, [-AXIS[1], AXIS[0]]])
 KEYS = ("strain_energy", "friction_work", "max_slip", "stick_area", "pressure_integral")
 
 
+# What of the direction is across the surface does not count.
 def law(along=ALONG, across=ACROSS, direction=(0.8, 0.6, 2.0)):
     return {
         "friction_law": OrthotropicFriction(
@@ -60,14 +65,6 @@ def block():
     return box_body((4, 3, 2), (1, 1, 0.5))
 
 
-def opposed(slip):
-    """Friction by a unit pressure on points of the ground that slip (points, 3): the formula."""
-    own = slip[:, :2] @ ROTATED.T
-    pulled = np.array([ALONG, ACROSS]) ** 2 * own
-    sizes = np.linalg.norm(np.array([ALONG, ACROSS]) * own, axis=1)
-    return -(pulled / np.where(sizes > 0, sizes, 1.0)[:, None]) @ ROTATED
-
-
 @pytest.mark.parametrize("strategy", ["lagged", "monolithic"])
 @pytest.mark.parametrize("kind", ["static", "incremental"])
 def test_points_that_slip_carry_the_ellipse_and_others_lie_within(strategy, kind):
@@ -77,14 +74,14 @@ def test_points_that_slip_carry_the_ellipse_and_others_lie_within(strategy, kind
     points = result.points
     slips, pressure = points.status == "SLIP", points.contact_pressure[:, None]
     traction = points.friction_traction[:, :2]
-    expected = pressure * opposed(points.slip)
+    expected = pressure * sliding_friction(points.slip[:, :2])
     assert 3 < slips.sum() < len(slips)
     assert traction[slips] == pytest.approx(expected[slips], rel=1e-6, abs=1e-7)
     # Not along the slip: an isotropic law would pass no test here.
     forces, ways = traction[slips], points.slip[slips, :2]
     turned = np.abs(forces[:, 0] * ways[:, 1] - forces[:, 1] * ways[:, 0])
     assert np.any(turned > 0.1 * np.linalg.norm(forces, axis=1) * np.linalg.norm(ways, axis=1))
-    ellipse = np.linalg.norm(traction @ ROTATED.T / np.array([ALONG, ACROSS]), axis=1)
+    ellipse = np.linalg.norm(traction @ AXES.T / np.array([ALONG, ACROSS]), axis=1)
     assert np.all(ellipse <= pressure[:, 0] * (1 + 1e-9) + 1e-9)
     assert points.own["bound"] == pytest.approx(ACROSS * points.contact_pressure, rel=1e-6)
 
@@ -114,7 +111,7 @@ def test_a_block_that_is_dragged_meets_the_formula(strategy, angle):
     scene = stiff_block(0.01, tuple(shift), keys, solver={"strategy": strategy, "errors": "none"})
     result = run(scene, COMM, block_of(3, 3))
     assert result.passed, result.verdict
-    expected = 10 * opposed(shift[None, :])[0]
+    expected = 10 * sliding_friction(shift[None, :])[0]
     assert result.quantities["friction_force"][:2] == pytest.approx(expected, rel=1e-4)
 
 
@@ -162,35 +159,35 @@ def test_the_true_tangent_is_the_derivative_of_the_traction():
         assert np.abs(quotient - expected)[clear].max(initial=0.0) <= 1e-5 * scale
 
 
-@pytest.mark.parametrize("angle", [0, 25, 60, 90])
-@pytest.mark.parametrize("known", [True, False])
-def test_sliding_starts_at_the_ellipse(angle, known):
-    """A stiff block pressed down by P = 4 slides when |Q| = P/√(cos²θ/μ₁² + sin²θ/μ₂²)."""
-    way = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
-    limit = 4 / np.linalg.norm(way / np.array([ALONG, ACROSS]))
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_dragged_blocks_and_the_start_of_sliding_meet_the_formulas(case):
+    for finding in case.run(True):
+        assert finding.passed, finding
 
+
+@pytest.mark.parametrize("angle", [0, 60])
+def test_beyond_the_ellipse_no_pressure_holds_the_block(angle):
+    with pytest.raises(NoEquilibriumError, match=r"the loads\s+are 1.02"):
+        run(starting_to_slide(angle, 1.02), COMM, block_of(2, 3))
+
+
+@pytest.mark.parametrize("angle", [0, 25, 60, 90])
+def test_pressures_that_are_found_hold_the_block_up_to_the_ellipse(angle):
     def scene(share):
-        pull = share * limit * way @ ROTATED
-        pressed = {"pressure": 4.0} if known else {}
-        down = Support("z1", {"z": 0}) if known else None
-        loads = [Load("body", body_force=(*pull / 0.1, 0.0))]
-        if not known:
-            loads.append(Load("z1", traction=(0, 0, -4.0)))
-        return Scene(
-            kinematics="3D",
-            material=Material(1e6, 0.0),
-            support=() if down is None else (down,),
-            load=tuple(loads),
-            contact=(Contact("z0", **pressed, **law()),),
-            solver={"errors": "none"},
+        given = starting_to_slide(angle, share)
+        pressed = Load("block.z1", traction=(0, 0, -4.0))
+        return dataclasses.replace(
+            given,
+            support=(),
+            load=(*given.load, pressed),
+            contact=(dataclasses.replace(given.contact[0], pressure=None),),
         )
 
-    body = box_body((2, 2, 1), (1, 1, 0.1))
-    held = run(scene(0.97), COMM, body)
+    held = run(scene(0.97), COMM, block_of(2, 3))
     assert held.passed, held.verdict
     assert held.model["used_share_of_limit_load"] == pytest.approx(0.97, rel=2e-6)
     with pytest.raises(NoEquilibriumError, match=r"the loads\s+are 1.02"):
-        run(scene(1.02), COMM, body)
+        run(scene(1.02), COMM, block_of(2, 3))
 
 
 def test_a_study_answers_as_runs_do_and_derives_by_both_coefficients():
