@@ -64,6 +64,7 @@ def write(folder, **said):
         before = number
 
 
+@pytest.mark.serial  # the command line waits for all ranks
 def test_the_page_has_what_is_worn_and_pictures(tmp_path, capsys):
     write(tmp_path)
     assert main(["report", str(tmp_path)]) == 0
