@@ -14,6 +14,7 @@ from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws.friction_laws import OrthotropicFriction
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.steps import SolverSettings
 from fenics_contact.verification.case import Case, Finding, solved
 from fenics_contact.verification.laws.stiff_block import HEIGHT, LENGTH, block_of, stiff_block
 
@@ -80,7 +81,7 @@ def starting_to_slide(angle: float, share: float) -> Scene:
         support=(Support("block.z1", {"z": 0}),),
         load=(Load("block", body_force=(*(pull / HEIGHT), 0.0)),),
         contact=(Contact("block.z0", pressure=_PRESSURE, friction_law=LAW),),
-        solver={"errors": "none"},
+        solver=SolverSettings(errors="none"),
     )
 
 
