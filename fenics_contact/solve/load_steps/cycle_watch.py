@@ -153,11 +153,9 @@ class CycleWatch:
         rests = True
         for key, now in end.kept.items():
             trace = self._problem.contacts[key[0]].trace
-            moved = np.abs(now - before.kept.get(key, 0.0)).reshape(len(trace.weights), -1)
-            found = float(trace.integral(moved.sum(axis=1)))
+            found = float(trace.integral(_sizes(now - before.kept.get(key, 0.0))))
             self._moved[key] = max(self._moved.get(key, 0.0), found)
-            there = float(trace.integral(np.abs(now).reshape(len(moved), -1).sum(axis=1)))
-            most = max(self._moved[key], _ROUND_OFF * there)
+            most = max(self._moved[key], _ROUND_OFF * float(trace.integral(_sizes(now))))
             rests &= found <= self._cycles.tolerance * most
         return rests
 
@@ -200,6 +198,11 @@ class CycleWatch:
         shapes = [contact.trace.normals.shape for contact in self._problem.contacts]
         tractions = [np.zeros((points, 1 + components)) for points, components in shapes]
         return _End(tractions, [np.zeros(shape) for shape in shapes], {}, 0.0)
+
+
+def _sizes(values: Array) -> Array:
+    """Of values at the points, (points,) or (points, components), of which a rank may have none."""
+    return np.asarray(np.abs(values).sum(axis=tuple(range(1, values.ndim))))
 
 
 def _to_come(change: float, before: float, share: float) -> float:

@@ -153,7 +153,7 @@ def _beyond(contact: ContactSurface, bulk: Array, bound: Array, free: Flags) -> 
         return np.asarray(np.linalg.norm(bulk, axis=1) - bound)
     components = bulk.shape[1]
     given = trace.weights * contact.friction_bound
-    flat = (given[:, None, None] * squared).reshape(len(given), -1)
+    flat = (given[:, None, None] * squared).reshape(len(given), components**2)
     sums = np.stack([trace.to_nodes(column) for column in flat.T], axis=1)
     whole = trace.to_nodes(given)
     carries = whole > 0

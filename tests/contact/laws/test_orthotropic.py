@@ -10,9 +10,11 @@ from fenics_contact import (
     Contact,
     Load,
     Material,
+    Obstacle,
     OrthotropicFriction,
     Run,
     Scene,
+    SolverSettings,
     Steps,
     Study,
     Support,
@@ -275,4 +277,22 @@ def test_other_models_and_directions_without_an_axis_are_refused_on_all_ranks():
     plain = run(sheared(law()), COMM, block())
     assert nearly.quantities["friction_work"] == pytest.approx(
         plain.quantities["friction_work"], rel=1e-9
+    )
+
+
+def test_a_column_slides_on_an_end_that_two_ranks_do_not_share():
+    ground = Obstacle("plane", position=(0, 0, 0))
+    scene = Scene(
+        kinematics="3D",
+        material=Material(1e6, 0.0),
+        support=(Support("z1", {"x": 0.02, "y": 0.01, "z": -1e-5}),),
+        contact=(Contact("z0", obstacle=ground, **law(direction=(1, 0, 0))),),
+        solver=SolverSettings(errors="none"),
+    )
+    result = run(scene, body=box_body((1, 1, 6), (1, 1, 3)))
+    assert result.passed, result.verdict
+    pull = np.array([ALONG**2 * 2, ACROSS**2]) / np.hypot(ALONG * 2, ACROSS)
+    found = result.quantities
+    np.testing.assert_allclose(
+        found["friction_force"][:2], -found["normal_force"] * pull, rtol=1e-2
     )

@@ -233,6 +233,25 @@ def test_elastic_slip_is_no_creep(slid, kind):
     assert found.each[-1].loss == pytest.approx(expected, rel=1e-4, abs=1e-6)
 
 
+def test_what_a_law_keeps_may_be_none_of_a_rank():
+    """A column that stands on its short side, which two ranks do not share."""
+    law = MicroSlipFriction("micro-slip", elastic_slip=0.05)
+    contact = Contact(
+        "y0", pressure=1, friction_coefficient=LIMIT, law="incremental", friction_law=law
+    )
+    column = dataclasses.replace(
+        BAR,
+        material=Material(1e6, 0.0),
+        support=(Support("y1", {"y": 0}), Support("y1", {"x": 0.2}, path=TO_AND_FRO)),
+        load=(),
+        contact=(contact,),
+        point=(),
+    )
+    found = run(column, body=box_body((1, 8), (1, 4))).cycles
+    assert (found.kind, found.computed) == ("steady loop", 2)
+    assert found.loss == pytest.approx(50 * 4 * LIMIT * 0.15, rel=1e-3)
+
+
 def test_friction_that_goes_on_weakening_closes_no_loop():
     """It goes by all that has slipped, so that no cycle repeats the one before."""
     law = SlipDependentFriction("slip dependent", slips=(0, 100 * PULLED), shares=(1, 0.5))
