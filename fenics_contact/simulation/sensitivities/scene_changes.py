@@ -170,7 +170,8 @@ class SceneChanges:
             return self._of_pressure(
                 number, contact, self._at_points(contact, key, scene.pressure, rest[1:])
             )
-        if rest[0].startswith("friction") and not contact.friction.rubs:
+        of_friction = rest[0].startswith("friction") or name == "regularisation_parameter"
+        if of_friction and not contact.friction.rubs:
             raise _refused(key, "without friction, it is no parameter of the model")
         name, value, inside = value_under(scene, rest)
         unit = _unit(key, value, inside)

@@ -1,11 +1,12 @@
 """Fits find the truth of formulas and of loops; their intervals are those of the formulas."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from fenics_contact import InputError, Measured, Path, Steps, Study, fit
+from fenics_contact import Contact, InputError, Measured, Obstacle, Path, Steps, Study, fit
 from fenics_contact.simulation.fits.curves import branches
 from fenics_contact.simulation.studies.changes import with_changes
 from tests.scenes import box_body
@@ -81,9 +82,19 @@ def test_parameters_that_make_the_same_curve_are_not_told_apart():
 
 
 def test_a_number_that_moves_nothing_is_refused():
-    """Without friction ε is no part of the model."""
-    unused = "contact.0.regularisation_parameter"
+    """What stands far beside the block never touches it."""
+    unused = "contact.1.penalty_parameter"
+    scene = with_changes(uniform_block(), {E: 700.0})
+    beside = Contact("x1", obstacle=Obstacle("plane", position=(9, 0)), penalty_parameter=1e-4)
+    scene = replace(scene, contact=(*scene.contact, beside))
+    study = Study(scene, body=box_body((3, 2), (WIDTH, HEIGHT)))
     with pytest.raises(InputError, match=f"{unused}: the curve does not depend on it"):
+        fit(study, replace(forces(), quantity="y0.normal_force"), [E, unused])
+
+
+def test_a_number_of_friction_is_refused_where_nothing_rubs():
+    unused = "contact.0.regularisation_parameter"
+    with pytest.raises(InputError, match=f"{unused}' has no derivative: without friction"):
         fit(block_study(**{unused: 1e-6}), forces(), [E, unused])
 
 
