@@ -25,6 +25,8 @@ STEEL = Material(1000, 0.3)
 MU = "contact.0.friction_coefficient"
 DEPTH = "contact.0.obstacle.indentation"
 FORCE = "contact.0.obstacle.force"
+LAW = "contact.0.friction_law"
+TWO_STEPS = {"steps": Steps(number=2)}
 
 PRESCRIBED = Scene(
     kinematics="plane stress",
@@ -103,6 +105,50 @@ CASES = {
         ),
         square,
         [{"contact.0.normal_law.coefficient": 2e6}, {"contact.0.normal_law.exponent": 1.5}],
+    ),
+    "friction laws": (
+        of_contact(
+            ON_A_FLOOR,
+            law="incremental",
+            friction_law={"kind": "nonlocal", "averaging_radius": 0.3},
+        ),
+        square,
+        [
+            {MU: 0.35},
+            {LAW: {"kind": "micro-slip", "elastic_slip": 1e-3}},
+            {LAW: {"kind": "pressure dependent", "pressures": (1, 3), "shares": (1, 0.5)}},
+            {LAW: {"kind": "slip dependent", "slips": (0, 1e-3), "shares": (1, 0.5)}, **TWO_STEPS},
+            {LAW: {"kind": "formula", "bound": "p / (1 + p / c)", "parameters": {"c": 4}}, MU: 0},
+        ],
+    ),
+    "friction by compliance": (
+        of_contact(
+            ON_A_FLOOR,
+            friction_coefficient=0,
+            normal_law=NormalCompliance(kind="normal compliance", coefficient=1e6, exponent=2),
+            friction_law={"kind": "compliance", "coefficient": 2e5, "exponent": 2},
+        ),
+        square,
+        [{f"{LAW}.exponent": 1.8}, {"contact.0.normal_law.coefficient": 2e6}],
+    ),
+    "orthotropic": (
+        of_contact(
+            PAD,
+            friction_coefficient=0,
+            friction_law={
+                "kind": "orthotropic",
+                "along": 0.4,
+                "across": 0.6,
+                "direction": (1, 1, 0),
+            },
+        ),
+        lambda: box_body((3, 3, 2)),
+        [{f"{LAW}.across": 0.5, FORCE: 11}, {f"{LAW}.direction": (1, 0, 0)}],
+    ),
+    "wear": (
+        of_contact(dragged(Steps(number=3)), wear={"coefficient": 1e-3}),
+        block,
+        [{"contact.0.wear.coefficient": 2e-3}, {MU: 0.2}],
     ),
     "incremental": (
         dragged(Steps(number=2)),
