@@ -80,6 +80,7 @@ napoleon_use_rtype = False  # "The exit code: 0 …" is no type
 # modules that are not shown: docstrings.py.
 nitpick_ignore_regex = [
     (r"py:.*", r"(numpy|np|dolfinx|ufl|basix|petsc4py|PETSc|mpi4py|MPI|scipy|pydantic|NDArray).*"),
+    (r"py:.*", "FieldInfo|AllowInfNan|NoneType"),  # in the types of pydantic's fields
     (r"py:.*", r"(argparse|collections|pathlib|types)\..*"),
 ]
 _MATHJAX = "tex-svg-full.js"  # all of it in one file, fonts as well

@@ -29,7 +29,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
 def _is_of_scenes(value: Any) -> bool:
     module = getattr(value, "__module__", "")
     named = module.startswith("fenics_contact.scene")
-    return named and isinstance(value, type) and dataclasses.is_dataclass(value)
+    return named and isinstance(value, type) and hasattr(value, "__pydantic_fields__")
 
 
 def _signature(

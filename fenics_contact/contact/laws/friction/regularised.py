@@ -89,7 +89,7 @@ class RegularisedFriction(FrictionLaw):
 
     @property
     def finds_scale(self) -> bool:
-        """Whether ε follows the pressures that are found: never that of the surfaces."""
+        """Whether ε follows the pressures that are found; a length of the surfaces never does."""
         return super().finds_scale and self.has_regularisation
 
     @property
