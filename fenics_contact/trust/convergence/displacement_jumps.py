@@ -111,13 +111,10 @@ def _at_nodes(
     asked = np.zeros(count)
     for contact in obstacles.values():
         asked += contact.on_body
-    lowest, highest = np.full((2, problem.load.size), np.nan)
-    for dofs, values in held:
-        lowest[dofs] = np.fmin(lowest[dofs], values)
-        highest[dofs] = np.fmax(highest[dofs], values)
-    is_held = ~np.isnan(lowest).reshape(count, -1).all(axis=1)
-    differ = (highest - lowest > least).reshape(count, -1).any(axis=1)
-    chosen = differ | (asked + is_held > 1)
+    is_held = np.zeros((count, problem.load.size // count), dtype=bool)
+    for dofs, _ in held:
+        is_held.reshape(-1)[dofs] = True
+    chosen = asked + is_held.any(axis=1) > 1
     rows = [
         *(_rows_of_support(problem, number, *one, chosen) for number, one in enumerate(held)),
         *(_rows_of_obstacle(problem, number, chosen) for number in obstacles),

@@ -202,6 +202,11 @@ def require_same_checks(found, expected):
     assert ours.replace(f"all {len(found.checks)} checks", said) == theirs
 
 
+# Pairs, bolts to be tightened, and bounds that are no multiple of the pressure: no estimate says
+# that they have one answer.
+MAY_BE_COLD = ("two bodies", "bolt", "stabilised", "friction by compliance")
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_quick_answers_are_those_of_separate_runs(name):
     """From whatever answer they began."""
@@ -215,7 +220,7 @@ def test_quick_answers_are_those_of_separate_runs(name):
     assert study.factorisations == 1
     assert starts[0] == "cold"
     assert "followed" not in starts
-    assert "warm" in starts or name in ("two bodies", "bolt", "stabilised"), starts
+    assert "warm" in starts or name in MAY_BE_COLD, starts
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -20,7 +20,7 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.scene.contact import Obstacle
-from fenics_contact.scene.values import Path, Profile
+from fenics_contact.scene.values import Profile
 from fenics_contact.trust.convergence.displacement_jumps import displacement_jumps
 from fenics_contact.trust.convergence.level_history import LevelHistory
 from tests.scenes import ROOT, box_body, with_solver
@@ -93,20 +93,9 @@ def test_force_on_the_wall_grows_like_the_logarithm_and_has_no_bar():
             },
             0.01,
         ),
-        # One value at the corner, but not at the same time.
-        (
-            {
-                "support": (
-                    Support("y0", {"x": 0.01, "y": 0}),
-                    Support("x1", {"x": 0.01}, path=Path((0, 1, 2), (0, 0.5, 1))),
-                ),
-                "contact": (),
-            },
-            0.005,
-        ),
         ({"support": (base(lambda x: 0.003 * (x[0] > 0.4)),), "contact": ()}, 0.003),
     ],
-    ids=["glued", "towards the wall", "two obstacles", "paths", "step"],
+    ids=["glued", "towards the wall", "two obstacles", "step"],
 )
 def test_jumps_are_found_with_their_size(parts, size):
     (found,) = jumps(changed(**parts))
@@ -296,14 +285,6 @@ def test_singular_problems_that_converge_keep_their_bars():
 
 TORN = {
     "wall": changed(support=(WALL.support[0], Support("x1", {"x": 0}))),
-    # One value at the corner, but not at the same time.
-    "supports": changed(
-        support=(
-            Support("y0", {"x": 0.01, "y": 0}),
-            Support("x1", {"x": 0.01}, path=Path((0, 1, 2), (0, 0.5, 1))),
-        ),
-        contact=(),
-    ),
     "step": changed(
         support=(
             Support("y0", {"x": 0, "y": 0}),
