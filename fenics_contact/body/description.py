@@ -69,7 +69,7 @@ class BodyDescription:
         dimension: Displacement components.
         thickness: Of plane models, None where it plays no part (length).
         degree: Of the elements.
-        material: Of the parts.
+        material: Of the parts, without densities: masses are no part of a stiffness.
         held: What supports hold.
         symmetry: Groups in planes of symmetry.
         outer: Groups of the outer boundary of a piece of a half-space.
@@ -96,7 +96,7 @@ class BodyDescription:
             dimension=scene.dimension,
             thickness=scene.thickness,
             degree=scene.discretisation.degree,
-            material=scene.material,
+            material=tuple(_elastic(each) for each in scene.material),
             held=tuple(HeldGroup(each.on, tuple(each.displacement)) for each in scene.support),
             symmetry=scene.symmetry,
             outer=scene.half_space.on if scene.half_space else (),
@@ -113,3 +113,7 @@ class BodyDescription:
         """Names of what is not the same."""
         names = (each.name for each in dataclasses.fields(self))
         return [name for name in names if getattr(self, name) != getattr(other, name)]
+
+
+def _elastic(material: Material) -> Material:
+    return material if material.density is None else dataclasses.replace(material, density=None)

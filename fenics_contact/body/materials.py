@@ -1,24 +1,20 @@
-"""The body's elasticities as UFL coefficients, from the scene's materials.
-
-Numbers become constants where one material fills the body, else functions on cells; what
-varies in space is interpolated in each cell, between points inside it.
-"""
+"""The body's elasticities as UFL coefficients, from the scene's materials."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-from dolfinx import fem
 
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import Anisotropic, Isotropic, Law
+from fenics_contact.body.material_points import MaterialPoints
 from fenics_contact.body.reference_moduli import Moduli
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common.arrays import AnyIntegers, Array, Integers
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.parallel import largest, raise_together, smallest
+from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.values import Value
 
@@ -38,13 +34,8 @@ class Elasticities:
     def __init__(self, description: BodyDescription, spaces: Spaces) -> None:
         self.spaces = spaces
         self.materials = description.material
-        self._keys = [
-            f"material[{i}]" if len(description.material) > 1 else "material"
-            for i in range(len(description.material))
-        ]
-        self._space = self._choose_space()
-        self._points = self._space.tabulate_dof_coordinates().T
-        self._owner = self._find_owners()
+        varies = any(callable(value) for m in self.materials for value in _values(m))
+        self._at = MaterialPoints(self.materials, spaces, varies)
         if all(material.stiffness is None for material in description.material):
             self.law: Law = self._isotropic()
         else:
@@ -60,8 +51,8 @@ class Elasticities:
         """The stiffest of each connected part; collective."""
         parts, comm = self.spaces.parts, self.spaces.comm
         nodes = self.spaces.displacement_space.dofmap.list
-        of_point = np.empty(len(self._owner), dtype=np.int64)
-        of_point[self._space.dofmap.list] = parts.of_node[nodes[:, :1]]
+        of_point = np.empty(len(self._at.owner), dtype=np.int64)
+        of_point[self._at.space.dofmap.list] = parts.of_node[nodes[:, :1]]
         found = []
         for part in range(parts.count):
             mine = of_point == part
@@ -69,73 +60,18 @@ class Elasticities:
             found.append(Moduli(stiffest, largest(comm, self._ratios[mine]), is_plane_stress))
         return found
 
-    def _choose_space(self) -> fem.FunctionSpace:
-        """Constants in each cell; or, where a value varies, of a degree that energies keep up with.
-
-        Its nodes lie inside the cells, so that a jump between cells stays one.
-        """
-        mesh, degree = self.spaces.body.mesh, 0
-        if any(callable(value) for m in self.materials for value in _values(m)):
-            degree = self.spaces.degree - (0 if compat.is_tensor_cell(mesh) else 1)
-        return fem.functionspace(mesh, compat.interior_element(mesh, degree))
-
     def _where_used(self, values: Array) -> Array:
         """Values at the nodes, and what they amount to at the points of quadrature."""
         points = compat.quadrature_points(self.spaces.body.mesh, self.spaces.bulk_degree)
-        table = self._space.ufl_element().tabulate(0, points)[0]
-        of_cells = np.moveaxis(values[self._space.dofmap.list], 1, -1)
+        table = self._at.space.ufl_element().tabulate(0, points)[0]
+        of_cells = np.moveaxis(values[self._at.space.dofmap.list], 1, -1)
         used = np.moveaxis(of_cells @ table.T, -1, 1).reshape(-1, *values.shape[1:])
         return np.concatenate([values, used])
 
-    def _find_owners(self) -> Integers:
-        """Number of the material at each point; every cell must have exactly one."""
-        body = self.spaces.body
-        index_map = body.mesh.topology.index_map(body.dimension)
-        owner = np.full(index_map.size_local + index_map.num_ghosts, -1)
-        error = None
-        for number, (key, material) in enumerate(zip(self._keys, self.materials, strict=True)):
-            cells: AnyIntegers | slice = slice(None)
-            if material.on:
-                group = body.group(material.on, f"{key}.on")
-                if group.dimension != body.dimension:
-                    raise InputError(f"{key}.on = '{material.on}': must be a part of the body")
-                cells = body.entities(group)
-            if (owner[cells] >= 0).any():
-                error = InputError(
-                    f"{key}.on = '{material.on}': shares cells with another material"
-                )
-            owner[cells] = number
-        raise_together(self.spaces.comm, error)
-        if (owner < 0).any():
-            error = InputError("material: some cells of the body have none; give each its own")
-        raise_together(self.spaces.comm, error)
-        owner_of_point = np.empty(self._points.shape[1], dtype=np.int64)
-        owner_of_point[self._space.dofmap.list] = owner[:, None]
-        return owner_of_point
-
-    def _evaluate(self, name: str, values: list[Value]) -> Array:
-        """One coefficient at all points: value i where material i is."""
-        found = np.zeros(len(self._owner))
-        for number, value in enumerate(values):
-            mine = self._owner == number
-            key = f"{self._keys[number]}.{name}"
-            found[mine] = self.spaces.evaluate_at(value, self._points[:, mine], key)
-        return found
-
-    def _coefficient(self, values: Array) -> fem.Constant | fem.Function:
-        """A constant where the values are all the same, else a function."""
-        comm = self.spaces.comm
-        least = smallest(comm, values)
-        if least == largest(comm, values):
-            return fem.Constant(self.spaces.body.mesh, least)
-        function = fem.Function(self._space)
-        function.x.array[:] = values
-        return function
-
     def _isotropic(self) -> Isotropic:
         comm = self.spaces.comm
-        young = self._evaluate("youngs_modulus", [m.youngs_modulus for m in self.materials])  # type: ignore[misc]
-        poisson = self._evaluate("poissons_ratio", [m.poissons_ratio for m in self.materials])  # type: ignore[misc]
+        young = self._at.evaluate("youngs_modulus", [m.youngs_modulus for m in self.materials])  # type: ignore[misc]
+        poisson = self._at.evaluate("poissons_ratio", [m.poissons_ratio for m in self.materials])  # type: ignore[misc]
         least = smallest(comm, self._where_used(young))
         if least <= 0:
             raise InputError(
@@ -151,15 +87,15 @@ class Elasticities:
             )
         self.largest_poissons_ratio = largest(comm, poisson)
         self._stiffnesses, self._ratios = young, poisson
-        return Isotropic(self._coefficient(young), self._coefficient(poisson))
+        return Isotropic(self._at.coefficient(young), self._at.coefficient(poisson))
 
     def _anisotropic(self, plane: bool) -> Anisotropic:
-        matrices = np.zeros((len(self._owner), 6, 6))
+        matrices = np.zeros((len(self._at.owner), 6, 6))
         given = [_stiffness(material) for material in self.materials]
         for i in range(6):
             for j in range(6):
                 entries = [matrix[i][j] for matrix in given]
-                matrices[:, i, j] = self._evaluate(f"stiffness[{i}][{j}]", entries)
+                matrices[:, i, j] = self._at.evaluate(f"stiffness[{i}][{j}]", entries)
         self._require_elastic(self._where_used(matrices), plane)
         self._require_compressible(matrices)
         self.largest_poissons_ratio = -1.0
@@ -168,7 +104,7 @@ class Elasticities:
         # An entry that is zero everywhere is left out of the form, not multiplied.
         size = largest(self.spaces.comm, np.abs(matrices).ravel())
         entries_found = {
-            (i, j): self._coefficient(0.5 * (matrices[:, i, j] + matrices[:, j, i]))
+            (i, j): self._at.coefficient(0.5 * (matrices[:, i, j] + matrices[:, j, i]))
             for i in range(6)
             for j in range(6)
             if largest(self.spaces.comm, np.abs(matrices[:, i, j])) > 1e-14 * size

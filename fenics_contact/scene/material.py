@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from fenics_contact.scene.units.dimensions import STRESS
+from fenics_contact.scene.units.dimensions import DENSITY, STRESS
 from fenics_contact.scene.values import VOIGT, Number, Value, scene_class
 
 
@@ -79,6 +79,11 @@ class Material:
     on: Annotated[
         str, Field(description="physical group of cells that it fills; by default the body")
     ] = ""
+    density: Annotated[
+        Value | None,
+        DENSITY,
+        Field(description="ρ > 0; needed where masses count, as of modes; of no effect elsewhere"),
+    ] = None
 
     def __post_init__(self) -> None:
         isotropic = (self.youngs_modulus, self.poissons_ratio)
@@ -93,3 +98,5 @@ class Material:
             raise ValueError(f"youngs_modulus = {young:g} must be greater than 0")
         if isinstance(poisson, float | int) and not -1 < poisson < 0.5:
             raise ValueError(f"poissons_ratio = {poisson:g} must lie between -1 and 0.5")
+        if isinstance(self.density, float | int) and self.density <= 0:
+            raise ValueError(f"density = {self.density:g} must be greater than 0")

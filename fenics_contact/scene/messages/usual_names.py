@@ -30,6 +30,7 @@ _KEYS = {
         **dict.fromkeys(("nu", "ν", "v", "pr", "poisson", "poisson_number"), "poissons_ratio"),
         **dict.fromkeys(("c", "d", "c_ijkl", "e_ijkl", "tensor"), "stiffness"),
         **dict.fromkeys(("group", "cells", "region", "domain", "body"), "on"),
+        **dict.fromkeys(("rho", "ρ", "mass_density"), "density"),
     },
     "Support": {
         **dict.fromkeys(("group", "surface", "boundary", "where", "face", "edge"), "on"),

@@ -23,7 +23,9 @@ _LONGEST = 60
 
 @dataclass(frozen=True)
 class Dimension:
-    """What a number measures, as powers of length and force.
+    """What a number measures, as powers of length, force and time.
+
+    The unit of time is the second.
 
     In an annotation it lets a key also take a text with a unit, which is kept as it was written
     until the scene knows its own units.
@@ -32,6 +34,7 @@ class Dimension:
         words: As descriptions have it, such as ``stress/length``.
         length: Power of length.
         force: Power of force.
+        time: Power of time.
         is_resultant: Whether models of unit thickness have it per length.
         is_said: Whether descriptions say it.
         is_place: Whether it is a coordinate, which says nothing of how far it may be moved.
@@ -40,6 +43,7 @@ class Dimension:
     words: str
     length: float
     force: float = 0.0
+    time: float = 0.0
     is_resultant: bool = False
     is_said: bool = True
     is_place: bool = False
@@ -108,6 +112,7 @@ LENGTH_OR_NUMBER = Dimension("length", 1, is_said=False)
 STRESS = Dimension("stress", -2, 1)
 FORCE = Dimension("force", 0, 1, is_resultant=True)
 BODY_FORCE = Dimension("force/volume", -3, 1)
+DENSITY = Dimension("mass/volume", -4, 1, 2)
 COMPLIANCE = Dimension("length/stress", 3, -1)
 PER_STRESS = Dimension("1/stress", 2, -1)
 STIFFNESS = Dimension("stress/length", -3, 1)

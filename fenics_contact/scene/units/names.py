@@ -40,10 +40,12 @@ class UnitNames:
         return self._of_all(_PER_THICKNESS.get(words, words) if self.per_unit_thickness else words)
 
     def _of_all(self, words: str) -> str:
+        if words == "mass/volume":
+            return f"{self.force}·s²/{self.length}⁴"
         over, slash, under = words.partition("/")
         power = {"area": "²", "volume": "³", "length^m": "^m"}
         named = {"length": self.length, "force": self.force}
-        named |= {"stress": self.stress, "energy": self.energy, "": ""}
+        named |= {"stress": self.stress, "energy": self.energy, "": "", "1": "1"}
         name = named[over] if over in named else self.length + power[over]
         if not slash:
             return name

@@ -6,6 +6,7 @@ else, and nothing is computed of it.
 
 from __future__ import annotations
 
+import math
 import re
 from decimal import Decimal
 from functools import cache
@@ -47,14 +48,14 @@ def parts_of(text: str) -> tuple[Decimal, str]:
     return Decimal(found[1]), found[2]
 
 
-def factor(unit: str, length: str, force: str, powers: tuple[float, float]) -> Decimal:
+def factor(unit: str, length: str, force: str, powers: tuple[float, ...]) -> Decimal:
     """What a unit is in others.
 
     Args:
         unit: Such as ``GPa``.
         length: Unit of length, such as ``mm``.
         force: Unit of force, such as ``N``.
-        powers: Of length and force.
+        powers: Of length and force, and of seconds if any.
 
     Returns:
         Of ``length`` to the one power times ``force`` to the other, how many it is.
@@ -64,6 +65,8 @@ def factor(unit: str, length: str, force: str, powers: tuple[float, float]) -> D
 
     >>> int(factor("GPa", "mm", "N", (-2, 1)))
     1000
+    >>> float(factor("kg/m³", "mm", "N", (-4, 1, 2)))
+    1e-12
     """
     one, wanted = _parsed(unit), _product(length, force, powers)
     try:
@@ -94,9 +97,13 @@ def derived(length: str, force: str, powers: tuple[int, int]) -> str:
     return f"{force}·{length}" if powers[0] > 0 else f"{force}/{length}²"
 
 
-def _product(length: str, force: str, powers: tuple[float, float]) -> Any:
-    parts = (_parsed(length).units ** Decimal(str(powers[0])), _parsed(force).units)
-    return parts[0] * parts[1] ** Decimal(str(powers[1]))
+def _product(length: str, force: str, powers: tuple[float, ...]) -> Any:
+    units = (length, force, "s")[: len(powers)]
+    parts = [
+        _parsed(unit).units ** Decimal(str(power))
+        for unit, power in zip(units, powers, strict=True)
+    ]
+    return math.prod(parts[1:], start=parts[0])
 
 
 @cache

@@ -193,7 +193,7 @@ class _Conversion:
                 'length = "mm" and force = "N"; without them write a number'
             )
         per_length = self.per_unit_thickness and dimension.is_resultant
-        powers = (dimension.length - per_length, dimension.force)
+        powers = (dimension.length - per_length, dimension.force, dimension.time)
         try:
             number, unit = parts_of(text)
             value = float(number * factor(unit, self.units.length, self.units.force, powers))

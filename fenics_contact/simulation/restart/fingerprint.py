@@ -25,6 +25,7 @@ _FREE = ("title", "steps", "solver", "mesh", "units", "derivatives", "tolerances
 # they do not count.
 _LATER: dict[str, dict[str, Any]] = {
     "Scene": {"preload": (), "cycles": None},
+    "Material": {"density": None},
     "Support": {"name": None},
     "Preload": {"between": None},
     "Contact": {

@@ -37,3 +37,8 @@ def test_forces_areas_and_energies_of_unit_thickness_are_per_length():
     found = Units("mm", "N").names(per_unit_thickness=True)
     words = ("force", "energy", "area", "stress", "length", "force/volume")
     assert [found.of(each) for each in words] == ["N/mm", "mJ/mm", "mm", "MPa", "mm", "N/mm³"]
+
+
+def test_densities_are_by_force_length_and_seconds():
+    found = Units("mm", "N").names()
+    assert found.of("mass/volume") == "N·s²/mm⁴" and found.of("1/stress") == "1/MPa"

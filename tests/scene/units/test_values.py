@@ -246,3 +246,16 @@ def test_a_mark_inside_lists_and_tables_is_found():
     assert dimension_of(fields["position"]) is PLACE
     assert dimension_of(fields["displacement"]) is LENGTH
     assert dimension_of(fields["normal"]) is None
+
+
+def test_densities_in_any_unit_are_masses_by_force_length_and_seconds():
+    """1 kg is 1 N·s²/m, so that 7850 kg/m³ are 7.85e-9 N·s²/mm⁴."""
+    parts = {"kinematics": "3D", "material": Material(1.0, 0.3, density="7850 kg/m³")}
+    made = Scene(**parts, units=Units("mm", "N"))
+    assert made.material[0].density == pytest.approx(7.85e-9, rel=1e-14)
+    with pytest.raises(InputError, match=r"accepted here is a mass/volume, .* \(in N·s²/m⁴\)"):
+        Scene(
+            kinematics="3D",
+            material=Material(1.0, 0.3, density="7850 kg"),
+            units=Units("m", "N"),
+        )
