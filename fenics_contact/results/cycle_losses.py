@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import takewhile
 
 import numpy as np
 
@@ -41,7 +42,9 @@ def cycles_record(
     begins = [begin, *ends[:-1]]
     each = [_cycle(history, drives, *span) for span in zip(begins, ends, strict=True)]
     last = each[-1]
-    closed = next((one.number for one in each if one.is_closed), None)
+    # Of a run that was gone on with, earlier ones may have been closed with a larger tolerance.
+    repeating = list(takewhile(lambda one: one.is_closed, reversed(each)))
+    closed = repeating[-1].number if repeating else None
     repeats = 0 if closed is None else cycles.number - last.number
     return CyclesRecord(
         kind=last.kind,

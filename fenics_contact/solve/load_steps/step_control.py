@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.scene import Scene, Steps
 
 # Of a step, below which two pseudo-times are the same.
@@ -137,16 +138,16 @@ class PaceOfCycles:
 
     Args:
         pace: Which step comes next until then.
-        ends_early: Whether they do.
+        cycles: Those of the scene.
     """
 
-    def __init__(self, pace: Pace, ends_early: bool) -> None:
-        self._pace, self._ends_early, self._is_ended = pace, ends_early, False
+    def __init__(self, pace: Pace, cycles: Cycles) -> None:
+        self._pace, self._cycles, self._is_ended = pace, cycles, False
         self.cut, self.exceeds, self.went = pace.cut, pace.exceeds, pace.went
 
     def closed(self) -> None:
         """The loop is closed: no step follows, where they end early."""
-        self._is_ended = self._ends_early
+        self._is_ended = _ends_early(self._cycles)
 
     def next(self, time: float) -> float | None:
         """The pseudo-time after one that is reached; None at the end."""
@@ -154,8 +155,8 @@ class PaceOfCycles:
 
     @property
     def state(self) -> list[float]:
-        """What ``resume`` needs."""
-        return [*self._pace.state, float(self._is_ended)]
+        """What ``resume`` needs; last the tolerance with which they ended, 0 while they go on."""
+        return [*self._pace.state, self._cycles.tolerance if self._is_ended else 0.0]
 
     def resume(self, state: Sequence[float]) -> None:
         """Go on as before.
@@ -163,7 +164,7 @@ class PaceOfCycles:
         Args:
             state: That of another run.
         """
-        self._is_ended = self._ends_early and bool(state[-1])
+        self._is_ended = _has_ended(self._cycles, state)
         self._pace.resume(state[:-1])
 
 
@@ -179,7 +180,7 @@ def pace_of(scene: Scene, knots: Sequence[float]) -> Pace | PaceOfCycles:
     """
     steps = scene.load_steps
     pace: Pace = AutomaticPace(steps, knots) if steps.automatic else FixedPace(steps)
-    return pace if scene.cycles is None else PaceOfCycles(pace, _ends_early(scene))
+    return pace if scene.cycles is None else PaceOfCycles(pace, scene.cycles)
 
 
 def has_ended(scene: Scene, state: Sequence[float]) -> bool:
@@ -189,8 +190,15 @@ def has_ended(scene: Scene, state: Sequence[float]) -> bool:
         scene: Of the run.
         state: That of its pace.
     """
-    return _ends_early(scene) and bool(state[-1])
+    return scene.cycles is not None and _has_ended(scene.cycles, state)
 
 
-def _ends_early(scene: Scene) -> bool:
-    return scene.cycles is not None and scene.cycles.until == "closed"
+def _has_ended(cycles: Cycles, state: Sequence[float]) -> bool:
+    """Whether they ended early, and with no larger a tolerance than is asked for now."""
+    tolerance = state[-1]
+    is_unknown = tolerance >= 1  # as earlier versions wrote it
+    return _ends_early(cycles) and tolerance > 0 and (is_unknown or tolerance <= cycles.tolerance)
+
+
+def _ends_early(cycles: Cycles) -> bool:
+    return cycles.until == "closed"

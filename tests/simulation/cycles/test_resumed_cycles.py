@@ -42,6 +42,19 @@ def test_more_cycles_may_follow_those_of_an_earlier_run(tmp_path, of_the_bar):
         assert written["cycles"]["each"][-1]["kind"] == "steady loop"
 
 
+def test_a_smaller_tolerance_has_more_to_do(tmp_path):
+    """With the one that a loop closed by, or a larger one, all is done."""
+    folder = MPI.COMM_WORLD.bcast(tmp_path)
+    assert gone_on_in(folder, with_cycles(BAR, tolerance=0.1)).cycles.closed_in == 2
+    assert gone_on_in(folder, with_cycles(BAR, tolerance=0.1)) is None
+    assert gone_on_in(folder, with_cycles(BAR, tolerance=0.5)) is None
+    found = gone_on_in(folder, with_cycles(BAR, tolerance=1e-3)).cycles
+    # That of cycle 3 is not known, and 4 has none to be told from.
+    assert [cycle.is_closed for cycle in found.each] == [False, True, False, False, True]
+    assert (found.closed_in, found.kind) == (5, "steady loop")
+    assert gone_on_in(folder, with_cycles(BAR, tolerance=1e-3)) is None
+
+
 def test_cycles_from_the_start_are_gone_on_with_and_not_compared_with_rest(tmp_path):
     """Else all that was lost so far would be the loss of one cycle, beside which none counts."""
     folder = MPI.COMM_WORLD.bcast(tmp_path)
