@@ -40,6 +40,8 @@ _MOST_TRACTION, _MOST_STRENGTH = 25.0, 10.0
 # Pieces of the surface that an edge passes through, to either side, and sizes on either side.
 _PIECES = 1.0
 _SIZES = 4
+# Of that, what an edge may move by; and how often a size is tried anew until it does not.
+_FAR, _TRIES = 1.5, 4
 # Of a piece: an edge that the loads move by less is taken to stand still; one that the first size
 # moves by less cannot move, as that of a punch.
 _STILL, _FIXED = 0.5, 1e-3
@@ -154,15 +156,40 @@ def _scaled(load_steps: LoadSteps, measure: Measure, edges: Sequence[Edge]) -> _
         (touching, _Shift(_spreading(problem, solution, touching), 0.0), _MOST_TRACTION),
         (sticking, _Shift(none, _FIRST), _MOST_STRENGTH),
     ):
-        answer = measure(solution)
-        tried = (
-            last_step_again(load_steps, measure, _by(first, load_steps.time)) if chosen else None
-        )
-        moved = max((edge.moved(tried, answer) for edge in chosen), default=0.0) if tried else 0.0
-        if moved > _FIXED:
-            scaled = first.times(min(most, _PIECES / moved))
+        scaled = _by_a_piece(load_steps, measure, chosen, first, most) if chosen else None
+        if scaled is not None:
             found = scaled if found is None else found.plus(scaled)
     return found
+
+
+def _by_a_piece(
+    load_steps: LoadSteps, measure: Measure, edges: Sequence[Edge], first: _Shift, most: float
+) -> _Shift | None:
+    """A shift of one kind that moves no edge by much more than a piece to either side; collective.
+
+    What a large size does tells too little of a small one, where it moves an edge to the end of its
+    surface: so the size that follows is tried in turn.
+
+    Returns:
+        None where the first size has no answer, or moves no edge.
+    """
+    assert load_steps.last is not None
+    answer = measure(load_steps.last.solution)
+
+    def moved_by(size: float) -> float:
+        tried = last_step_again(load_steps, measure, _by(first.times(size), load_steps.time))
+        return max(edge.moved(tried, answer) for edge in edges) if tried else 0.0
+
+    moved = moved_by(1.0)
+    if moved <= _FIXED:
+        return None
+    size = min(most, _PIECES / moved)
+    for _ in range(_TRIES):
+        moved = max(moved_by(size), moved_by(-size))
+        if moved <= _FAR * _PIECES:
+            break
+        size *= _PIECES / moved
+    return first.times(size)
 
 
 def _spreading(problem: Problem, solution: Solution, edges: Sequence[Edge]) -> Array:

@@ -85,9 +85,19 @@ def test_bars_hold_wherever_the_edge_is_in_its_cell(reference):
     assert np.median(every) < 5
 
 
-def with_load_steps(look, cells, comm=COMM, **changes):
+def on_springs(cells, comm=COMM):
+    """Right half of a long slab on springs, pressed in its middle, and its mesh."""
+    scene, _ = floor(1, comm)
+    foundation = Contact("y0", foundation_stiffness=100.0, friction_coefficient=1.0)
+    return (
+        dataclasses.replace(scene, kinematics="plane stress", contact=(foundation,), point=()),
+        box_body((8 * cells, cells), (8.0, 1.0), comm=comm),
+    )
+
+
+def with_load_steps(look, cells, comm=COMM, model=floor, **changes):
     """What a function finds of load steps at their end, with areas as the measure."""
-    scene, body = floor(cells, comm, **changes)
+    scene, body = model(cells, comm, **changes)
     problem = Problem(scene, DiscreteBody(BodyDescription.of(scene), body))
     found = []
     solve(problem, ended=lambda load_steps: found.append(look(load_steps, areas(problem))))
@@ -125,6 +135,13 @@ def test_a_shift_moves_both_edges_by_about_a_piece_to_either_side():
         assert 0.5 < pieces < 4
     assert strong == pytest.approx(0.3)
     assert disturbance is None
+
+
+def test_where_half_of_a_large_shift_moves_an_edge_as_far_it_is_made_smaller():
+    # The first size moves this edge by so little that it was moved by twelve pieces in all.
+    count, span, *_ = with_load_steps(moved, 3, model=on_springs)
+    assert count == 9
+    assert 0.5 < span[0, "contact_area"] < 4
 
 
 def weakened(load_steps, measure):
