@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -69,7 +70,22 @@ class Supports:
             for each in held.by_symmetry
         ]
         self.dofs, self.values = self._constraints()
+        self._given = scene.support
+        self._shared = self._moved_by_several()
         self._require_same_paths(scene)
+
+    def again(self, scene: Scene) -> Supports | None:
+        """The same for another scene, if its supports are; collective.
+
+        Args:
+            scene: Whose body is the same.
+        """
+        if scene.support != self._given:
+            return None
+        found = copy.copy(self)
+        found.applied = list(self.applied)
+        found._require_same_paths(scene)
+        return found
 
     def _support(self, key: str, support: Support, held: Held) -> AppliedSupport:
         spaces = self._spaces
@@ -113,12 +129,8 @@ class Supports:
         ends = np.cumsum([len(support.dofs) for support in self.applied])
         return self.applied[int(np.searchsorted(ends, place, side="right"))].on
 
-    def _require_same_paths(self, scene: Scene) -> None:
-        """Supports that move a dof as far do so at the same time.
-
-        Raises:
-            InputError: They do not; on every rank.
-        """
+    def _moved_by_several(self) -> list[tuple[int, int]]:
+        """Pairs of supports that move a dof as far, by their numbers; collective."""
         size = largest(self._spaces.comm, np.abs(self.values))
         mine = {
             (one, other)
@@ -126,12 +138,19 @@ class Supports:
             for one, first in enumerate(self.applied[:other])
             if np.isin(support.dofs[np.abs(support.values) > _SAME_VALUE * size], first.dofs).any()
         }
-        shared = sorted(set().union(*of_every_rank(self._spaces.comm, mine)))
-        if not shared:
+        return sorted(set().union(*of_every_rank(self._spaces.comm, mine)))
+
+    def _require_same_paths(self, scene: Scene) -> None:
+        """Supports that move a dof as far do so at the same time.
+
+        Raises:
+            InputError: They do not; on every rank.
+        """
+        if not self._shared:
             return
         ends = {*scene.load_steps.all_times, *knots(scene)}
         times = sorted({scene.path_time(time) for time in ends})
-        for one, other in shared:
+        for one, other in self._shared:
             first, second = self.applied[one], self.applied[other]
             for time in times:
                 shares = (first.path(time), second.path(time))

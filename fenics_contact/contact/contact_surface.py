@@ -312,7 +312,7 @@ class ContactSurface:
         """What its laws keep of their own, at the end of the present step, by name."""
         every: dict[str, Array] = {}
         for law in self.laws:
-            every |= law.kept() | law.at_step_end(state)
+            every |= law.kept() | law.at_step_end(state) | law.shown(state)
         return {array.name: every[array.name] for array in self.own_arrays}
 
     def _at_rest(self) -> ContactState:

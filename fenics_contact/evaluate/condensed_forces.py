@@ -64,7 +64,6 @@ class CondensedForces(NeededForces):
             forces -= value * share
         at_unknowns = stiffness.at_unknowns(self._displacement)
         self._state = GivenState(position, at_unknowns[body.held], forces)
-        self.unbalanced = self._at_contacts()
 
     @cached_property
     def _of_given(self) -> tuple[Array, Array]:
@@ -76,7 +75,8 @@ class CondensedForces(NeededForces):
         shares = given.shares(self._rows.given([self._load], [self._prescribed, *self._columns]))
         return given.values(shares, self._state), given.of_contacts(shares)
 
-    def _at_contacts(self) -> Array:
+    @cached_property
+    def unbalanced(self) -> Array:
         """K u less loads and contacts at the free contact dofs, 0 elsewhere."""
         _, columns = self._of_given
         far = 2 + len(self._resultants)

@@ -12,6 +12,7 @@ and the slip where it slips.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -42,18 +43,53 @@ class Zone:
     depth: Array
 
 
-def contact_area(contact: ContactSurface, state: ContactState) -> float:
+@dataclass(frozen=True, eq=False)
+class Zones:
+    """Where a contact touches and where it sticks, for all that is measured of it in a state.
+
+    Attributes:
+        contact: The contact.
+        state: What happens at its points.
+    """
+
+    contact: ContactSurface
+    state: ContactState
+
+    @cached_property
+    def closed(self) -> Flags:
+        """Which points touch."""
+        return np.asarray(self.state.status != OPEN)
+
+    @cached_property
+    def sticks(self) -> Flags:
+        """Which of them stick."""
+        return np.asarray(self.state.status == STICK)
+
+    @cached_property
+    def touching(self) -> Zone | None:
+        """Where it touches; None where the edge of that is not found inside the elements."""
+        if not _may_open(self.contact):
+            return None
+        depth = np.where(self.closed, -self.state.gap, 0.0)
+        return Zone(self.closed, self.state.contact_pressure, self.state.gap, depth)
+
+    @cached_property
+    def sticking(self) -> Zone | None:
+        """Where it sticks, likewise."""
+        contact, state = self.contact, self.state
+        if not contact.is_coulomb:
+            return None
+        carried = contact.friction.rule.metric.carried(state.friction_traction)
+        slip = np.linalg.norm(contact.friction.felt(state.slip), axis=1)
+        beyond = np.maximum(slip - contact.regularisation_parameter, 0.0)
+        beyond = np.where(self.closed, beyond, np.inf)
+        spare = np.maximum(contact.friction_bound - carried, 0.0)
+        return Zone(self.sticks, spare, beyond, np.zeros_like(slip))
+
+
+def contact_area(zones: Zones) -> float:
     """Area in contact (full revolution, per thickness, … like all areas); collective."""
-    return _area(contact, state.status != OPEN, contact_zone(contact, state))
-
-
-def contact_zone(contact: ContactSurface, state: ContactState) -> Zone | None:
-    """Where a contact touches; None where its edge is not found inside the elements."""
-    if not _may_open(contact):
-        return None
-    closed = state.status != OPEN
-    depth = np.where(closed, -state.gap, 0.0)
-    return Zone(closed, state.contact_pressure, state.gap, depth)
+    return _area(zones.contact, zones.closed, zones.touching)
 
 
 def _may_open(contact: ContactSurface) -> bool:
@@ -63,17 +99,19 @@ def _may_open(contact: ContactSurface) -> bool:
 def cut_areas(contact: ContactSurface, state: ContactState) -> tuple[float, float]:
     """Areas of the pieces that the edges of contact and of stick pass through; collective."""
     pieces = contact.trace.pieces
-    areas = pieces.areas * pieces.weights.mean(axis=1)
-    cut = [areas[found].sum() for found in _cut_pieces(contact, state)]
+    cut = [pieces.measures[found].sum() for found in _cut_pieces(contact, state)]
     touching, sticking = total(contact.trace.spaces.comm, np.array(cut))
     return float(touching), float(sticking)
 
 
 def areas_inside(contact: ContactSurface, state: ContactState) -> tuple[Array, Array]:
     """Of each piece of this rank, the area that is in contact and that sticks, (pieces,)."""
-    zones = contact_zone(contact, state), stick_zone(contact, state)
+    zones = Zones(contact, state)
     nothing = np.zeros(len(contact.trace.pieces.areas))
-    touching, sticking = (nothing if z is None else _counted(contact, z) for z in zones)
+    touching, sticking = (
+        nothing if zone is None else _counted(contact, zone)
+        for zone in (zones.touching, zones.sticking)
+    )
     return touching, sticking
 
 
@@ -99,21 +137,9 @@ def _cut_pieces(contact: ContactSurface, state: ContactState) -> list[Flags]:
     return [found.any(axis=1) & ~found.all(axis=1) for found in inside]
 
 
-def stick_area(contact: ContactSurface, state: ContactState) -> float:
+def stick_area(zones: Zones) -> float:
     """Area that sticks; collective."""
-    return _area(contact, state.status == STICK, stick_zone(contact, state))
-
-
-def stick_zone(contact: ContactSurface, state: ContactState) -> Zone | None:
-    """Where it sticks, as ``contact_zone``."""
-    if not contact.is_coulomb:
-        return None
-    carried = contact.friction.rule.metric.carried(state.friction_traction)
-    slip = np.linalg.norm(contact.friction.felt(state.slip), axis=1)
-    beyond = np.maximum(slip - contact.regularisation_parameter, 0.0)
-    beyond = np.where(state.status == OPEN, np.inf, beyond)
-    spare = np.maximum(contact.friction_bound - carried, 0.0)
-    return Zone(state.status == STICK, spare, beyond, np.zeros_like(slip))
+    return _area(zones.contact, zones.sticks, zones.sticking)
 
 
 def _area(contact: ContactSurface, inside: Flags, zone: Zone | None) -> float:
@@ -121,7 +147,7 @@ def _area(contact: ContactSurface, inside: Flags, zone: Zone | None) -> float:
     trace = contact.trace
     if zone is None:
         return float(trace.integral(np.where(inside, 1.0, 0.0)))
-    areas = trace.pieces.areas * trace.pieces.weights.mean(axis=1)
+    areas = trace.pieces.measures
     # Relative to what the pieces have in all: these are flat, and the surface may not be.
     counted = _counted(contact, zone).sum()
     found, every = total(trace.spaces.comm, np.array([counted, areas.sum()]))
@@ -132,8 +158,9 @@ def _counted(contact: ContactSurface, zone: Zone) -> Array:
     """Weighted area of each piece that lies in a zone, (pieces,)."""
     pieces = contact.trace.pieces
     inside = zone.inside[pieces.points]
-    counted = np.where(inside.all(axis=1), pieces.areas * pieces.weights.mean(axis=1), 0.0)
-    edge = np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1))
+    whole = inside.all(axis=1)
+    counted = np.where(whole, pieces.measures, 0.0)
+    edge = np.flatnonzero(inside.any(axis=1) & ~whole)
     counted[edge] = _parts_inside(contact, zone, edge)
     return counted
 
@@ -155,7 +182,7 @@ def _parts_inside(contact: ContactSurface, zone: Zone, chosen: Integers) -> Arra
         share *= reach
         density += (weights[rows, other] - weights[rows, corner]) * reach / count
     cut = pieces.areas[chosen] * share * density
-    return np.asarray(np.where(alone, cut, pieces.areas[chosen] * weights.mean(axis=1) - cut))
+    return np.asarray(np.where(alone, cut, pieces.measures[chosen] - cut))
 
 
 def edge_places(

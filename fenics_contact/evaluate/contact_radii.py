@@ -11,30 +11,28 @@ import numpy as np
 from fenics_contact.common.arrays import Flags
 from fenics_contact.common.parallel import gather_rows, largest, smallest
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.state import OPEN, STICK, ContactState
-from fenics_contact.evaluate.contact_areas import Zone, contact_zone, edge_places, stick_zone
+from fenics_contact.evaluate.contact_areas import Zone, Zones, edge_places
 
 # A surface reaches the axis whose smallest radius is this share of its size.
 _ON_AXIS = 1e-9
 
 
-def radii(contact: ContactSurface, state: ContactState) -> dict[str, float | None]:
+def radii(zones: Zones) -> dict[str, float | None]:
     """``contact_radius`` and ``stick_radius`` of a surface that reaches the axis; collective.
 
     Returns:
         Nothing where the model has no axis, or the surface does not reach it. A radius is 0 where
         nothing touches, or sticks, and None where that does but not at the axis.
     """
-    trace = contact.trace
+    contact, trace = zones.contact, zones.contact.trace
     if contact.spaces.kinematics != "axisymmetric":
         return {}
     nearest = smallest(contact.spaces.comm, trace.surface.coordinates[:, 0])
     if nearest > _ON_AXIS * trace.extent():
         return {}
-    touches, sticks = state.status != OPEN, state.status == STICK
     return {
-        "contact_radius": _radius(contact, touches, contact_zone(contact, state)),
-        "stick_radius": _radius(contact, sticks, stick_zone(contact, state)),
+        "contact_radius": _radius(contact, zones.closed, zones.touching),
+        "stick_radius": _radius(contact, zones.sticks, zones.sticking),
     }
 
 

@@ -44,12 +44,9 @@ class NeededForces(ABC):
         load: The loads, (nodes, components) (force).
         contacts: Forces of all contacts on the body, likewise.
         tells_inside: Whether displacements inside the body are known.
-        unbalanced: What the bulk needs less loads and contacts, likewise. Where supports hold,
-            reactions, or 0 where these are not known node by node.
     """
 
     tells_inside: ClassVar[bool]
-    unbalanced: Array
 
     def __init__(self, problem: Problem, solution: Solution) -> None:
         self.problem, self.solution = problem, solution
@@ -60,6 +57,14 @@ class NeededForces(ABC):
             self.contacts += contact.kinematics.on_body(contact.trace.at_all_nodes(force))
         self._pressures: dict[int, Array] = {}
         self._carries: dict[int, bool] = {}
+
+    @property
+    @abstractmethod
+    def unbalanced(self) -> Array:
+        """What the bulk needs less loads and contacts, (nodes, components) (force).
+
+        Where supports hold, reactions, or 0 where these are not known node by node.
+        """
 
     @property
     @abstractmethod

@@ -24,7 +24,12 @@ class BulkForces(NeededForces):
 
     def __init__(self, problem: Problem, solution: Solution) -> None:
         super().__init__(problem, solution)
-        self.unbalanced = solution.internal_force - problem.load - self.contacts
+        self._unbalanced = solution.internal_force - problem.load - self.contacts
+
+    @property
+    def unbalanced(self) -> Array:
+        """What the bulk needs less loads and contacts, (nodes, components) (force)."""
+        return self._unbalanced
 
     @property
     def displacement(self) -> Array:

@@ -10,7 +10,7 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import gather_rows, largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, SLIP, STICK, ContactState
-from fenics_contact.evaluate.contact_areas import contact_area, stick_area
+from fenics_contact.evaluate.contact_areas import Zones, contact_area, stick_area
 from fenics_contact.evaluate.contact_radii import radii
 from fenics_contact.evaluate.contact_resultants import resultants
 from fenics_contact.evaluate.needed_forces import NeededForces, own_dofs
@@ -27,8 +27,9 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
     contact = problem.contacts[number]
     comm = contact.spaces.comm
     state = solution.states[number]
-    closed = contact_area(contact, state)
-    sticking = min(stick_area(contact, state), closed)
+    zones = Zones(contact, state)
+    closed = contact_area(zones)
+    sticking = min(stick_area(zones), closed)
     depth = np.where(np.isfinite(state.gap), -state.gap, 0.0)
     slip = np.linalg.norm(state.slip[state.status != OPEN], axis=1)
     return {
@@ -37,7 +38,7 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
         "contact_area": closed,
         "stick_area": sticking,
         "slip_area": closed - sticking,
-        **radii(contact, state),
+        **radii(zones),
         "max_penetration": max(largest(comm, depth), 0.0) if contact.is_one_sided else 0.0,
         "max_slip": largest(comm, slip),
         "friction_work": contact.work.of_friction(state),
@@ -58,10 +59,14 @@ def _of_two_bodies(contact: ContactSurface, state: ContactState) -> dict[str, fl
     if contact.sides.opposite is None:
         return {}
     gap = np.abs(contact.kinematics.gap[state.status != OPEN])
-    return {
-        "slip_since_pairing": contact.slid_share(),
-        "closed_gap": largest(contact.spaces.comm, gap),
-    }
+    return {**slid(contact), "closed_gap": largest(contact.spaces.comm, gap)}
+
+
+def slid(contact: ContactSurface) -> dict[str, float]:
+    """How far two bodies slid since it was found what faces what, if they do; collective."""
+    if contact.sides.opposite is None:
+        return {}
+    return {"slip_since_pairing": contact.slid_share()}
 
 
 def _stored_along(contact: ContactSurface, state: ContactState) -> dict[str, float]:

@@ -61,7 +61,9 @@ class FarField:
         self.on = described.label
         self._spaces, self._held = discrete.spaces, discrete.held
         self._modulus, self._ratio = _homogeneous(scene)
-        self.dofs: Integers = np.setdiff1d(discrete.outer, discrete.held.dofs)
+        self.dofs: Integers = discrete.once(
+            "far field dofs", lambda: np.setdiff1d(discrete.outer, discrete.held.dofs)
+        )
         self.beyond = np.zeros(len(self.dofs))
         self._columns: dict[bytes, Array] = discrete.found.setdefault("far field", {})
         self.columns: dict[int, Array] = {}

@@ -109,7 +109,7 @@ class Problem:
         self.tightening = np.zeros(len(scene.preload))
         self.stabilisation: list[AppliedSupport] = []
         with timings.phase("compile"):
-            self.supports = Supports(scene, self.spaces, discrete.held)
+            self.supports = self._supports()
             self.applied_supports = list(self.supports.applied)
             self.contacts = [
                 ContactSurface(contact, f"contact[{number}]", sides, self.constrained, self.elastic)
@@ -201,6 +201,15 @@ class Problem:
         loaded = [found for load in self.scene.load if (found := self.body.find(load.on))]
         loaded = [other for other in loaded if other.dimension == group.dimension]
         return any(set(group.tags) & set(other.tags) for other in loaded)
+
+    def _supports(self) -> Supports:
+        """Those of the scene; on a body that is kept those of the last one, where they are."""
+        before = self.discrete.found.get("supports")
+        found = None if before is None else before.again(self.scene)
+        found = found or Supports(self.scene, self.spaces, self.discrete.held)
+        if self.discrete.is_kept:
+            self.discrete.found["supports"] = found.again(self.scene)
+        return found
 
     def _place_far_field(self) -> FarField | None:
         """Hold the outer boundary of a half-space, by forces known or unknown."""

@@ -21,7 +21,7 @@ _TAKES_PART = 1e-6
 
 
 class RigidMotions:
-    """What can move without straining the body, as columns of a common basis.
+    """What can move without straining the body as it is now, as columns of a common basis.
 
     Combinations of translations and rotations of each part of the body (scaled to its size) and
     of the obstacles that a force drives, each along its direction, that leave supports and glue
@@ -35,6 +35,7 @@ class RigidMotions:
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
+        self._jumps: dict[ContactSurface, Array] = {}
         spaces = problem.spaces
         self.floating = [contact for contact in problem.contacts if contact.floats]
         self._names, self._fields = problem.discrete.once(
@@ -46,8 +47,9 @@ class RigidMotions:
         self.count = free.shape[1]
         force, size = np.zeros((2, self._fields.shape[-1]))
         if self.count:
-            owned = spaces.owned_nodes
-            work = problem.load[:owned, :, None] * self._fields[:owned]
+            load = problem.load[: spaces.owned_nodes]
+            acting = np.flatnonzero(load.any(axis=1))  # mostly few: those of surfaces
+            work = load[acting, :, None] * self._fields[acting]
             force = total(problem.comm, work.sum(axis=(0, 1)))
             size = total(problem.comm, np.abs(work).sum(axis=(0, 1)))
         force[np.abs(force) <= 1e-12 * size] = 0.0
@@ -120,8 +122,11 @@ class RigidMotions:
 
     def jumps(self, contact: ContactSurface) -> Array:
         """Jumps at the points of a contact in each motion, (points, components, count)."""
-        moved = contact.trace.at_points(contact.kinematics.relative(self._fields)) @ self._body
-        return np.asarray(moved + self._of_obstacles(contact, len(moved)) @ self._obstacles)
+        if contact not in self._jumps:
+            moved = contact.trace.at_points(contact.kinematics.relative(self._fields)) @ self._body
+            of_obstacles = self._of_obstacles(contact, len(moved)) @ self._obstacles
+            self._jumps[contact] = moved + of_obstacles
+        return self._jumps[contact]
 
     def slips(self, coulomb: bool = False, touching: bool = False) -> tuple[Array, Array]:
         """Weights w g and slips (points, components, count) at this rank's friction points.

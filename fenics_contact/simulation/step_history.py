@@ -13,6 +13,7 @@ from fenics_contact.evaluate.quantities import (
     contact_quantities,
     global_quantities,
     preload_records,
+    slid,
     support_records,
 )
 from fenics_contact.problem.problem import Problem
@@ -76,8 +77,7 @@ class StepHistory(Generic[_Forces]):
             solution: Of the step.
         """
         quantities = self._measure(solution)
-        if self._problem.scene.load_steps.several:  # else there is no path to count along
-            self.book.count(self.forces)
+        self._count()
         quantities |= self.book.quantities(quantities)
         with self._timings.phase("output"):
             sizes = self._linear_range.of(solution) if self.forces.tells_inside else {}
@@ -105,6 +105,41 @@ class StepHistory(Generic[_Forces]):
                 cycle=solution.cycle,
             )
         )
+
+    def pass_by(self, time: float, solution: Solution) -> None:
+        """The same of a load step that nobody asks about; collective.
+
+        Its work counts, and how far bodies slid in it: what is said of the last step goes by these.
+
+        Args:
+            time: Its pseudo-time.
+            solution: Of the step.
+        """
+        self.solution = solution
+        with self._timings.phase("output"):
+            self.forces = self._forces_of(solution)
+        self._count()
+        self.steps.append(
+            StepRecord(
+                load_factor=time,
+                newton_iterations=solution.newton_iterations,
+                outer_iterations=solution.outer_iterations,
+                quantities={},
+                contacts=[
+                    StepContact(
+                        name=contact.label,
+                        regularisation_parameter=regularisation_of(contact),
+                        quantities=slid(contact),
+                    )
+                    for contact in self._problem.contacts
+                ],
+            )
+        )
+
+    def _count(self) -> None:
+        """The work of the step whose forces these are; collective."""
+        if self._problem.scene.load_steps.several:  # else there is no path to count along
+            self.book.count(self.forces)
 
     def checks(self) -> dict[str, Check]:
         """Of the last load step; collective."""

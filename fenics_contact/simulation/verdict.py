@@ -53,6 +53,7 @@ def of_answer(
     return (
         of_checks(checks)
         + untouched(problem, solution)
+        + without_friction(problem)
         + facets_too_straight(problem, solution)
         + slid_far(steps)
         + beyond_linear_theory(steps)
@@ -96,6 +97,18 @@ def untouched(problem: Problem, solution: Solution) -> str:
                 what = "The two surfaces do not touch each other"
             words += f" {what} at '{contact.label}'."
     return words
+
+
+def without_friction(problem: Problem) -> str:
+    """A sentence on contacts whose friction law exerts nothing, or nothing."""
+    found = [
+        f"'{one.label}' ({one.friction.left_out})"
+        for one in problem.contacts
+        if one.friction.left_out
+    ]
+    if not found:
+        return ""
+    return f" There is no friction at {' and '.join(found)}: the bound of its law is 0 everywhere."
 
 
 def facets_too_straight(problem: Problem, solution: Solution) -> str:

@@ -54,6 +54,14 @@ class ContactLaw:
         self.site = site
         self.name = f"{self.model} on {site.contact.label}"
 
+    def shown(self, state: ContactState) -> dict[str, Array]:
+        """Arrays of ``state`` of which results have other numbers than what is kept, by name.
+
+        Args:
+            state: What happens at the points.
+        """
+        return {}
+
     @property
     def called(self) -> str:
         """What messages call it."""

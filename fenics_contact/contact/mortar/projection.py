@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csc_array, csr_matrix, diags_array
+from scipy.sparse import csc_array, csc_matrix, csr_matrix, diags_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
@@ -105,9 +106,14 @@ class NodalProjection:
         def product(columns: Array) -> Array:
             given = np.zeros((self._coupling.shape[0], columns.shape[1]))
             given[self._rows[self._acts]] = columns[self._acts]
-            return np.asarray(self._coupling.T @ factor.solve(given, transposed=True))
+            return np.asarray(self._coupling_transposed @ factor.solve(given, transposed=True))
 
         return _by_columns(product, forces, self.shape[1])
+
+    @cached_property
+    def _coupling_transposed(self) -> csc_matrix:
+        """Mᵀ, of the same entries."""
+        return self._coupling.T
 
     def written_rows(self, rows: AnyIntegers) -> Array:
         """Some rows of P, written out, (rows, master nodes)."""

@@ -24,6 +24,7 @@ class SurfacePieces:
         corners: Coordinates, (pieces, corners, 3) (length).
         areas: Length or area of each, (pieces,).
         weights: Factor of the integral at the corners (2πr where axisymmetric), (pieces, corners).
+        measures: Areas times the mean of these, (pieces,).
     """
 
     def __init__(self, surface: SurfaceSpace, contact_nodes: Integers) -> None:
@@ -41,6 +42,7 @@ class SurfacePieces:
         radii = self.corners[:, :, 0]
         axisymmetric = surface.spaces.kinematics == "axisymmetric"
         self.weights = 2 * np.pi * radii if axisymmetric else np.ones_like(radii)
+        self.measures = self.areas * self.weights.mean(axis=1)
 
 
 def _facet_pieces(surface: SurfaceSpace) -> NDArray[np.int32]:

@@ -61,28 +61,33 @@ def require_equilibrium(problem: Problem) -> FreeMotion:
 
     Where the scene asks for it, motions that nothing resists are held first.
 
+    Args:
+        problem: At the end of its load steps, as it is made.
+
     Raises:
         NoEquilibriumError: In one sentence that names the motion, and the time.
     """
-    motions = tuple(named_motions(problem, RigidMotions(problem)))
     last = problem.scene.load_steps.last
-    for time in times_to_judge(problem.scene, problem.can_pair_anew):
-        if time < last:
-            problem.set_time(time)
-            rigid = RigidMotions(problem)
-            _share_of_friction(problem, rigid, np.eye(rigid.count), f" at time {time:g}")
-    problem.set_time(last)
+    rigid = RigidMotions(problem)
+    motions = tuple(named_motions(problem, rigid))
+    earlier = [t for t in times_to_judge(problem.scene, problem.can_pair_anew) if t < last]
+    for time in earlier:
+        problem.set_time(time)
+        rigid = RigidMotions(problem)
+        _share_of_friction(problem, rigid, np.eye(rigid.count), f" at time {time:g}")
+    if earlier:
+        problem.set_time(last)
+        rigid = RigidMotions(problem)
     stabilised: tuple[str, ...] = ()
     if problem.scene.solver.stabilisation and motions:
-        rigid = RigidMotions(problem)
         stabilised = stabilise(problem, rigid, _unresisted(problem, rigid))
-    found = _at_present(problem)
+        rigid = RigidMotions(problem)
+    found = _at_present(problem, rigid)
     return replace(found, modes=len(motions), motions=motions, stabilised=stabilised)
 
 
-def _at_present(problem: Problem) -> FreeMotion:
-    """Judge the present loads."""
-    rigid = RigidMotions(problem)
+def _at_present(problem: Problem, rigid: RigidMotions) -> FreeMotion:
+    """Judge the present loads, whose work on the free motions these tell."""
     if rigid.count == 0:
         return FreeMotion(0, 0.0, "none")
     if rigid.body_is_held and all(contact.is_one_sided for contact in rigid.floating):

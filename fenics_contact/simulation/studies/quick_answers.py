@@ -143,13 +143,15 @@ class QuickAnswers:
 
         def accepted(time: float, solution: Solution) -> None:
             present.keep(newton)
+            if load_steps.pace.next(time) is not None:
+                history.pass_by(time, solution)
+                return
             history.add(time, solution)
-            if load_steps.pace.next(time) is None:
-                begun: Start = start if load_steps.warm_steps else "cold"
-                found.append(_measured(history, solution, begun, checks))
-                self.find_body = solution.find_body
-                if watch is not None:
-                    watch(problem, solution)
+            begun: Start = start if load_steps.warm_steps else "cold"
+            found.append(_measured(history, solution, begun, checks))
+            self.find_body = solution.find_body
+            if watch is not None:
+                watch(problem, solution)
 
         load_steps = LoadSteps(newton, accepted)
         load_steps.finds_body = False

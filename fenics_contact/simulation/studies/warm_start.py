@@ -19,6 +19,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
@@ -31,6 +32,10 @@ from fenics_contact.trust.uniqueness.critical_coefficient import uniqueness_limi
 
 # Keys that have no part in the pressures without friction, and those that are looked at further.
 _OF_SCENE, _OF_COULOMB = ("title", "contact"), ("friction_coefficient",)
+
+# Imbalance over the forces where pressures are wanted for ε alone, which knows them as well: an ε
+# that is off by a hundredth changes forces by some 1e-9.
+_SCALE_TOLERANCE = 1e-7
 
 _WORDS = "Newton's method on contact and friction together, from the last answer"
 
@@ -108,7 +113,9 @@ class WithoutFriction:
     def solved(cls, newton: Newton) -> WithoutFriction:
         """From the present state on; sets ε; collective."""
         problem = newton.problem
-        contact_without_friction(newton)
+        contact_without_friction(newton, _SCALE_TOLERANCE)
+        if not all([carries_more_than(contact, newton.limit) for contact in problem.coulomb]):
+            contact_without_friction(newton)
         pressures = {
             number: telling_pressure(contact, newton.limit)
             for number, contact in enumerate(problem.contacts)

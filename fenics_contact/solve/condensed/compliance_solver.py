@@ -47,9 +47,11 @@ class ComplianceSolver:
         self._inverse, self._added[:count] = constant.of_schur.compliance
         if size > count:
             own = np.diag(1 / (corner + self._added[count:]))
-            beside = -(self._inverse @ columns) @ own
-            below = np.zeros((size - count, count))
-            self._inverse = np.block([[self._inverse, beside], [below, own]])
+            whole = np.zeros((size, size))
+            whole[:count, :count] = self._inverse
+            whole[:count, count:] = -(self._inverse @ columns) @ own
+            whole[count:, count:] = own
+            self._inverse = whole
         if len(constant.derived):
             self._extend(constant.derived)
         self._springs: Integers = np.flatnonzero(self._added)

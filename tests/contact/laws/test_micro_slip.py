@@ -252,6 +252,19 @@ def test_results_do_not_call_it_a_regularisation():
         rubbed(keys() | {"regularisation_parameter": 1e-6})
 
 
+def test_a_law_without_a_coefficient_says_that_nothing_rubs():
+    """By its quick answers, too; Coulomb's coefficient of 0 is how a scene has no friction."""
+    scene = rubbed(keys() | {"friction_coefficient": 0}, solver={"errors": "none"})
+    study = Study(scene, COMM, box_body((8, 4)))
+    said = "There is no friction at 'y1' (micro-slip): the bound of its law is 0 everywhere."
+    assert said in study.solve().verdict
+    assert said in study.quantities().verdict
+    rough = {"contact.0.friction_coefficient": 0.4}
+    assert "no friction" not in study.solve(rough).verdict
+    plain = {"contact.0.friction_law": None, "contact.0.friction_coefficient": 0}
+    assert "no friction" not in study.solve(plain).verdict
+
+
 def test_wrong_tractions_fail_its_checks():
     """Those that push on, those that are not of the elastic slip, and those beyond the bound."""
     prepared = Run(sheared(keys(SHORT)), COMM, box_body((6, 3)))

@@ -25,7 +25,7 @@ from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies import warm_start
 from tests.scenes import ROOT, box_body, slab
 from tests.simulation.studies.cases import CASES, DEPTH, MU, ON_A_FLOOR, of_contact, square
-from tests.solve.load_steps.histories import block, dragged
+from tests.solve.load_steps.histories import block, dragged, shoved, two_blocks
 
 COMM = MPI.COMM_WORLD
 # Quantities of one kind: what each is small against is the largest of them.
@@ -273,13 +273,14 @@ def test_later_load_steps_begin_at_those_of_the_last_answer(law, monkeypatch):
     """As a whole answer: none of them takes more than three Newton steps, and all are the same."""
     scene = of_contact(dragged(Steps(number=4)), law=law)
     study, found = Study(scene, COMM, block()), []
-    add = StepHistory.add
+    for name in ("add", "pass_by"):  # the last load step, and those before it
+        take = getattr(StepHistory, name)
 
-    def added(history, time, solution):
-        found.append(solution.newton_iterations)
-        add(history, time, solution)
+        def added(history, time, solution, take=take):
+            found.append(solution.newton_iterations)
+            take(history, time, solution)
 
-    monkeypatch.setattr(StepHistory, "add", added)
+        monkeypatch.setattr(StepHistory, name, added)
     study.quantities()
     cold = sum(found)
     for changes in ({MU: 0.303}, {DEPTH: 0.0202}, {"contact.0.obstacle.displacement.0": 0.00404}):
@@ -311,15 +312,29 @@ def test_steps_that_are_cut_and_grow_begin_as_in_a_separate_run():
     assert study.quantities({MU: 0.306}, follow=True).start == "followed"
 
 
+def test_a_doubt_about_an_earlier_load_step_is_said_though_nobody_measures_it():
+    """Bodies slide by a fifth of their size in the second of three steps, and hardly in the last.
+
+    Works of all steps count, too, so that an answer's energies are those of a run.
+    """
+    study = Study(shoved(Steps(times=(0.5, 0.98, 1.0)), errors="none"), COMM, two_blocks())
+    whole = study.solve()
+    quick = study.quantities()
+    (said,) = re.findall(r"Bodies slid far[^:]*", whole.verdict)
+    assert "by 0.1" in said
+    assert said in quick.verdict
+    require_same_answer(quick, whole)
+
+
 def test_contact_without_friction_serves_all_coefficients_of_coulomb(monkeypatch):
     """It tells ε, and is solved again where anything else changes: friction that is given, too."""
     rubbed = Contact("x0", pressure=2, friction_coefficient=0.5)
     scene = dataclasses.replace(ON_A_FLOOR, contact=(*ON_A_FLOOR.contact, rubbed))
     solved, solve = [], warm_start.contact_without_friction
 
-    def counted(newton):
+    def counted(newton, *tolerance):
         solved.append(newton)
-        return solve(newton)
+        return solve(newton, *tolerance)
 
     monkeypatch.setattr(warm_start, "contact_without_friction", counted)
     study, other = Study(scene, COMM, square()), "contact.1.friction_coefficient"

@@ -86,6 +86,11 @@ class FrictionLaw(ContactLaw):
         return {"friction_coefficient": coefficient, **shown}
 
     @property
+    def left_out(self) -> str:
+        """Kind of the friction law that the scene names though it exerts nothing; mostly none."""
+        return ""
+
+    @property
     def depends_on_pressure(self) -> bool:
         """Whether its bound follows a pressure that is not known (Coulomb's friction)."""
         return self.rubs and not self.normal.pressure_is_known

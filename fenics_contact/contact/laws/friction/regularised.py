@@ -331,6 +331,10 @@ class RegularisedFriction(FrictionLaw):
         """What its rule keeps."""
         return self.rule.at_step_end(self.counted(state.slip), state.status != OPEN)
 
+    def shown(self, state: ContactState) -> dict[str, Array]:
+        """The bound along the friction traction, where it is another one along each direction."""
+        return {"bound": self.rule.metric.bound_along(self.bound, state.friction_traction)}
+
     def advance(self, state: ContactState) -> None:
         """A load step is done: its rule goes by what it keeps from now on.
 

@@ -10,7 +10,7 @@ import ufl
 
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array, Flags
-from fenics_contact.contact.laws.normal.spring import PenaltyLaw
+from fenics_contact.contact.laws.normal.energy_law import PenaltyLaw
 
 
 class Bonded(PenaltyLaw):

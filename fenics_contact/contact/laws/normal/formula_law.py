@@ -13,11 +13,17 @@ from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws import formulas
-from fenics_contact.contact.laws.normal.own_energy import OwnEnergy
-from fenics_contact.contact.laws.normal.spring import depth_of
+from fenics_contact.contact.laws.normal.law import Parameter
+from fenics_contact.contact.laws.normal.own_energy import (
+    given_parameters,
+    parameters_at_points,
+    slopes_of_parameters,
+)
+from fenics_contact.contact.laws.normal.spring import SpringLaw, depth_of
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws import normal_laws
+from fenics_contact.scene.values import Value
 
 # Of ∫₀¹ f(s) ds with s = t⁴, so that roots and powers at s = 0 are as good as polynomials.
 _ROOTS, _WEIGHTS = np.polynomial.legendre.leggauss(40)
@@ -25,11 +31,11 @@ _PLACES = (0.5 * (_ROOTS + 1)) ** 4
 _SHARES = 0.5 * _WEIGHTS * 4 * (0.5 * (_ROOTS + 1)) ** 3
 
 
-class FormulaLaw(OwnEnergy):
+class FormulaLaw(SpringLaw):
     """p = the formula at a depth d > 0, and 0 where the body is off; ψ(d) = ∫₀ᵈ p.
 
     Forces and tangent are of p itself; the energy, which nothing but results asks for, is an
-    integral by Gauss' rule.
+    integral by Gauss' rule: UFL does not integrate.
     """
 
     kind: ClassVar[str] = "formula"
@@ -40,10 +46,18 @@ class FormulaLaw(OwnEnergy):
         given = _table(self.site.contact)
         return _pressure(given.pressure, tuple(given.parameters))
 
-    @staticmethod
-    def density(depth: Expr, jump: Expr, **fields: Expr) -> Expr:
-        """None in UFL, which does not integrate; ``residual`` and ``stored`` go without."""
-        raise NotImplementedError("a formula gives the pressure, not its energy")
+    @classmethod
+    def parameters(cls, contact: Contact) -> dict[str, Parameter]:
+        """Those of the scene's table."""
+        return dict(given_parameters(contact))
+
+    def fields(self) -> Mapping[str, Array]:
+        """The parameters, the same at all points."""
+        return parameters_at_points(self.site)
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Of a parameter in itself."""
+        return slopes_of_parameters(key, self._fields)
 
     def pressure_ufl(self, jump: Expr) -> Expr:
         """The formula at the depth of a jump (stress)."""

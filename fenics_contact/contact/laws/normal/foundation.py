@@ -9,13 +9,14 @@ import numpy as np
 
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
+from fenics_contact.contact.laws.normal.energy_law import EnergyLaw
 from fenics_contact.contact.laws.normal.law import Parameter
-from fenics_contact.contact.laws.normal.spring import SpringLaw, positive
+from fenics_contact.contact.laws.normal.spring import positive
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.values import Value
 
 
-class Foundation(SpringLaw):
+class Foundation(EnergyLaw):
     """ψ = ½ k ⟨d⟩² with the stiffness k of the foundation (E. Winkler, 1867)."""
 
     kind: ClassVar[str] = "winkler"

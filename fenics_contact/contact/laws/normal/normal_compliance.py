@@ -9,14 +9,15 @@ import numpy as np
 
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
+from fenics_contact.contact.laws.normal.energy_law import EnergyLaw
 from fenics_contact.contact.laws.normal.law import Parameter
-from fenics_contact.contact.laws.normal.spring import SpringLaw, positive
+from fenics_contact.contact.laws.normal.spring import positive
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws import normal_laws
 from fenics_contact.scene.values import Value
 
 
-class NormalCompliance(SpringLaw):
+class NormalCompliance(EnergyLaw):
     """p = c ⟨d⟩^m at a depth d = −gap, of which ψ = c ⟨d⟩^(m + 1)/(m + 1) is the energy.
 
     J. T. Oden, J. A. C. Martins, Models and computational methods for dynamic friction phenomena,

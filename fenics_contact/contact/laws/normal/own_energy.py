@@ -8,8 +8,9 @@ from typing import Protocol, cast
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.contact.laws.normal.energy_law import EnergyLaw
 from fenics_contact.contact.laws.normal.law import Parameter
-from fenics_contact.contact.laws.normal.spring import SpringLaw
+from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.values import Value
 
@@ -18,7 +19,7 @@ class _HasParameters(Protocol):
     parameters: Mapping[str, float]
 
 
-class OwnEnergy(SpringLaw):
+class OwnEnergy(EnergyLaw):
     """A law of your own: an energy density of depth and jump, with the scene's parameters.
 
     A class derived from it says ``density`` in UFL. Forces and tangents are its derivatives, and
@@ -49,12 +50,11 @@ class OwnEnergy(SpringLaw):
         Returns:
             Name → number, in the scene's units.
         """
-        return dict(_given(contact))
+        return dict(given_parameters(contact))
 
     def fields(self) -> Mapping[str, Array]:
         """The parameters, the same at all points."""
-        count = len(self.site.trace.weights)
-        return {name: np.full(count, value) for name, value in _given(self.site.contact).items()}
+        return parameters_at_points(self.site)
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
         """Of a parameter in itself.
@@ -66,9 +66,34 @@ class OwnEnergy(SpringLaw):
         Returns:
             Name of the parameter → (points,); nothing for other keys.
         """
-        name = key.removeprefix("normal_law.parameters.")
-        return {name: np.ones_like(self._fields[name])} if name in self._fields else {}
+        return slopes_of_parameters(key, self._fields)
 
 
-def _given(contact: Contact) -> Mapping[str, float]:
+def given_parameters(contact: Contact) -> Mapping[str, float]:
+    """Those of the scene's table of a law across a contact, by name.
+
+    Args:
+        contact: Of the scene; its law has parameters.
+    """
     return cast(_HasParameters, contact.normal_law).parameters
+
+
+def parameters_at_points(site: LawSite) -> dict[str, Array]:
+    """The same at all points of a contact, (points,) each.
+
+    Args:
+        site: Where the law acts.
+    """
+    count = len(site.trace.weights)
+    return {name: np.full(count, value) for name, value in given_parameters(site.contact).items()}
+
+
+def slopes_of_parameters(key: str, fields: Mapping[str, Array]) -> dict[str, Array]:
+    """Of a parameter in itself, at the points, by name; nothing for other keys.
+
+    Args:
+        key: Of a number of the contact.
+        fields: All parameters at the points.
+    """
+    name = key.removeprefix("normal_law.parameters.")
+    return {name: np.ones_like(fields[name])} if name in fields else {}

@@ -1,7 +1,7 @@
-"""Laws whose forces follow the jump, each from an energy density of its own.
+"""Laws whose forces follow the jump: the displacement relative to what stands opposite.
 
-The energy is derived in the jump (the displacement relative to what stands opposite), a function of
-a space on the surface; forces on the body are minus its first derivative.
+What such a law says is its energy density ψ (``energy_law``), or its pressure alone
+(``formula_law``).
 """
 
 from __future__ import annotations
@@ -16,16 +16,14 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from fenics_contact.analytic.complex_step import slope
-from fenics_contact.body.forms import CompiledForm, Expr, Form
+from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.energies import prescribed_pressure_energy
 from fenics_contact.contact.laws.normal.law import NormalGradient, NormalLaw
-from fenics_contact.contact.laws.point_values import PointDensity, point_density
+from fenics_contact.contact.laws.point_values import PointDensity
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.surface.trace_function import TraceFunction
-from fenics_contact.scene.values import Value
 
 
 def depth_of(jump: Expr, normal: Expr, gap: Expr) -> Expr:
@@ -84,7 +82,10 @@ class _AtJump:
 
 
 class SpringLaw(NormalLaw):
-    """A law with an energy density ψ of depth and jump; forces and tangent are its derivatives."""
+    """A law whose forces are the derivatives of an energy density ψ of depth and jump.
+
+    Be that known in UFL or not: numbers at the points, forms and tangents are all that is asked.
+    """
 
     follows_jump: ClassVar[bool] = True
     pushes_only: ClassVar[bool] = True
@@ -99,7 +100,6 @@ class SpringLaw(NormalLaw):
         super().__init__(site)
         trace, kinematics = site.trace, site.kinematics
         self._fields = dict(self.fields())
-        self._in_ufl = {name: trace.coefficient(found) for name, found in self._fields.items()}
         self._softened = 1.0
         self._softness = fem.Constant(trace.surface.mesh, 1.0)
         self._held: Array | None = None  # pressures
@@ -111,38 +111,24 @@ class SpringLaw(NormalLaw):
         self.set_gap(kinematics.gap)
 
     @cached_property
-    def energy(self) -> Form:
-        """∫ ψ as a UFL form."""
-        trace, jump = self.site.trace, self.site.kinematics.jump
-        depth = depth_of(jump, trace.normal, self._gap.ufl)
-        density = self.density(depth, jump, **self._in_ufl) / self._softness
-        return trace.weight * density * trace.measure
+    def _in_ufl(self) -> dict[str, Expr]:
+        """The density's parameters; collective when first asked for."""
+        trace = self.site.trace
+        return {name: trace.coefficient(found) for name, found in self._fields.items()}
 
-    @cached_property
+    @property
+    @abstractmethod
     def residual(self) -> CompiledForm:
-        """Its first derivative in the jump."""
-        return form_cache.form(ufl.derivative(self.energy, self.site.kinematics.jump))
+        """The virtual work of its forces, with the sign of an energy's derivative."""
 
-    @cached_property
+    @property
+    @abstractmethod
     def tangent(self) -> CompiledForm:
-        """Its second derivative."""
-        jump = self.site.kinematics.jump
-        return form_cache.form(ufl.derivative(ufl.derivative(self.energy, jump), jump))
+        """Its derivative in the jump."""
 
     @abstractmethod
     def fields(self) -> Mapping[str, Array]:
         """Parameters of the density at the points, by name, each (points,)."""
-
-    @staticmethod
-    @abstractmethod
-    def density(depth: Expr, jump: Expr, **fields: Expr) -> Expr:
-        """ψ in UFL (energy/area).
-
-        Args:
-            depth: w_n − s (length).
-            jump: w, (components,) (length).
-            fields: As ``fields`` names them.
-        """
 
     @property
     def forms(self) -> tuple[CompiledForm, ...]:
@@ -154,10 +140,9 @@ class SpringLaw(NormalLaw):
         """Forms of the tangent in the present mode."""
         return (self.tangent,) if self._held is None else ()
 
+    @abstractmethod
     def pressure_ufl(self, jump: Expr) -> Expr:
         """∂ψ/∂d, the pressure of a jump in UFL (stress)."""
-        depth = ufl.variable(depth_of(jump, self.site.trace.normal, self._gap.ufl))
-        return ufl.diff(self.density(depth, jump, **self._in_ufl) / self._softness, depth)
 
     def set_gap(self, gap: Array) -> None:
         """Follow an obstacle that moves along the surface."""
@@ -192,11 +177,10 @@ class SpringLaw(NormalLaw):
         )
         return function, form_cache.form(-work)
 
-    @cached_property
+    @property
+    @abstractmethod
     def _at_points(self) -> PointDensity:
-        components = self.site.trace.surface.components
-        fields = dict.fromkeys(self._fields, 0)
-        return point_density(self.density, depth=0, jump=components, **fields)
+        """ψ as numbers at the points, with its derivatives."""
 
     def _values(self, jump: Array) -> dict[str, Array]:
         """Of the density's variables; where nothing stands, none are deep."""
@@ -292,34 +276,3 @@ class SpringLaw(NormalLaw):
     def acts(self, pressure: Array) -> Flags:
         """Those that press; all, where it pulls as well."""
         return np.asarray((pressure > 0) | (not self.pushes_only))
-
-
-class PenaltyLaw(SpringLaw):
-    """A law whose springs stand for no give at all: their stiffness is 1/ε₁."""
-
-    has_penalty: ClassVar[bool] = True
-    checks: tuple[str, ...] = (*SpringLaw.checks, "penetration", "penetration_depth")
-
-    def __init__(self, site: LawSite) -> None:
-        self._penalty = self.penalty_parameter(site)
-        super().__init__(site)
-
-    @classmethod
-    def penalty_parameter(cls, site: LawSite) -> float:
-        """The scene's ε₁, or the automatic one (length/stress)."""
-        return site.scales.penalty_parameter(site.contact.penalty_parameter)
-
-    def fields(self) -> Mapping[str, Array]:
-        """1/ε₁."""
-        return {"stiffness": np.full(len(self.site.trace.weights), 1 / self._penalty)}
-
-    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of the stiffness in ε₁."""
-        if key != "penalty_parameter":
-            return {}
-        stiffness = self._fields["stiffness"]
-        return {"stiffness": self._penalty * slope(lambda e: 1 / e, self._penalty) * stiffness}
-
-    def soften(self, factor: float) -> None:
-        """Divide the stiffness by a factor, from now on."""
-        self._softened = self._softness.value = factor

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from fenics_contact.body.forms import Expr
-from fenics_contact.contact.laws.normal.spring import PenaltyLaw, positive
+from fenics_contact.contact.laws.normal.energy_law import PenaltyLaw
+from fenics_contact.contact.laws.normal.spring import positive
 
 
 class Unilateral(PenaltyLaw):

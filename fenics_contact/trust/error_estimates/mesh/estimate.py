@@ -19,7 +19,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
-from fenics_contact.evaluate.contact_areas import cut_areas
+from fenics_contact.evaluate.contact_areas import Zones, cut_areas
 from fenics_contact.evaluate.contact_radii import radii
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
@@ -227,7 +227,7 @@ def _radii_cut(
 ) -> dict[str, float]:
     """What areas at the edges are of the radii of discs, dA = 2πr dr; collective."""
     areas = {"contact_radius": "contact_area", "stick_radius": "stick_area"}
-    found = radii(contact, state)
+    found = radii(Zones(contact, state))
     return {name: cuts[areas[name]] / (2 * np.pi * r) for name, r in found.items() if r}
 
 

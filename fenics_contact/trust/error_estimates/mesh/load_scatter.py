@@ -9,7 +9,7 @@ from collections.abc import Hashable, Sequence
 
 import numpy as np
 
-from fenics_contact.evaluate.contact_areas import contact_area, cut_areas, stick_area
+from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, stick_area
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.loading.load_paths import knots
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
@@ -136,7 +136,8 @@ def _piece_share(problem: Problem, solution: Solution) -> float:
     """
     shares = [0.0]
     for contact, state in zip(problem.contacts, solution.states, strict=True):
-        whole = (contact_area(contact, state), stick_area(contact, state))
+        zones = Zones(contact, state)
+        whole = (contact_area(zones), stick_area(zones))
         for area, cut in zip(whole, cut_areas(contact, state), strict=True):
             shares.append(cut / area if area > 0 else 0.0)
     return max(shares) or 1.0

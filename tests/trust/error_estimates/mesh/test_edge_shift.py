@@ -8,7 +8,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Load, Material, Obstacle, Point, Scene, run
 from fenics_contact.body.description import BodyDescription
-from fenics_contact.evaluate.contact_areas import contact_area, cut_areas, stick_area
+from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, stick_area
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import solve
@@ -108,8 +108,8 @@ def areas(problem):
     def measure(solution):
         (contact,), (state,) = problem.contacts, solution.states
         return {
-            (0, "contact_area"): contact_area(contact, state),
-            (0, "stick_area"): stick_area(contact, state),
+            (0, "contact_area"): contact_area(Zones(contact, state)),
+            (0, "stick_area"): stick_area(Zones(contact, state)),
         }
 
     return measure

@@ -18,6 +18,9 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.point_values import point_density
 from fenics_contact.contact.surface.trace import Trace
 
+# Of the bound: a traction that has no direction but that of round-off.
+_NO_TRACTION = 1e-9
+
 
 class SlipMetric:
     """M at the points of a contact; this one is 1, and others say what they do instead.
@@ -55,6 +58,15 @@ class SlipMetric:
             tractions: At the points, (points, components) (stress).
         """
         return np.asarray(np.linalg.norm(tractions, axis=1))
+
+    def bound_along(self, bound: Array, tractions: Array) -> Array:
+        """The largest traction along the directions of some, at the points, (points,) (stress).
+
+        Args:
+            bound: g, (points,) (stress).
+            tractions: Along the surface, (points, components) (stress).
+        """
+        return bound
 
     @property
     def least(self) -> Array:
@@ -107,6 +119,13 @@ class OwnMetric(SlipMetric):
         """|M⁻¹ t|."""
         found = np.linalg.solve(self.matrices, tractions[..., None])[..., 0]
         return np.asarray(np.linalg.norm(found, axis=1))
+
+    def bound_along(self, bound: Array, tractions: Array) -> Array:
+        """G |t|/|M⁻¹ t|; in all directions the least of M where there is no traction."""
+        size, carried = np.linalg.norm(tractions, axis=1), self.carried(tractions)
+        known = size > _NO_TRACTION * bound
+        shares = size / np.where(known, carried, 1.0)
+        return np.asarray(bound * np.where(known, shares, self.least))
 
     @cached_property
     def matrices(self) -> Array:

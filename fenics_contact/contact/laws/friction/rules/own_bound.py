@@ -13,6 +13,8 @@ from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws import formulas
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
+from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.laws.friction_laws import FormulaFriction
 from fenics_contact.scene.values import Value
 
@@ -75,20 +77,15 @@ class FormulaBound(OwnFriction):
 
     kind: ClassVar[str] = "formula"
 
-    @staticmethod
-    def bound(pressure: Expr, **fields: Expr) -> Expr:
-        """None that all of them share: each scene has its own."""
-        raise NotImplementedError("the bound is the formula's")
-
-    @property
-    def _bound(self) -> Callable[..., Expr]:
-        law = self.site.contact.friction_law
+    def __init__(self, site: LawSite, normal: NormalLaw) -> None:
+        super().__init__(site, normal)
+        law = site.contact.friction_law
         assert isinstance(law, FormulaFriction)
-        return _bound(law.bound, tuple(law.parameters))
+        self.bound = _bound_of(law.bound, tuple(law.parameters))
 
 
 @lru_cache
-def _bound(text: str, parameters: tuple[str, ...]) -> Callable[..., Expr]:
+def _bound_of(text: str, parameters: tuple[str, ...]) -> Callable[..., Expr]:
     """The formula as a function of pressure, coefficient and parameters."""
     formula = formulas.in_ufl(text, ("p", "mu", *parameters))
 

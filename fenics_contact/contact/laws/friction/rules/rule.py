@@ -57,6 +57,8 @@ class FrictionRule:
         longest_elastic_slip: The slip that goes back, at which the bound is reached, in place of
             the regularisation parameter; None where no slip does (length).
         metric: How it feels slip.
+        bound: G in UFL (stress), a function of ``pressure`` (stress), and of what ``fields``,
+            ``constants`` and ``changing`` name; mostly a static method.
 
     Args:
         site: Where it acts.
@@ -67,6 +69,7 @@ class FrictionRule:
     """
 
     kind: ClassVar[str]
+    bound: Callable[..., Expr]
     is_proportional: ClassVar[bool] = False
     neighbours: SurfaceAverage | None = None
     longest_elastic_slip: float | None = None
@@ -172,16 +175,6 @@ class FrictionRule:
             kept: By name, each (points,) or (points, components).
         """
 
-    @staticmethod
-    @abstractmethod
-    def bound(pressure: Expr, **fields: Expr) -> Expr:
-        """G in UFL (stress).
-
-        Args:
-            pressure: Contact pressure (stress).
-            fields: As ``fields``, ``constants`` and ``changing`` name them.
-        """
-
     @property
     @abstractmethod
     def largest_coefficient(self) -> Array:
@@ -225,7 +218,7 @@ class FrictionRule:
         Args:
             pressure: Contact pressure on the surface (stress).
         """
-        return self._bound(pressure, **self._fields_in_ufl())
+        return self.bound(pressure, **self._fields_in_ufl())
 
     def pulled_back(self, pressure: Array, of_bound: Array) -> BoundGradient:
         """What a quantity's derivatives in the bound are in what the bound follows from.
@@ -244,11 +237,6 @@ class FrictionRule:
             | {name: points.slope(name, **values) * of_bound for name in self._values},
         )
 
-    @property
-    def _bound(self) -> Callable[..., Expr]:
-        """``bound``, or what a scene has in its place."""
-        return self.bound
-
     def _fields_in_ufl(self) -> dict[str, Expr]:
         """What stands in a form for ``fields`` and ``constants``."""
         trace = self.site.trace
@@ -263,4 +251,4 @@ class FrictionRule:
 
     @cached_property
     def _at_points(self) -> PointDensity:
-        return point_density(self._bound, pressure=0, **dict.fromkeys(self._values, 0))
+        return point_density(self.bound, pressure=0, **dict.fromkeys(self._values, 0))
