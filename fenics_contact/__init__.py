@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from fenics_contact.results.result import Check, Result
     from fenics_contact.scene.accuracy import Accuracy
     from fenics_contact.scene.asked.derivatives import AskedDerivatives
+    from fenics_contact.scene.asked.fretting import FatigueLimits, Fretting, StrainLifeLine
     from fenics_contact.scene.conditions import Load, Point, Preload, Support
     from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
     from fenics_contact.scene.laws.friction_laws import (
@@ -77,9 +78,11 @@ __all__ = [
     "Cycles",
     "Discretisation",
     "Exploration",
+    "FatigueLimits",
     "FenicsContactError",
     "Fit",
     "FormulaFriction",
+    "Fretting",
     "Group",
     "HalfSpace",
     "InputError",
@@ -112,6 +115,7 @@ __all__ = [
     "SlipDependentFriction",
     "SolverSettings",
     "Steps",
+    "StrainLifeLine",
     "Study",
     "Support",
     "Units",
@@ -147,6 +151,7 @@ _MODULES = {
     "scene.accuracy": ("Accuracy",),
     "scene.loading.cycles": ("Cycles",),
     "scene.asked.derivatives": ("AskedDerivatives",),
+    "scene.asked.fretting": ("FatigueLimits", "Fretting", "StrainLifeLine"),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
     "scene.laws.friction_laws": (
         "ComplianceFriction",

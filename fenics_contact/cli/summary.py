@@ -20,6 +20,7 @@ from fenics_contact.results.records.model import Model, RigidMotion
 from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.result import Check, Result
 from fenics_contact.results.words.derivatives import derivative_rows, uncertainty_rows
+from fenics_contact.results.words.fretting import fretting_plan, fretting_rows
 from fenics_contact.results.words.headlines import headlines
 from fenics_contact.results.words.short_forms import (
     in_figures,
@@ -113,6 +114,8 @@ def _conditions(scene: Scene) -> list[str]:
         held = [f"{axis} = {_given(value)}{length}" for axis, value in support.displacement.items()]
         on = f" on '{support.on}'" if support.label != support.on else ""
         lines.append(f"Support '{support.label}'{on}: {', '.join(held)}")
+    if scene.fretting is not None:
+        lines.append(fretting_plan(scene.fretting, scene.cycles is not None, names))
     for load in scene.load:
         value = _given(getattr(load, load.kind)) + unit(load, load.kind)
         lines.append(f"Load '{load.on}': {load.kind.replace('_', ' ')} {value}")
@@ -156,6 +159,7 @@ def print_result(result: Result, folder: Path) -> None:
         _print_checks(console, result.checks)
         _print_branches(console, result)
         _print_derivatives(console, result)
+        _print_fretting(console, result)
         _print_levels(console, result)
     console.print(one_line(result.verdict), markup=False, highlight=False)
     took = f"{result.timings['total']:.2f} s"
@@ -219,6 +223,16 @@ def _print_derivatives(console: Terminal, result: Result) -> None:
             for row in rows[1:]:
                 table.add_row(*map(escape, row))
             console.print(table)
+
+
+def _print_fretting(console: Terminal, result: Result) -> None:
+    """Where the history of stress is worst, by each criterion."""
+    rows = fretting_rows(result.fretting, result.units)
+    if rows:
+        table = _table(*map(escape, rows[0]))
+        for row in rows[1:]:
+            table.add_row(*map(escape, row))
+        console.print(table)
 
 
 def _print_levels(console: Terminal, result: Result) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 from fenics_contact.common.errors import StoppedError
 from fenics_contact.results.contact_points import ContactPoints
+from fenics_contact.results.fretting_places import FrettingPlaces
 from fenics_contact.results.records.record import described
 from fenics_contact.results.records.run import Outcome, RunRecord
 from fenics_contact.results.records.steps import CheckRecord
@@ -85,11 +86,13 @@ class Result(Outcome):
 
     Attributes:
         points: The rows of ``contact.csv``; None if no load step was accepted.
+        fretting_places: Those of ``fretting.csv``; None where there are none.
         interrupted: Whether the user stopped the run; not among the keys.
     """
 
     checks: Mapping[str, Check]
     points: ContactPoints | None = None
+    fretting_places: FrettingPlaces | None = None
     interrupted: bool = False
 
     def __repr__(self) -> str:
@@ -128,7 +131,8 @@ class Result(Outcome):
 
     def __iter__(self) -> Iterator[str]:
         """The keys of ``result.json`` that it has."""
-        return (key for key in super().__iter__() if key not in ("points", "interrupted"))
+        others = ("points", "fretting_places", "interrupted")
+        return (key for key in super().__iter__() if key not in others)
 
     def record(self, scene: str) -> RunRecord:
         """What stands in ``result.json``.

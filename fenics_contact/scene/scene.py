@@ -15,6 +15,7 @@ from pydantic import BeforeValidator, Field
 
 from fenics_contact.scene.accuracy import Accuracy, Share, as_accuracy
 from fenics_contact.scene.asked.derivatives import AskedDerivatives
+from fenics_contact.scene.asked.fretting import Fretting, require_fretting
 from fenics_contact.scene.asked.tolerances import as_tolerances
 from fenics_contact.scene.conditions import Load, Point, Preload, Support
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
@@ -226,6 +227,10 @@ class Scene(HasUnits):
             "`[derivatives]` is told beside its error bar"
         ),
     ] = Field(default_factory=dict)
+    fretting: Annotated[
+        Fretting | None,
+        Field(description="criteria of fatigue by the stress near contacts, over the last cycle"),
+    ] = None
     steps: Annotated[Steps, Field(description="load steps, by default one")] = Field(
         default_factory=Steps
     )
@@ -295,6 +300,7 @@ class Scene(HasUnits):
         _require_known(self)
         require_cycles(self)
         _require_wear_to_end(self)
+        require_fretting(self)
 
     @cached_property
     def load_steps(self) -> Steps:

@@ -14,6 +14,8 @@ from fenics_contact.common.errors import InputError, NotConvergedError, StoppedE
 from fenics_contact.common.failures import failing_together
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBook
+from fenics_contact.evaluate.fretting.criteria_at_places import evaluate_fretting
+from fenics_contact.evaluate.fretting.history import StressHistory
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import (
     contact_points,
@@ -30,6 +32,7 @@ from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check, Result
 from fenics_contact.results.words.cycles import cycle_words
+from fenics_contact.results.words.fretting import fretting_words
 from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
@@ -195,6 +198,9 @@ class Run:
             state.make_folder()
         history = self._history
         history.begin([] if saved is None else saved.steps)
+        with self.timings.phase("output"):
+            asked = self.scene.fretting
+            self._stress = None if asked is None else StressHistory(self.problem, asked)
         self.others = OtherAnswers()
         self.budget = ErrorBudget()
         self._checks: dict[str, Check] = {}
@@ -209,9 +215,14 @@ class Run:
             if saved is not None:
                 solution = load_steps.resume(saved.last, saved.pace, saved.forces)
                 history.resume(solution, saved.energy)
+                if self._stress is not None:
+                    self._stress.resume()
 
         def record(time: float, solution: Solution) -> None:
             history.add(time, solution)
+            if self._stress is not None:
+                with self.timings.phase("output"):
+                    self._stress.add(time, solution)
             self._announce(len(history.steps), history.steps[-1])
             if accepted is not None:
                 accepted()
@@ -288,6 +299,9 @@ class Run:
             quantities = self.steps[-1].quantities
             checks = self._checks or self._history.checks()
             points = contact_points(problem, solution)
+            stress, asked = self._stress, self.scene.fretting
+            found = stress and asked and evaluate_fretting(problem, asked, stress)
+            fretting, places = found or (None, None)
         contacts = self.contacts(self._history.by_contact)
         far = self.scene.half_space
         cycles = cycles_record(
@@ -298,6 +312,7 @@ class Run:
             converged=True,
             verdict=verdict.of_answer(problem, solution, self.steps, checks, self.book.open_share)
             + cycle_words(cycles)
+            + fretting_words(self.scene.fretting, fretting)
             + self.others.words(),
             model=self.model,
             contacts=contacts,
@@ -307,6 +322,7 @@ class Run:
             quantities=quantities,
             steps=self.steps,
             cycles=cycles,
+            fretting=fretting,
             checks=checks,
             branches=self.others.branches,
             errors=self.budget.quantities,
@@ -315,6 +331,7 @@ class Run:
             versions=compat.versions(),
             units=units_of(self.scene, quantities),
             points=points,
+            fretting_places=places,
         )
 
     def _stopped_short(self, words: str, steps: list[StepRecord]) -> Result:

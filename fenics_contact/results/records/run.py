@@ -14,6 +14,7 @@ from fenics_contact.results.records.contacts import (
 )
 from fenics_contact.results.records.cycles import CyclesRecord
 from fenics_contact.results.records.derivatives import Derivative
+from fenics_contact.results.records.fretting import FrettingRecord
 from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Model, Seconds
 from fenics_contact.results.records.record import Errors, Quantities, Record
 from fenics_contact.results.records.steps import BranchRecord, CheckRecord, StepRecord
@@ -37,6 +38,7 @@ class Outcome(Record):
         quantities: Of the whole model, at the end; empty without an answer.
         steps: Each load step.
         cycles: What becomes of loads that come again and again, where they do.
+        fretting: Where the stress near contacts is worst over a cycle, where it was asked for.
         checks: Name → check of the physics.
         branches: All answers that were found, where the scene asks for others.
         errors: Quantity → source → estimated absolute error, and their `total`; null where it was
@@ -52,7 +54,7 @@ class Outcome(Record):
     """
 
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
-        {"accuracy", "cycles", "derivatives", "preloads", "uncertainty", "units"}
+        {"accuracy", "cycles", "derivatives", "fretting", "preloads", "uncertainty", "units"}
     )
 
     title: str
@@ -66,6 +68,7 @@ class Outcome(Record):
     quantities: Quantities
     steps: list[StepRecord]
     cycles: CyclesRecord | None = None
+    fretting: FrettingRecord | None = None
     checks: Mapping[str, Any]
     branches: list[BranchRecord] = field(default_factory=list)
     errors: Errors = field(default_factory=dict)

@@ -250,10 +250,10 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 # Files of a run and of its report, and nothing else that may lie in the folder.
 _PICTURES = (
     r"(deformed|mesh|axis_stress|surface_displacement|convergence|accuracy|history_\w+"
-    r"|contact_\d+|contact_\d+_formula|stress_\d+)\.(png|pdf)|animation_(body|\d+)\.gif"
+    r"|contact_\d+|contact_\d+_formula|stress_\d+|fretting_\w+)\.(png|pdf)|animation_(body|\d+)\.gif"
 )
 # Those that say how a run ended, which is not true any more when it goes on.
-_OF_THE_END = rf"result\.json|contact\.csv|report\.html|{_PICTURES}"
+_OF_THE_END = rf"result\.json|(contact|fretting)\.csv|report\.html|{_PICTURES}"
 _LEVEL = "next_level"  # folder of a level that is not whole yet
 _OF_STEPS = r"steps\.csv|fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
 
@@ -269,6 +269,8 @@ def _clear(folder: Path, names: str) -> None:
 def _write_tables(result: Result, folder: Path, scene: str) -> None:
     if result.points is not None:
         _replace(folder / "contact.csv", contact_rows(result.points, result.contacts))
+    if result.fretting_places is not None:
+        _replace(folder / "fretting.csv", result.fretting_places.rows())
     _write_result(result, folder, scene)
 
 

@@ -62,7 +62,9 @@ def points_of(file: SceneFile, overrides: Sequence[str], grid: Grid) -> list[Poi
     for number, settings in enumerate(grid.settings()):
         try:
             data = file.data(overrides, settings)
-            scene = replace(file.scene(overrides, settings), derivatives=None, tolerances={})
+            scene = replace(
+                file.scene(overrides, settings), derivatives=None, tolerances={}, fretting=None
+            )
         except InputError as error:
             first = first or error
             points.append(Point(number, _digest(settings), None, str(error)))
