@@ -52,6 +52,12 @@ def level_line(number: int, level: LevelRecord, asked: Mapping[str, float]) -> s
     return f"mesh {number}: {level.dofs} dofs, {level.seconds:.1f} s; errors: {errors}"
 
 
+def energy_line(by_energy: Mapping[str, str]) -> str:
+    """Which quantities have no adjoint, and why, on one line; nothing where all have."""
+    found = "; ".join(f"{in_words(name)}: {why}" for name, why in by_energy.items())
+    return f"refined by errors in the energy norm: {found}" if found else ""
+
+
 def percent(value: float | None) -> str:
     """A relative error, ``?`` where it was not estimated."""
     return UNKNOWN if value is None else f"{100 * value:.2g} %"

@@ -50,6 +50,7 @@ from fenics_contact.solve.load_steps.load_steps import LoadSteps, solve
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice, choose_solver
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget
+from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 from fenics_contact.trust.uniqueness.other_answers import OtherAnswers, look_around
 
 logger = logging.getLogger(__name__)
@@ -70,6 +71,8 @@ class Run:
         others: What is known of other answers of the last step.
         budget: Estimated errors of its quantities.
         last: What a further step would start from, once all are solved.
+        at_end: Called with the load steps at their end, and with the errors of cells where these
+            were estimated; collective.
         timings: Seconds so far.
 
     Args:
@@ -107,6 +110,7 @@ class Run:
         self.last: Unknowns | None = None
         self.others = OtherAnswers()
         self.budget = ErrorBudget()
+        self.at_end: Callable[[LoadSteps, LocalErrors | None], None] | None = None
         self._announce: Announce = _say_nothing
         self.timings = Timings()
         with failing_together(comm):
@@ -239,6 +243,8 @@ class Run:
                 self.others = look_around(load_steps)
             with self.timings.phase("errors"):
                 self.budget = error_budget(load_steps, history.steps)
+                if self.at_end is not None:
+                    self.at_end(load_steps, self.budget.local)
 
         try:
             condense = None if self._kept is None else self._kept.condense

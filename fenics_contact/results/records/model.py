@@ -107,11 +107,14 @@ class AccuracyRecord(Record):
         asked: Quantity → relative error that is allowed.
         reached: Whether all estimated errors are below.
         reason: Why they are not.
+        by_energy: Quantities for which meshes were refined by errors in the energy norm, as they
+            have no adjoint that would weigh these → why.
     """
 
     asked: Mapping[str, float]
     reached: bool
     reason: str = ""
+    by_energy: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from mpi4py import MPI
@@ -20,6 +20,7 @@ from fenics_contact.common.errors import FenicsContactError, StoppedError
 from fenics_contact.common.parallel import from_root
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.accuracy_messages import (
+    energy_line,
     level_line,
     not_reached,
     plan,
@@ -32,6 +33,7 @@ from fenics_contact.results.result import Result
 from fenics_contact.scene.accuracy import Accuracy
 from fenics_contact.scene.quantity_names import in_words
 from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.adaptive.goals import GoalFinder
 from fenics_contact.simulation.adaptive.mesh_wish import MeshWish, UsedUpError
 from fenics_contact.simulation.adaptive.next_mesh import hindrance
 from fenics_contact.simulation.adaptive.relative_errors import (
@@ -80,6 +82,7 @@ class AdaptiveRun:
         self._between = 0.0
         self._history = LevelHistory()
         self.asked = asked_of(first)
+        self._goals = GoalFinder(self.asked)
         self._hindrance = hindrance(first.scene, first.problem.body, has_own_body)
 
     def solve(self, solve_level: SolveLevel) -> Result:
@@ -93,6 +96,7 @@ class AdaptiveRun:
         """
         run, guess, last = self.run, None, None
         while True:
+            run.at_end = self._goals
             result = solve_level(run, guess)
             if not result.converged:
                 return self._failed(result, last)
@@ -132,6 +136,13 @@ class AdaptiveRun:
         )
         self._history.add(result)
         logger.info(level_line(len(self.levels), self.levels[-1], self.asked))
+        if len(self.levels) == 1 and self._by_energy:
+            logger.info(energy_line(self._by_energy))
+
+    @property
+    def _by_energy(self) -> Mapping[str, str]:
+        """Quantities without an adjoint, and why, on the last mesh with estimated errors."""
+        return {} if self._goals.found is None else self._goals.found.by_energy
 
     def _unbounded(self, result: Result) -> str:
         """Why some of what is asked for does not converge, or nothing."""
@@ -203,7 +214,9 @@ class AdaptiveRun:
     def _next_run(self, errors: Errors, result: Result) -> Run:
         """The scene on the next mesh; collective."""
         began = time.perf_counter()
-        wish = MeshWish(self.run, self.levels, self.asked, errors)
+        goals = self._goals.found
+        assert goals is not None
+        wish = MeshWish(self.run, self.levels, self.asked, errors, goals)
         body = wish.mesh(self._has_own_body)
         scene = balanced(self.run.scene, result, errors, self.asked)
         comm = self.run.problem.comm
@@ -238,7 +251,9 @@ class AdaptiveRun:
             timings=Seconds(**self._seconds) if self._seconds else result.timings,
             verdict=f"{result.verdict} {words}",
             levels=self.levels,
-            accuracy=AccuracyRecord(asked=self.asked, reached=not reason, reason=reason),
+            accuracy=AccuracyRecord(
+                asked=self.asked, reached=not reason, reason=reason, by_energy=self._by_energy
+            ),
         )
 
 

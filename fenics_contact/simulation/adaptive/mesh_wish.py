@@ -13,10 +13,10 @@ from fenics_contact.mesh.size_field import SINGULAR
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.records.model import LevelRecord
 from fenics_contact.results.records.record import Errors
+from fenics_contact.simulation.adaptive.goals import Goals
 from fenics_contact.simulation.adaptive.next_mesh import Wish, next_mesh
 from fenics_contact.simulation.adaptive.relative_errors import others_than_mesh
 from fenics_contact.simulation.scene_run import Run
-from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 
 # Of the cells, from one level to the next: at least and at most so many times as many.
 _LEAST, _MOST = 1.2, 4.0
@@ -57,6 +57,7 @@ class MeshWish:
         levels: All levels so far.
         asked: Quantity → relative error that is allowed.
         errors: What they are.
+        goals: Which cells count for them.
     """
 
     def __init__(
@@ -65,10 +66,11 @@ class MeshWish:
         levels: Sequence[LevelRecord],
         asked: Mapping[str, float],
         errors: Errors,
+        goals: Goals,
     ) -> None:
-        assert run.budget.local is not None and run.scene.accuracy is not None
+        assert run.scene.accuracy is not None
         self._run, self._levels, self._asked, self._errors = run, levels, asked, errors
-        self._local: LocalErrors = run.budget.local
+        self._cells = goals.of(self._urgency())
         self._accuracy = run.scene.accuracy
 
     def mesh(self, has_own_body: bool) -> Body:
@@ -92,13 +94,23 @@ class MeshWish:
             raise used_up
         wanted = min(wanted, _FILLED * most)
         for _ in range(_TRIES):
-            wish = Wish(wanted, self._local.squared, at_edges)
+            wish = Wish(wanted, self._cells, at_edges)
             body = next_mesh(run.scene, run.problem, wish, has_own_body)
             found = body.mesh.topology.index_map(body.dimension).size_global
             if found <= most:
                 return body
             wanted *= _FILLED * most / found
         raise used_up
+
+    def _urgency(self) -> dict[str, float]:
+        """Of each quantity, its error over what is allowed; of an area no more than of another.
+
+        What areas are off by is a matter of their edges first, where cells are made smaller anyway.
+        """
+        found = {name: self._mesh_ratio((name,)) for name in self._errors}
+        areas = self._asked_of([*_AREAS[0], *_AREAS[1]])
+        others = max((ratio for name, ratio in found.items() if name not in areas), default=1.0)
+        return {name: min(r, others) if name in areas else r for name, r in found.items()}
 
     def _edges(self) -> Array:
         """Sizes that cells at edges of contact and stick are not to exceed, on this rank.
@@ -152,7 +164,7 @@ class MeshWish:
 
     def _is_at_points(self) -> bool:
         """Whether few cells, as those at singular points, make most of the error."""
-        squared, comm = self._local.squared, self._run.problem.comm
+        squared, comm = self._cells, self._run.problem.comm
         whole = total(comm, squared.sum())
         large = squared > SINGULAR * whole / self._levels[-1].cells
         return bool(total(comm, squared[large].sum()) > 0.5 * whole)

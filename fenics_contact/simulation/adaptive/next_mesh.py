@@ -61,7 +61,7 @@ class Wish:
 
     Attributes:
         number: Of cells, apart from those that ``edges`` ask for.
-        squared: Errors squared of this rank's own cells of the last one (energy).
+        squared: What this rank's own cells of the last one make of errors, over that of all.
         edges: Rows of x, y, z and a size that cells there are not to exceed, of this rank (length).
     """
 
@@ -83,7 +83,7 @@ def next_mesh(scene: Scene, problem: Problem, wish: Wish, is_own: bool) -> Body:
         InputError: Gmsh cannot make it, or it is unsound.
     """
     body, comm = problem.body, problem.comm
-    rows = _own_cells(scene, body, _of_a_section(problem, wish.squared)) | {"edges": wish.edges}
+    rows = _own_cells(scene, body, wish.squared) | {"edges": wish.edges}
     gathered = gathered_on_root(comm, rows)
 
     def found() -> tuple[_All, Array]:
@@ -98,18 +98,6 @@ def next_mesh(scene: Scene, problem: Problem, wish: Wish, is_own: bool) -> Body:
     fields: list[SizeField] = []  # stay on rank 0
     on_root(comm, lambda: fields.extend(_fields(*found())))
     return load_body(scene.mesh, scene.dimension, comm, fields, curved=True, preloads=scene.preload)
-
-
-def _of_a_section(problem: Problem, squared: Array) -> Array:
-    """Of axisymmetric bodies, errors a length around: cells at the axis are no less important.
-
-    A peak pressure often stands there, and over the whole circle they would count for nothing.
-    """
-    if problem.spaces.kinematics != "axisymmetric":
-        return squared
-    mesh = problem.body.mesh
-    nodes = compat.geometry_nodes(mesh)[: len(squared)]
-    return np.asarray(squared / (2 * np.pi * mesh.geometry.x[nodes][:, :, 0].mean(axis=1)))
 
 
 def _is_meshed_again(scene: Scene, is_own: bool) -> bool:

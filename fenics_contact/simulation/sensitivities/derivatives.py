@@ -44,7 +44,7 @@ def derivatives(
         InputError: A quantity or a key has no derivative.
     """
     problem, last = system.problem, steps[-1]
-    require_laws(problem)
+    require_adjoint(problem)
     quantities = Quantities(problem, last.solution)
     states = {name: quantities.gradient(name) for name in of}
     keys = keys_of(problem, last.unknowns.time, by)
@@ -62,8 +62,13 @@ def derivatives(
     return found
 
 
-def require_laws(problem: Problem) -> None:
-    """Refuse laws that do not say their own derivatives."""
+def require_adjoint(problem: Problem) -> None:
+    """Refuse laws that do not say their own derivatives, and preloads that are locked."""
+    if any(preload.is_locked for preload in problem.preloads):
+        raise InputError(
+            "derivatives: a preload is locked, so that its length is that of a load step before; "
+            "leave out locked_from"
+        )
     for contact in problem.contacts:
         for law in contact.laws:
             if not law.has_derivatives:
@@ -107,11 +112,6 @@ def that_count(problem: Problem, steps: Sequence[AcceptedStep]) -> list[Accepted
         InputError: It depends on more than slips of those before.
     """
     last = steps[-1]
-    if any(preload.is_locked for preload in problem.preloads):
-        raise InputError(
-            "derivatives: a preload is locked, so that its length is that of a load step before; "
-            "leave out locked_from"
-        )
     follows = any(contact.friction.follows_path for contact in problem.contacts)
     if not follows or len(steps) == 1:
         return [last]

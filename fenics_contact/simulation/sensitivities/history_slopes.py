@@ -13,7 +13,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.simulation.sensitivities.derivatives import (
     of_step_before,
-    require_laws,
+    require_adjoint,
     that_count,
 )
 from fenics_contact.simulation.sensitivities.quantity_gradient import QuantityGradient, adjoint_of
@@ -53,7 +53,7 @@ def history_slopes(
         InputError: A quantity has no derivative, or the history has none.
     """
     problem, last = system.problem, steps[-1]
-    require_laws(problem)
+    require_adjoint(problem)
     follows = len(that_count(problem, steps)) > 1
     found: dict[AcceptedStep, dict[str, Array]] = {}
     going_back: dict[tuple[AcceptedStep, int], StateGradient] = {}

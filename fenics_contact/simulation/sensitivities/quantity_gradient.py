@@ -38,6 +38,7 @@ class QuantityGradient:
 
     Attributes:
         contacts: In what each contact is given.
+        multipliers: Of the forces that are in balance.
 
     Args:
         adjoint: Of the answer's tangent, in whose state the problem is.
@@ -62,10 +63,10 @@ class QuantityGradient:
             known.append(self._with_work(contact, answers, virtual))
             jumps.append(contact.trace.onto_nodes(pulled_back(contact, known[-1]).jump))
         body = self._with_untouched(state.body, jumps)
-        self._multipliers = adjoint.solve(jumps, state.scalars, body, start)
+        self.multipliers = adjoint.solve(jumps, state.scalars, body, start)
         self.contacts = []
         for number, contact in numbered:
-            virtual = self._multipliers.other_jump(number)
+            virtual = self.multipliers.other_jump(number)
             self.contacts.append(
                 pulled_back(contact, self._with_work(contact, known[number], virtual))
             )
@@ -112,7 +113,7 @@ class QuantityGradient:
             for number, given in change.contacts.items()
         )
         if change.load is not None:
-            found += float(np.sum(self._multipliers.displacement[owned] * change.load[owned]))
+            found += float(np.sum(self.multipliers.displacement[owned] * change.load[owned]))
         if change.prescribed is not None:
             found += float(self._at_constrained @ change.prescribed)
         if change.columns:
@@ -120,7 +121,7 @@ class QuantityGradient:
         if change.modulus is not None:
             found += self._along_modulus(*change.modulus)
         if problem.comm.rank == 0:
-            scalars = self._multipliers.scalars
+            scalars = self.multipliers.scalars
             found += sum(float(scalars[place] * by) for place, by in change.scalars.items())
         return float(total(problem.comm, found))
 
@@ -128,7 +129,7 @@ class QuantityGradient:
     def _at_constrained(self) -> Array:
         """In the displacements that are prescribed, 0 where another rank counts; collective."""
         problem = self._problem
-        nodal = self._multipliers.at_supports.copy()
+        nodal = self.multipliers.at_supports.copy()
         for number, contact in enumerate(problem.contacts):
             if self._adjoint.jumps[number] is not None:
                 jump = contact.trace.onto_nodes(self.contacts[number].jump)
@@ -147,7 +148,7 @@ class QuantityGradient:
 
     def _along_modulus(self, number: int, name: str) -> float:
         """(e/2 u − ψ) · K_θ u of a quantity that has e times the strain energy in it."""
-        problem, virtual, factor = self._problem, self._multipliers, 0.5 * self._energy
+        problem, virtual, factor = self._problem, self.multipliers, 0.5 * self._energy
         present, present_stress = self._step.solution.displacement, self._step.unknowns.mean_stress
         displacement = factor * present - virtual.displacement
         stress = factor * present_stress - virtual.mean_stress

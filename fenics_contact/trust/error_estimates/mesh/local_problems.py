@@ -10,6 +10,8 @@ own, it has an error of its own in every cell, too (``mean_stress_errors``).
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import ufl
 from dolfinx import fem, la
@@ -106,6 +108,34 @@ class LocalErrors:
             self._squared_by_block = self._mean_stress.energies(found, right)
         self._found = found
         self._set_error(np.ones(self._cells))
+
+    def squared_of(self, virtual: Array, forces: Array, loaded: float) -> Array:
+        """a_K(e, e) of the errors of a virtual displacement, of own cells, (cells,); collective.
+
+        Args:
+            virtual: At the nodes, (nodes, components), such as that of an adjoint.
+            forces: That hold it where contacts are, at the nodes, likewise.
+            loaded: How often the loads of the scene act on it, at their full size.
+        """
+        self._virtual.x.array[:] = virtual.reshape(-1)
+        right = self._assembled(self._virtual_residual)
+        for form, _ in self._loads:
+            right += loaded * self._assembled(form)
+        for (_, trace), form in zip(self._traces(), self._work, strict=True):
+            self._set_traction(trace, forces[trace.surface.body_nodes])
+            right += self._assembled(form)
+        found = np.linalg.solve(self._stiffness, right[:, :, None])[:, :, 0]
+        return np.asarray(np.einsum("ci,ci->c", found, right)[self._blocks])
+
+    @cached_property
+    def _virtual(self) -> fem.Function:
+        return fem.Function(self._problem.spaces.displacement_space)
+
+    @cached_property
+    def _virtual_residual(self) -> CompiledForm:
+        elastic = self._problem.elastic
+        stress = elastic.displacement_stress(self._virtual)
+        return self._compile(stress, elastic.strain(self._test), self._test)
 
     @property
     def squared(self) -> Array:

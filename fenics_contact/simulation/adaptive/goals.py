@@ -1,0 +1,181 @@
+"""Where on a mesh the errors arise that matter for the quantities asked for.
+
+An error of a cell moves a quantity J by a_K(e, ψ), where ψ is the adjoint of J. By the same local
+problems ψ has an error e* in every cell, and what ψ has beyond it the elements follow, to which e
+is orthogonal. So a cell counts by the energy norms of both, ‖e‖_K ‖e*‖_K (R. Becker, R. Rannacher,
+An optimal control approach to a posteriori error estimation in finite element methods, Acta
+Numerica 10 (2001) 1-102). Of a history, the adjoint is that of its last load step.
+
+Where a quantity has no adjoint its cells count by ‖e‖²_K, as errors in the energy norm do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.errors import InputError, NotConvergedError
+from fenics_contact.common.parallel import total
+from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.quantity_names import VECTORS
+from fenics_contact.scene.values import AXES
+from fenics_contact.simulation.sensitivities.derivatives import require_adjoint
+from fenics_contact.simulation.sensitivities.quantity_gradient import QuantityGradient, adjoint_of
+from fenics_contact.simulation.sensitivities.state_gradients import Quantities
+from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
+
+
+@dataclass(frozen=True, eq=False)
+class Goals:
+    """How much each cell's error counts for each quantity.
+
+    Attributes:
+        squared: Cells' errors squared, for what has no adjoint, (cells,); 1 in all.
+        weighed: Quantity → what its cells make of its error, likewise.
+        by_energy: Quantities without an adjoint → why.
+    """
+
+    squared: Array
+    weighed: Mapping[str, Array] = field(default_factory=dict)
+    by_energy: Mapping[str, str] = field(default_factory=dict)
+
+    def of(self, ratios: Mapping[str, float]) -> Array:
+        """What cells are refined by, (cells,).
+
+        Args:
+            ratios: Quantity → its error over what is allowed.
+        """
+        found = np.zeros_like(self.squared)
+        for name, ratio in ratios.items():
+            found += ratio * self.weighed.get(name, self.squared)
+        return found if ratios else self.squared
+
+
+class GoalFinder:
+    """Finds the goals of one level after the other.
+
+    Attributes:
+        found: Of the last level; None before there is one whose cells have errors.
+
+    Args:
+        asked: Quantities by their names.
+    """
+
+    def __init__(self, asked: Iterable[str]) -> None:
+        self._asked = list(asked)
+        self.found: Goals | None = None
+
+    def __call__(self, load_steps: LoadSteps, local: LocalErrors | None) -> None:
+        """Find those of the last load step; collective.
+
+        Args:
+            load_steps: At their end; all is there again afterwards.
+            local: Errors of its cells, where there are any.
+        """
+        self.found = None
+        if local is not None:
+            problem = load_steps.problem
+            self.found = find_goals(
+                load_steps, local, {text: _names_of(problem, text) for text in self._asked}
+            )
+            load_steps.go_back()
+
+
+def find_goals(
+    load_steps: LoadSteps, local: LocalErrors, asked: Mapping[str, Sequence[str]]
+) -> Goals:
+    """Of the last load step, in whose state the problem is not left; collective.
+
+    Args:
+        load_steps: At their end.
+        local: Errors of its cells.
+        asked: Quantity → names whose adjoints are its own, of a vector its components.
+    """
+    problem = load_steps.problem
+    squared = _shares(problem, _of_a_section(problem, local.squared))
+    try:
+        adjoint = _adjoint(load_steps)
+    except InputError as error:
+        return Goals(squared, {}, dict.fromkeys(asked, _reason(error)))
+    weighed: dict[str, Array] = {}
+    why: dict[str, str] = {}
+    for quantity, names in asked.items():
+        try:
+            found = [_squared_adjoint(load_steps, adjoint, local, name) for name in names]
+        except (InputError, NotConvergedError) as error:
+            why[quantity] = _reason(error)
+            continue
+        weighed[quantity] = _shares(problem, np.sqrt(local.squared * sum(found)))
+    return Goals(squared, weighed, why)
+
+
+def _reason(error: Exception) -> str:
+    """Of a message, without where it is of and what to do."""
+    return str(error).removeprefix("of: ").removeprefix("derivatives: ").partition(";")[0]
+
+
+def _names_of(problem: Problem, text: str) -> list[str]:
+    """The names under which a quantity that is asked for has adjoints.
+
+    Args:
+        problem: The model.
+        text: Its name; of a vector this stands for all components.
+    """
+    name = problem.scene.names.find(text)
+    is_vector = name.quantity in VECTORS or name.quantity.startswith("displacement_")
+    if not is_vector or name.axis is not None:
+        return [text]
+    return [f"{text}_{axis}" for axis in AXES[: problem.spaces.components]]
+
+
+def _adjoint(load_steps: LoadSteps) -> CondensedAdjoint:
+    system, problem = load_steps.newton.system, load_steps.problem
+    if not isinstance(system, CondensedSystem):
+        raise InputError(f"the {system.name} solver has no adjoint")
+    require_adjoint(problem)
+    load_steps.go_back()
+    return adjoint_of(system)
+
+
+def _squared_adjoint(
+    load_steps: LoadSteps, adjoint: CondensedAdjoint, local: LocalErrors, name: str
+) -> Array:
+    """a_K(e*, e*) of the adjoint of a quantity, of this rank's own cells; collective.
+
+    A quantity that has the strain energy in it a number of times has the displacement so many times
+    in its adjoint: what is left of that is held at supports and contacts, and by the loads.
+    """
+    problem, step = load_steps.problem, load_steps.last
+    assert step is not None
+    state = Quantities(problem, step.solution).gradient(name)
+    multipliers = QuantityGradient(adjoint, step, state).multipliers
+    stiffness, energy = adjoint.body.stiffness, state.energy
+    virtual = multipliers.displacement - energy * step.solution.displacement
+    forces = stiffness.forces(multipliers.unknowns) - energy * step.solution.internal_force
+    forces.reshape(-1)[problem.constrained] = 0.0
+    return local.squared_of(virtual, forces, -energy)
+
+
+def _shares(problem: Problem, values: Array) -> Array:
+    """Of cells, over all of them; collective."""
+    whole = float(total(problem.comm, values.sum()))
+    return np.asarray(values / whole) if whole > 0 else values
+
+
+def _of_a_section(problem: Problem, squared: Array) -> Array:
+    """Of axisymmetric bodies, errors a length around: cells at the axis are no less important.
+
+    A peak pressure often stands there, and over the whole circle they would count for nothing.
+    """
+    if problem.spaces.kinematics != "axisymmetric":
+        return squared
+    mesh = problem.body.mesh
+    nodes = compat.geometry_nodes(mesh)[: len(squared)]
+    return np.asarray(squared / (2 * np.pi * mesh.geometry.x[nodes][:, :, 0].mean(axis=1)))
