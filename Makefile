@@ -1,6 +1,6 @@
 # `make` alone prints the targets. Everything runs through ./bootstrap, which sets up what is needed.
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint docs costs browser clean
+.PHONY: help demo test lint docs publish wheel costs browser clean
 
 help: ## print this list
 	@sed -n 's/^\([a-z]*\): .*## /  make \1	/p' Makefile
@@ -60,6 +60,14 @@ docs: ## build the documentation, into docs/_build/html
 	@$(call install,docs); \
 	$(with_tools) -m sphinx -E -W --keep-going -q -b html -d docs/_build/doctrees docs docs/_build/html; \
 	echo 'docs/_build/html/index.html'
+
+# Of the version AS=...: `latest` is where the site leads to.
+AS = latest
+publish: ## put the built documentation on the branch gh-pages, and push that
+	./bootstrap python distribution/publish.py $(AS) --push
+
+wheel: ## build the wheel, and try it in an empty environment
+	./bootstrap python distribution/try_wheel.py
 
 costs: ## measure what docs/solve_cost.md says, and write its tables and picture anew: hours
 	./bootstrap python benchmarks/solve_cost.py --plot docs/pictures --page docs/solve_cost.md
