@@ -138,9 +138,9 @@ class SolverSettings:
         Literal["auto", "all", "none"],
         Field(
             description="whether to estimate the errors of the results: `auto` what takes little, "
-            "with the condensed solver all but what friction that remembers its path asks for "
-            "after more than four load steps, the whole history again; with others errors by "
-            "penalty, regularisation and iterations, without any history; `all` estimates all"
+            "with the condensed solver all but of histories in which hardly a load step can be "
+            "left out; with others errors by penalty, regularisation and iterations, without any "
+            "history; `all` estimates all, and of histories by all their load steps again"
         ),
     ] = "auto"
     outer_tolerance: Annotated[

@@ -215,6 +215,8 @@ class Run:
 
         def begin(load_steps: LoadSteps) -> None:
             begun.append(load_steps)
+            if self.scene.solver.errors != "none" and load_steps.newton.system.repeats_cheaply:
+                load_steps.ends = {}
             load_steps.guess = guess
             if saved is not None:
                 solution = load_steps.resume(saved.last, saved.pace, saved.forces)

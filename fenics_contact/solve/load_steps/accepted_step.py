@@ -11,6 +11,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.contact.snapshot import ContactMemory
 from fenics_contact.contact.state import STICK
 from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.systems.system import System
 
@@ -83,6 +84,53 @@ class AcceptedStep:
     contacts: list[ContactMemory]
     solution: Solution
     before: Unknowns | None
+
+
+@dataclass(frozen=True, eq=False)
+class StepEnd:
+    """Where a load step ended, for other answers that pass near by.
+
+    Attributes:
+        position: Displacements as ``System.position`` gives them (length).
+        scalars: Values of the scalar unknowns.
+        tangents: Of each contact's friction, what its tangent was at.
+        scales: Of each contact, ε as chosen and whether it has been set.
+    """
+
+    position: Array
+    scalars: Array
+    tangents: list[tuple[Array, Array]]
+    scales: list[tuple[float, bool]]
+
+    @classmethod
+    def of(cls, newton: Newton) -> StepEnd:
+        """The present one; collective."""
+        system, laws = newton.system, [one.friction for one in newton.problem.contacts]
+        return cls(
+            system.position(),
+            system.scalar_values(system.state),
+            [law.tangent_state for law in laws],
+            [(law.chosen_parameter, law.is_scaled) for law in laws],
+        )
+
+    def begin(self, newton: Newton, before: StepEnd | None) -> None:
+        """Begin a load step as far from this end as the last one ended from its own; collective.
+
+        Args:
+            newton: At the beginning of the load step.
+            before: Near which the last load step ended; None of the first one.
+        """
+        system = newton.system
+        position, scalars = self.position, self.scalars
+        if before is not None:
+            position = position + (system.position() - before.position)
+            scalars = scalars + (system.scalar_values(system.state) - before.scalars)
+        rows = zip(newton.problem.contacts, self.tangents, self.scales, strict=True)
+        for contact, tangent, scale in rows:
+            contact.friction.recall_scale(*scale)
+            if len(tangent[0]) == len(contact.friction.reference):  # else it was paired otherwise
+                contact.friction.take_tangent_state(tangent)
+        newton.begin.at(position, scalars)
 
 
 def contact_change(problem: Problem, before: Solution, found: Solution) -> float:

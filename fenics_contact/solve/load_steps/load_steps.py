@@ -22,7 +22,12 @@ from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.scene.scene import Steps
 from fenics_contact.solve.coulomb.friction_scale import follow_pressure
 from fenics_contact.solve.coulomb.strategies import solve_step
-from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns, contact_change
+from fenics_contact.solve.load_steps.accepted_step import (
+    AcceptedStep,
+    StepEnd,
+    Unknowns,
+    contact_change,
+)
 from fenics_contact.solve.load_steps.cycle_watch import CycleWatch
 from fenics_contact.solve.load_steps.step_control import FixedPace, Pace, PaceOfCycles, pace_of
 from fenics_contact.solve.newton.newton import Newton
@@ -51,6 +56,7 @@ class LoadSteps:
         warm_steps: How many it solved.
         finds_body: Whether the displacement inside the body is found at the end; else when it is
             asked for.
+        ends: Pseudo-time → where that step ended; None where they are not kept.
 
     Args:
         newton: Made for the problem, not started.
@@ -83,6 +89,7 @@ class LoadSteps:
         self.warm: Callable[[Newton], Solution | None] | None = None
         self.warm_steps = 0
         self.finds_body = True
+        self.ends: dict[float, StepEnd] | None = None
 
     @property
     def time(self) -> float:
@@ -335,6 +342,8 @@ class LoadSteps:
         )
         self._first = self._first or (self.last.contacts if self.last.before is None else [])
         system.earlier_forces = max(system.earlier_forces, system.present_forces)
+        if self.ends is not None:
+            self.ends[time] = StepEnd.of(self.newton)
         self._has_moved_on = False
         self._failed_with = None
         self.spent = 0

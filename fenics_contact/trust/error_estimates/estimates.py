@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 from fenics_contact.common.timings import ESTIMATING, doing
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.loading.load_paths import knots
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.trust.error_estimates.coarse_history import CoarseHistory
 from fenics_contact.trust.error_estimates.half_space import domain_errors
-from fenics_contact.trust.error_estimates.load_steps import step_errors
+from fenics_contact.trust.error_estimates.load_steps import between_turns, step_errors
 from fenics_contact.trust.error_estimates.measured import Measured, recorded
 from fenics_contact.trust.error_estimates.mesh.estimate import mesh_errors
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
@@ -20,6 +23,7 @@ from fenics_contact.trust.error_estimates.parameters import (
     penalty_errors,
     regularisation_errors,
 )
+from fenics_contact.trust.error_estimates.solving_again import Again
 
 _WORDS = {
     "mesh": "the mesh",
@@ -56,6 +60,8 @@ class Estimates:
         self._is_cheap, self._solver = system.repeats_cheaply, system.name
         self._notes: list[str] = []
         self.local: LocalErrors | None = None
+        self._parts = between_turns(self._times, knots(scene))
+        self._takes_all = self._wants_all or len(self._times) <= _SHORT
 
     def all(self) -> tuple[dict[str, Errors], list[str]]:
         """Of all sources by name, with {} for one that the scene does not have; and notes."""
@@ -75,10 +81,9 @@ class Estimates:
     def _of(self, source: str) -> Errors:
         if not self._has(source):
             return {}
-        again = self._times if self._takes_history(source) else ()
         why = self._not_here(source)
         if why is None and not self._wants_all:
-            why = self._too_dear(source, len(again))
+            why = self._too_dear(source)
         if why is not None:
             if why not in self._notes:
                 self._notes.append(why)
@@ -86,10 +91,10 @@ class Estimates:
         load_steps, measure = self._load_steps, self._measure
         estimate: dict[str, Callable[[], Errors]] = {
             "mesh": self._of_mesh,
-            "penalty": lambda: penalty_errors(load_steps, measure, again),
-            "regularisation": lambda: regularisation_errors(load_steps, measure, again),
+            "penalty": lambda: self._by_again(penalty_errors),
+            "regularisation": lambda: self._by_again(regularisation_errors),
             "iteration": lambda: iteration_errors(load_steps, measure),
-            "step": lambda: step_errors(load_steps, measure, again),
+            "step": self._of_steps,
             "domain": lambda: domain_errors(load_steps, measure),
         }
         doing(f"{ESTIMATING} by {_WORDS[source]}")
@@ -110,17 +115,14 @@ class Estimates:
             )
         return None
 
-    def _too_dear(self, source: str, again: int) -> str | None:
+    def _too_dear(self, source: str) -> str | None:
         """Why a source is estimated on demand alone, None for one that is at once.
 
         Where another answer costs about as much as it did first, the sources that take one or two
         from near by are had; others take many, or begin anew.
-
-        Args:
-            source: By its name.
-            again: How many load steps it takes again from the start, 0 for the last one alone.
         """
-        if again > (_SHORT if self._is_cheap else 0):
+        takes_few = self._takes_all or self._takes_fewer
+        if self._takes_history(source) and not (self._is_cheap and takes_few):
             return (
                 "Errors by penalty, regularisation and load steps were not estimated, as friction "
                 'remembers its path: solver.errors = "all" solves the whole history again.'
@@ -132,13 +134,45 @@ class Estimates:
             )
         return None
 
+    @property
+    def _takes_fewer(self) -> bool:
+        """Whether fewer load steps tell at little cost; bolts are not tightened from near by."""
+        return CoarseHistory.pays(self._parts) and not self._problem.preloads
+
+    @cached_property
+    def _coarse(self) -> CoarseHistory:
+        """The history in fewer load steps."""
+        return CoarseHistory(self._load_steps, self._measure, self._parts)
+
+    @cached_property
+    def _again(self) -> Again | None:
+        """How the answer with something changed is found; None where it is not.
+
+        Of what remembers its path from the start; in fewer load steps, where these are many.
+        """
+        if len(self._times) == 1 or not _remembers(self._problem):
+            return Again.of_last_step(self._load_steps, self._measure)
+        if self._takes_all:
+            return Again.of_steps(self._load_steps, self._measure, self._times)
+        return self._coarse.again if self._takes_fewer else None
+
+    def _by_again(self, estimate: Callable[[LoadSteps, Again], Errors]) -> Errors:
+        return None if self._again is None else estimate(self._load_steps, self._again)
+
+    def _of_steps(self) -> Errors:
+        if self._takes_all:
+            return step_errors(self._load_steps, self._measure, self._parts)
+        return self._coarse.step_errors()
+
     def _of_mesh(self) -> Errors:
         assert self._load_steps.last is not None
         answer = self._measure(self._load_steps.last.solution)
         rows = [(step["load_factor"], recorded(step, answer)) for step in self._steps]
-        again = self._times if self._takes_history("penalty") else []
-        again = again if len(again) <= _SHORT or self._wants_all else []
-        found, self.local = mesh_errors(self._load_steps, self._measure, rows, again)
+        last = Again.of_last_step(self._load_steps, self._measure)
+        again = self._again or last
+        drawn = again if self._takes_all else last
+        calls = (self._load_steps, self._measure, rows, again, drawn)
+        found, self.local = mesh_errors(*calls)
         if found is not None:
             for key, error in self._shared().items():
                 if key in found:

@@ -13,7 +13,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from fenics_contact.scene.loading.load_paths import knots
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.solving_again import Measure, differences, steps_again
 
@@ -27,14 +26,14 @@ _SAME = 1e-9
 
 
 def step_errors(
-    load_steps: LoadSteps, measure: Measure, times: Sequence[float]
+    load_steps: LoadSteps, measure: Measure, parts: Sequence[Sequence[float]]
 ) -> dict[Hashable, float] | None:
     """Estimated errors of the last load step's quantities by the steps; collective.
 
     Args:
         load_steps: At their end; all is there again afterwards.
         measure: Quantities of a solution, called in its state; collective.
-        times: Pseudo-times of the steps as they were accepted.
+        parts: Pseudo-times of the steps as they were accepted, ``between_turns``.
 
     Returns:
         By quantity: absolute, of vectors the length of the difference; None where no path with
@@ -42,10 +41,11 @@ def step_errors(
     """
     assert load_steps.last is not None
     answer = measure(load_steps.last.solution)
-    others = _other_steps(_between_turns(times, knots(load_steps.problem.scene)))
+    others = _other_steps(parts)
+    count = sum(map(len, parts))
     found: list[dict[Hashable, float]] = []
     for other in others:
-        factor = 1 / abs(len(times) / len(other) - 1)
+        factor = 1 / abs(count / len(other) - 1)
         errors = differences(answer, steps_again(load_steps, measure, other), factor)
         if errors is not None:
             found.append(errors)
@@ -56,7 +56,7 @@ def step_errors(
     return {name: safety * max(errors[name] for errors in found) for name in known}
 
 
-def _other_steps(parts: list[list[float]]) -> list[list[float]]:
+def _other_steps(parts: Sequence[Sequence[float]]) -> list[list[float]]:
     """Pseudo-times of the steps to compare with.
 
     Args:
@@ -70,8 +70,13 @@ def _other_steps(parts: list[list[float]]) -> list[list[float]]:
     return left_out if left_out[0] != left_out[1] else left_out[:1]
 
 
-def _between_turns(times: Sequence[float], turns: Sequence[float]) -> list[list[float]]:
-    """Pseudo-times in parts, which end with the first at or beyond each turn of a load path."""
+def between_turns(times: Sequence[float], turns: Sequence[float]) -> list[list[float]]:
+    """Pseudo-times in parts, which end with the first at or beyond each turn of a load path.
+
+    Args:
+        times: Of all load steps, increasing.
+        turns: Of the loads.
+    """
     last = times[-1] * (1 - _SAME)
     ends = [np.searchsorted(np.asarray(times) * (1 + _SAME), t) for t in turns if 0 < t < last]
     cuts = sorted({0, len(times), *(int(end) + 1 for end in ends)})

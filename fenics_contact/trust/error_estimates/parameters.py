@@ -10,7 +10,7 @@ is tried.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable
 from functools import partial
 
 import numpy as np
@@ -19,13 +19,12 @@ from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.solving_again import (
+    Again,
     Measure,
     Quantities,
     begin_at_answer,
     differences,
-    last_step_again,
     newton_again,
-    steps_again,
 )
 
 logger = logging.getLogger(__name__)
@@ -53,28 +52,26 @@ Errors = dict[Hashable, float]
 Reduce = Callable[[float, Problem], None]
 
 
-def penalty_errors(
-    load_steps: LoadSteps, measure: Measure, times: Sequence[float] = ()
-) -> Errors | None:
+def penalty_errors(load_steps: LoadSteps, again: Again) -> Errors | None:
     """Estimated errors by the penalties ε₁; foundations are as they are; collective.
 
     Args:
         load_steps: At their end; all is there again afterwards.
-        measure: Quantities of a solution, called in its state; collective.
-        times: Pseudo-times of the load steps where all are to be solved again; else the last is.
+        again: How the answer with less of it is found.
 
     Returns:
         By quantity: absolute, of vectors the length of the difference; None where the answer with
         another ε₁ was not found.
     """
-    return _parameter_errors(load_steps, measure, times, _stiffen)
+    return _parameter_errors(load_steps, again, _stiffen)
 
 
-def regularisation_errors(
-    load_steps: LoadSteps, measure: Measure, times: Sequence[float] = ()
-) -> Errors | None:
-    """Estimated errors by the ε of friction; all else as of ``penalty_errors``."""
-    return _parameter_errors(load_steps, measure, times, _regularise_less)
+def regularisation_errors(load_steps: LoadSteps, again: Again) -> Errors | None:
+    """Estimated errors by the ε of friction; all else as of ``penalty_errors``.
+
+    Where points stick they creep anew in every load step.
+    """
+    return _parameter_errors(load_steps, again, _regularise_less, again.stands_for)
 
 
 def iteration_errors(load_steps: LoadSteps, measure: Measure) -> Errors | None:
@@ -86,7 +83,7 @@ def iteration_errors(load_steps: LoadSteps, measure: Measure) -> Errors | None:
 
     Args:
         load_steps: At their end; all is there again afterwards.
-        measure: As of ``penalty_errors``.
+        measure: Quantities of a solution, called in its state; collective.
 
     Returns:
         As ``penalty_errors``.
@@ -103,22 +100,16 @@ def iteration_errors(load_steps: LoadSteps, measure: Measure) -> Errors | None:
 
 
 def _parameter_errors(
-    load_steps: LoadSteps, measure: Measure, times: Sequence[float], reduce: Reduce
+    load_steps: LoadSteps, again: Again, reduce: Reduce, factor: float = 1.0
 ) -> Errors | None:
-    assert load_steps.last is not None
-    answer = measure(load_steps.last.solution)
     found = None
     for left in (_LEFT, _LEFT**2):
-        change = partial(reduce, left)
-        if times:
-            other = steps_again(load_steps, measure, times, change)
-        else:
-            other = last_step_again(load_steps, measure, change)
+        other = again.changed(partial(reduce, left))
         if other is None:
             return found
         # At leading order all is 1 / (1 − left) of what is gone; beyond it, as little more.
-        found = differences(answer, other, 1 / (1 - left) ** 2)
-        if found is None or _all_small(found, answer, len(load_steps.problem.contacts)):
+        found = differences(again.answer, other, factor / (1 - left) ** 2)
+        if found is None or _all_small(found, again.answer, len(load_steps.problem.contacts)):
             break
     return found
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.quantities import QuantityValue
 from fenics_contact.solve.coulomb.strategies import solve_step
+from fenics_contact.solve.load_steps.accepted_step import StepEnd
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
@@ -25,6 +27,45 @@ logger = logging.getLogger(__name__)
 Quantities = Mapping[Hashable, QuantityValue]
 Measure = Callable[[Solution], Quantities]
 Change = Callable[[Problem], None]
+
+
+@dataclass(frozen=True)
+class Again:
+    """A way to an answer with something changed.
+
+    Attributes:
+        answer: Quantities without the change.
+        changed: Those with it; None where they are not found; collective.
+        stands_for: Load steps of the history over those that are taken again: of each of these a
+            point creeps anew.
+    """
+
+    answer: Quantities
+    changed: Callable[[Change], Quantities | None]
+    stands_for: float = 1.0
+
+    @classmethod
+    def of_last_step(cls, load_steps: LoadSteps, measure: Measure) -> Again:
+        """The last load step alone.
+
+        Args:
+            load_steps: At their end.
+            measure: As of ``last_step_again``.
+        """
+        answer = measure(_answer(load_steps))
+        return cls(answer, lambda change: last_step_again(load_steps, measure, change))
+
+    @classmethod
+    def of_steps(cls, load_steps: LoadSteps, measure: Measure, times: Sequence[float]) -> Again:
+        """All load steps from the start.
+
+        Args:
+            load_steps: At their end.
+            measure: As of ``last_step_again``.
+            times: Their pseudo-times.
+        """
+        answer = measure(_answer(load_steps))
+        return cls(answer, lambda change: steps_again(load_steps, measure, times, change))
 
 
 class AlongLine:
@@ -103,7 +144,12 @@ def last_step_again(
 
 
 def steps_again(
-    load_steps: LoadSteps, measure: Measure, times: Sequence[float], change: Change | None = None
+    load_steps: LoadSteps,
+    measure: Measure,
+    times: Sequence[float],
+    change: Change | None = None,
+    near: Callable[[Newton], Solution | None] | None = None,
+    ends: dict[float, StepEnd] | None = None,
 ) -> Quantities | None:
     """Solve all load steps again from the start, each with the ε that it needs; collective.
 
@@ -112,6 +158,8 @@ def steps_again(
         measure: As of ``last_step_again``.
         times: Pseudo-times of the steps, increasing.
         change: As of ``last_step_again``, called in the state of the start.
+        near: Solves a step from an answer near by, as ``LoadSteps.warm``.
+        ends: Where the ends of the steps are to be kept, if they are.
 
     Returns:
         Quantities of the last step; None where a step does not converge, or has no loads.
@@ -120,6 +168,7 @@ def steps_again(
     earlier, system.earlier_forces = system.earlier_forces, 0.0
     try:
         again = load_steps.afresh(times)
+        again.warm, again.ends = near, ends
         if change is not None:
             change(load_steps.problem)
         return measure(again.solve())
@@ -173,6 +222,11 @@ def differences(
         for name, value in answer.items()
         if name in other
     }
+
+
+def _answer(load_steps: LoadSteps) -> Solution:
+    assert load_steps.last is not None
+    return load_steps.last.solution
 
 
 def _restore(load_steps: LoadSteps) -> None:

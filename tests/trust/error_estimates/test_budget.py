@@ -2,7 +2,7 @@
 
 import dataclasses
 import json
-from pathlib import Path
+import pathlib
 
 import numpy as np
 import pytest
@@ -15,6 +15,7 @@ from fenics_contact import (
     Load,
     Material,
     Obstacle,
+    Path,
     Run,
     Scene,
     Steps,
@@ -78,8 +79,17 @@ def test_sources_that_a_scene_lacks_make_no_error():
     assert row["step"] == 0 and row["total"] > 0
 
 
-def test_what_takes_the_history_again_waits_to_be_asked_for():
+def test_a_history_has_all_its_bars_without_being_asked_for():
     result = solved(SEVERAL, block(), "auto")
+    row = result.errors["friction_force"]
+    assert all(row[source] > 0 for source in ("mesh", "penalty", "regularisation", "step"))
+    assert row["total"] > 0 and not result.error_notes
+
+
+def test_a_history_of_which_no_step_can_be_left_out_waits_to_be_asked_for():
+    """Its loads turn after every step."""
+    up_and_down = Path(time=(0, 0.2, 0.4, 0.6, 0.8, 1), factor=(0, 1, 0.5, 1, 0.5, 1))
+    result = solved(dragged(Steps(number=5), path=up_and_down), block(), "auto")
     row = result.errors["friction_force"]
     for source in ("penalty", "regularisation", "step", "total"):
         assert row[source] is None
@@ -116,7 +126,7 @@ def test_the_mesh_waits_to_be_asked_for_with_other_solvers(capsys):
     assert "with the full solver" in result.error_notes[0]
     assert result.supports[0]["errors"]["reaction"]["total"] is None
     if COMM.rank == 0:
-        print_result(result, Path("folder"))
+        print_result(result, pathlib.Path("folder"))
         shown = [line.split() for line in capsys.readouterr().out.splitlines()]
         of_quantities = [line for line in shown if line[:2] == ["normal", "force"]]
         assert [line[-1] for line in of_quantities] == ["?"]

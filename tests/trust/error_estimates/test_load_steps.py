@@ -9,7 +9,7 @@ from mpi4py import MPI
 from fenics_contact import Run, Steps, run
 from fenics_contact.common.errors import StoppedError
 from fenics_contact.trust.error_estimates import estimates, load_steps
-from fenics_contact.trust.error_estimates.load_steps import _between_turns, _cut, _other_steps
+from fenics_contact.trust.error_estimates.load_steps import _cut, _other_steps, between_turns
 from tests.scenes import box_body, with_solver
 from tests.solve.load_steps.histories import dragged, shoved, times, two_blocks
 
@@ -39,17 +39,20 @@ def true_error(result, limit, name):
 
 
 @pytest.mark.parametrize(
-    "steps",
+    ("steps", "errors"),
     [
-        Steps(number=4),
-        Steps(number=10),
-        Steps(times=(0.1, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 1)),
-        Steps(number=8, automatic=True),
+        (Steps(number=4), "all"),
+        (Steps(number=10), "all"),
+        (Steps(number=10), "auto"),
+        (Steps(times=(0.1, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 1)), "all"),
+        (Steps(times=(0.1, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 1)), "auto"),
+        (Steps(times=(0.5, 0.6, 0.7, 0.8, 0.9, 1)), "auto"),
+        (Steps(number=8, automatic=True), "auto"),
     ],
-    ids=["4", "10", "listed", "automatic"],
+    ids=["4", "10", "10 in 4", "listed", "listed in 4", "pressed at once", "automatic"],
 )
-def test_estimates_hold_and_are_not_far(steps, limit):
-    found = solved(steps)
+def test_estimates_hold_and_are_not_far(steps, errors, limit):
+    found = solved(steps, errors)
     ratios = [found.errors[n]["step"] / true_error(found, limit, n) for n in NAMES]
     assert min(ratios) > 0.8, ratios
     assert np.median(ratios) < 10, ratios
@@ -152,11 +155,11 @@ def test_who_is_stopped_meanwhile_keeps_the_answer(monkeypatch):
     assert result.interrupted and result.quantities["normal_force"] > 0
 
 
-def test_steps_between_turns():
-    assert _between_turns((0.25, 0.5, 0.75, 1.0), (0.0, 0.5, 1.0)) == [[0.25, 0.5], [0.75, 1.0]]
-    assert _between_turns((0.4, 0.8, 1.0), (0.5,)) == [[0.4, 0.8], [1.0]]
-    assert _between_turns((1.0, 2.0), (1.0, 11.0)) == [[1.0], [2.0]]
-    assert _between_turns((1.0,), (0.0, 1.0)) == [[1.0]]
+def test_stepsbetween_turns():
+    assert between_turns((0.25, 0.5, 0.75, 1.0), (0.0, 0.5, 1.0)) == [[0.25, 0.5], [0.75, 1.0]]
+    assert between_turns((0.4, 0.8, 1.0), (0.5,)) == [[0.4, 0.8], [1.0]]
+    assert between_turns((1.0, 2.0), (1.0, 11.0)) == [[1.0], [2.0]]
+    assert between_turns((1.0,), (0.0, 1.0)) == [[1.0]]
     assert _cut((1.0, 2.0), 2) == [0.5, 1.0, 1.5, 2.0]
 
 

@@ -12,6 +12,7 @@ contact is that touches in single points, no mesh as coarse tells (``single_poin
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -33,11 +34,10 @@ from fenics_contact.trust.error_estimates.mesh.pinned_friction import pinned_fri
 from fenics_contact.trust.error_estimates.mesh.single_points import single_point_errors
 from fenics_contact.trust.error_estimates.mesh.torn_corners import torn_errors
 from fenics_contact.trust.error_estimates.solving_again import (
+    Again,
     Measure,
     Quantities,
     differences,
-    last_step_again,
-    steps_again,
 )
 
 # Found with the paraboloid on a half-space of demos/sphere.toml, μ = 0, .1, .6, with Q2 cells of
@@ -62,7 +62,8 @@ def mesh_errors(
     load_steps: LoadSteps,
     measure: Measure,
     recorded: Sequence[tuple[float, Quantities]],
-    times: Sequence[float] = (),
+    again: Again,
+    drawn: Again | None = None,
 ) -> tuple[dict[Hashable, float] | None, LocalErrors | None]:
     """Estimated errors of the last load step's quantities by the mesh; collective.
 
@@ -71,7 +72,8 @@ def mesh_errors(
         measure: Quantities of a solution, called in its state; of a contact by its number and
             the name; collective.
         recorded: Pseudo-time and quantities of every load step.
-        times: Pseudo-times of the load steps where all are to be solved again; else the last is.
+        again: How answers under further forces are found, from the start or of the last step.
+        drawn: The same of forces of which signs are drawn, where another way is shorter.
 
     Returns:
         By those keys: absolute, of vectors the length of the difference; without peaks of pressure
@@ -85,7 +87,7 @@ def mesh_errors(
     load_steps.go_back()
     local = LocalErrors(problem)
     local.solve(BulkForces(problem, solution), load_steps.time)
-    changes = _changes(load_steps, local, measure, times)
+    changes = _changes(load_steps, local, again, drawn or again)
     scatter = load_scatter(load_steps, measure, recorded)
     curved = geometry_errors(load_steps, measure)
     torn = torn_errors(load_steps, measure)
@@ -128,15 +130,15 @@ def _frictional_works(problem: Problem) -> set[Hashable]:
 
 
 def _changes(
-    load_steps: LoadSteps, local: LocalErrors, measure: Measure, times: Sequence[float]
+    load_steps: LoadSteps, local: LocalErrors, again: Again, drawn: Again
 ) -> dict[Hashable, float] | None:
     """What the local errors change, not less than what such errors would at random; collective."""
-    assert load_steps.last is not None
-    answer = measure(load_steps.last.solution)
     found = []
     for draw in (None, *range(_DRAWS)):
         forces, along = local.forces(draw)
-        change = differences(answer, _moved_by(load_steps, forces, along, measure, times))
+        disturb = partial(_disturb, forces, along, load_steps.time)
+        way = again if draw is None else drawn
+        change = differences(way.answer, way.changed(disturb))
         if change is None:
             return None
         for preload, more in zip(load_steps.problem.preloads, along, strict=True):
@@ -144,32 +146,22 @@ def _changes(
             # One that is tightened to a force has it: what the errors add was taken off.
             change[key] = change[key] + abs(float(more)) if preload.is_locked else 0.0
         found.append(change)
-    whole, *drawn = found
+    whole, *draws = found
     return {
-        key: max(value, float(np.sqrt(np.mean([change[key] ** 2 for change in drawn]))))
+        key: max(value, float(np.sqrt(np.mean([change[key] ** 2 for change in draws]))))
         for key, value in whole.items()
-        if all(key in change for change in drawn)
+        if all(key in change for change in draws)
     }
 
 
-def _moved_by(
-    load_steps: LoadSteps, forces: Array, along: Array, measure: Measure, times: Sequence[float]
-) -> Quantities | None:
-    """Quantities under additional nodal forces; over load steps these grow evenly; collective.
+def _disturb(forces: Array, along: Array, last: float, problem: Problem) -> None:
+    """Add nodal forces, which grow evenly up to the last load step; collective.
 
     Preloads are tightened by so much less as errors add to their forces.
     """
-    last = load_steps.time
-
-    def disturb(problem: Problem) -> None:
-        problem.disturbance = forces / last
-        problem.tightening = -along / last
-        if not times:
-            problem.set_time(last)
-
-    if times:
-        return steps_again(load_steps, measure, times, disturb)
-    return last_step_again(load_steps, measure, disturb)
+    problem.disturbance = forces / last
+    problem.tightening = -along / last
+    problem.set_time(last)
 
 
 def _beside_pinned(problem: Problem, solution: Solution) -> dict[Hashable, float]:
