@@ -73,6 +73,7 @@ class Run:
         last: What a further step would start from, once all are solved.
         at_end: Called with the load steps at their end, and with the errors of cells where these
             were estimated; collective.
+        stress_history: Near the contacts, where the scene asks for fretting.
         timings: Seconds so far.
 
     Args:
@@ -111,6 +112,7 @@ class Run:
         self.others = OtherAnswers()
         self.budget = ErrorBudget()
         self.at_end: Callable[[LoadSteps, LocalErrors | None], None] | None = None
+        self.stress_history: StressHistory | None = None
         self._announce: Announce = _say_nothing
         self.timings = Timings()
         with failing_together(comm):
@@ -204,7 +206,7 @@ class Run:
         history.begin([] if saved is None else saved.steps)
         with self.timings.phase("output"):
             asked = self.scene.fretting
-            self._stress = None if asked is None else StressHistory(self.problem, asked)
+            self.stress_history = None if asked is None else StressHistory(self.problem, asked)
         self.others = OtherAnswers()
         self.budget = ErrorBudget()
         self._checks: dict[str, Check] = {}
@@ -221,14 +223,14 @@ class Run:
             if saved is not None:
                 solution = load_steps.resume(saved.last, saved.pace, saved.forces)
                 history.resume(solution, saved.energy)
-                if self._stress is not None:
-                    self._stress.resume()
+                if self.stress_history is not None:
+                    self.stress_history.resume()
 
         def record(time: float, solution: Solution) -> None:
             history.add(time, solution)
-            if self._stress is not None:
+            if self.stress_history is not None:
                 with self.timings.phase("output"):
-                    self._stress.add(time, solution)
+                    self.stress_history.add(time, solution)
             self._announce(len(history.steps), history.steps[-1])
             if accepted is not None:
                 accepted()
@@ -307,7 +309,7 @@ class Run:
             quantities = self.steps[-1].quantities
             checks = self._checks or self._history.checks()
             points = contact_points(problem, solution)
-            stress, asked = self._stress, self.scene.fretting
+            stress, asked = self.stress_history, self.scene.fretting
             found = stress and asked and evaluate_fretting(problem, asked, stress)
             fretting, places = found or (None, None)
         contacts = self.contacts(self._history.by_contact)

@@ -4,6 +4,7 @@ A module of cases ends with a tuple ``CASES``; the one below lists them all.
 """
 
 from fenics_contact.verification.case import Case, Finding, Outcome
+from fenics_contact.verification.fretting import cases as fretting_cases
 from fenics_contact.verification.laws import by_pressure as by_pressure_cases
 from fenics_contact.verification.laws import compliance as compliance_cases
 from fenics_contact.verification.laws import micro_slip as micro_slip_cases
@@ -47,6 +48,7 @@ CASES: tuple[Case, ...] = (
     *micro_slip_cases.CASES,
     *orthotropic_cases.CASES,
     *wear_cases.CASES,
+    *fretting_cases.CASES,
     *memory_check.CASES,
 )
 
