@@ -103,12 +103,23 @@ class PointDensity:
         sizes = [max(len(self._scalars[name]), 1) for name in (of, then)]
         return found.reshape(len(found), *sizes)
 
-    def _numbers(self, along: tuple[str, ...], values: Mapping[str, Array | float]) -> Array:
+    def vanishes(self, *along: str) -> bool:
+        """Whether a derivative is 0 whatever the variables are.
+
+        Args:
+            along: By which variables, one after the other.
+        """
+        return self._program(along).vanishes
+
+    def _program(self, along: tuple[str, ...]) -> _Program:
         if along not in self._programs:
             scalars = [scalar for own in self._scalars.values() for scalar in own]
             parts = [_lowered(part) for part in self._derivatives(along)]
             self._programs[along] = _Program(scalars, parts)
-        program = self._programs[along]
+        return self._programs[along]
+
+    def _numbers(self, along: tuple[str, ...], values: Mapping[str, Array | float]) -> Array:
+        program = self._program(along)
         if program.vanishes:
             counts = [len(np.atleast_1d(value)) for value in values.values()]
             return np.zeros((max(counts, default=1), program.count))

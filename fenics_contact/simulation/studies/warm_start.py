@@ -49,12 +49,14 @@ class SolvedState:
         scalars: Values of the scalar unknowns.
         opposite: Of each contact, gap and motion of what stands opposite (length).
         counted_from: Of each contact, the slip from which its law counts (length).
+        jumps: Of each contact, that at its points (length).
     """
 
     position: Array
     scalars: Array
     opposite: list[tuple[Array, Array]]
     counted_from: list[Array]
+    jumps: list[Array]
 
     @classmethod
     def of(cls, newton: Newton) -> SolvedState:
@@ -65,6 +67,7 @@ class SolvedState:
             system.scalar_values(system.state),
             [_opposite(contact) for contact in contacts],
             [contact.friction.reference for contact in contacts],
+            [contact.kinematics.jump_at_points() for contact in contacts],
         )
 
     def position_in(self, newton: Newton) -> Array:
@@ -73,17 +76,24 @@ class SolvedState:
         In what stands opposite now; slipped as their law counts it, from the load step before. So
         the first step of Newton's method has the tangent of the other answer, and goes where that
         leads to: an obstacle that stood deeper would leave few points in contact with it, at
-        pressures that none of them has. Collective.
+        pressures that none of them has. So would two bodies, if the points of either were measured
+        from others of the other one than they were then. Collective.
         """
         problem = newton.problem
         shift = np.zeros_like(problem.load)
+        anew = [contact.kinematics.paired_at is not None for contact in problem.contacts]
+        if any(anew):
+            newton.begin.at(self.position, self.scalars)
         before = zip(problem.contacts, self.opposite, self.counted_from, strict=True)
-        for contact, (gap, motion), counted_from in before:
+        for number, (contact, (gap, motion), counted_from) in enumerate(before):
             present, moved = _opposite(contact)
             known = np.isfinite(gap) & np.isfinite(present)
             wider = np.where(known, present, 0.0) - np.where(known, gap, 0.0)
             shifts = wider[:, None] * contact.trace.normals + (moved - motion)
             shifts += contact.friction.reference - counted_from
+            if anew[number]:
+                measured_anew = self.jumps[number] - contact.kinematics.jump_at_points()
+                shifts += np.where(known[:, None], measured_anew, 0.0)
             shift[contact.nodes] = shifts[: len(contact.nodes)]
         return self.position + newton.system.position_of(shift)
 

@@ -268,11 +268,9 @@ def test_an_obstacle_that_has_moved_is_followed_in_a_few_steps():
         assert force == pytest.approx(anew.quantities["normal_force"], rel=1e-9)
 
 
-@pytest.mark.parametrize("law", ["incremental", "static"])
-def test_later_load_steps_begin_at_those_of_the_last_answer(law, monkeypatch):
-    """As a whole answer: none of them takes more than three Newton steps, and all are the same."""
-    scene = of_contact(dragged(Steps(number=4)), law=law)
-    study, found = Study(scene, COMM, block()), []
+def newton_steps(monkeypatch):
+    """Of every load step that is accepted from now on, in a list that grows."""
+    found = []
     for name in ("add", "pass_by"):  # the last load step, and those before it
         take = getattr(StepHistory, name)
 
@@ -281,6 +279,14 @@ def test_later_load_steps_begin_at_those_of_the_last_answer(law, monkeypatch):
             take(history, time, solution)
 
         monkeypatch.setattr(StepHistory, name, added)
+    return found
+
+
+@pytest.mark.parametrize("law", ["incremental", "static"])
+def test_later_load_steps_begin_at_those_of_the_last_answer(law, monkeypatch):
+    """As a whole answer: none of them takes more than three Newton steps, and all are the same."""
+    scene = of_contact(dragged(Steps(number=4)), law=law)
+    study, found = Study(scene, COMM, block()), newton_steps(monkeypatch)
     study.quantities()
     cold = sum(found)
     for changes in ({MU: 0.303}, {DEPTH: 0.0202}, {"contact.0.obstacle.displacement.0": 0.00404}):
@@ -310,6 +316,20 @@ def test_steps_that_are_cut_and_grow_begin_as_in_a_separate_run():
     assert answer.start == "cold"
     require_same_answer(answer, study.solve({MU: 0.303}))
     assert study.quantities({MU: 0.306}, follow=True).start == "followed"
+
+
+def test_bodies_that_were_paired_anew_begin_with_the_penetrations_they_had(monkeypatch):
+    """Measured from other points, as deep: as few Newton steps as before they were."""
+    scene = shoved(Steps(times=(0.5, 0.6, 0.7, 0.8)), errors="none")
+    study, found = Study(scene, COMM, two_blocks()), newton_steps(monkeypatch)
+    study.quantities()
+    for changes in ({MU: 0.303}, {"support.1.displacement.y": -0.0101}):
+        found.clear()
+        answer = study.quantities(changes, follow=True)
+        assert answer.start == "followed"
+        _, as_meshed, *paired_anew = found
+        assert len(paired_anew) == 2 and max(paired_anew) <= as_meshed + 1, found
+        require_same_answer(answer, study.solve(changes))
 
 
 def test_a_doubt_about_an_earlier_load_step_is_said_though_nobody_measures_it():

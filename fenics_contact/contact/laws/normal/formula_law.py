@@ -110,6 +110,10 @@ class _PointPressure(PointDensity):
             return self._pressure.value(**values)
         return self._integral(lambda inside: self._pressure.slope(of, **inside), values)
 
+    def vanishes(self, *along: str) -> bool:
+        """Whether the jump is among the variables: nothing follows it."""
+        return "jump" in along
+
     def curvature(self, of: str, **values: Array | float) -> Array:
         """In the depth: the slope of the pressure."""
         return self.curvatures(of, "depth", **values)[:, 0, 0]

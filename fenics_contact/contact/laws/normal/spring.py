@@ -62,8 +62,10 @@ class _AtJump:
     @cached_property
     def slopes(self) -> Array:
         """In the jump, (points, components) (stress)."""
-        across = self.points.slope("depth", **self.values)[:, None] * self.normals
-        return (across + self.points.slope("jump", **self.values)) / self.softness
+        found = self.points.slope("depth", **self.values)[:, None] * self.normals
+        if not self.points.vanishes("jump"):
+            found += self.points.slope("jump", **self.values)
+        return found / self.softness
 
     @cached_property
     def pressure(self) -> Array:
@@ -76,9 +78,26 @@ class _AtJump:
         return self.points.curvature("depth", **self.values) / self.softness
 
     @cached_property
-    def mixed(self) -> Array:
-        """Those in depth and jump, (points, components) (stress/length)."""
+    def mixed(self) -> Array | None:
+        """Those in depth and jump, (points, components) (stress/length); None where there are none.
+
+        As where pressure follows the depth alone.
+        """
+        if self.points.vanishes("depth", "jump"):
+            return None
         return self.points.curvatures("depth", "jump", **self.values)[:, 0] / self.softness
+
+    @cached_property
+    def tangent(self) -> Array:
+        """All of them in the jump, (points, components, components) (stress/length)."""
+        points, normals = self.points, self.normals
+        found = self.across[:, None, None] * normals[:, :, None] * normals[:, None, :]
+        if self.mixed is not None:
+            product = normals[:, :, None] * self.mixed[:, None, :]
+            found += product + product.swapaxes(1, 2)
+        if not points.vanishes("jump", "jump"):
+            found += points.curvatures("jump", "jump", **self.values) / self.softness
+        return found
 
 
 class SpringLaw(NormalLaw):
@@ -218,17 +237,13 @@ class SpringLaw(NormalLaw):
         """Second derivative of ψ in the jump, (points, components, components)."""
         if self._held is not None:
             return super().tangent_at_points()
-        at, normals = self._at(self.site.kinematics.jump_at_points()), self.site.trace.normals
-        found = at.across[:, None, None] * normals[:, :, None] * normals[:, None, :]
-        if at.mixed.any():
-            product = normals[:, :, None] * at.mixed[:, None, :]
-            found += product + product.swapaxes(1, 2)
-        return found + at.points.curvatures("jump", "jump", **at.values) / at.softness
+        return self._at(self.site.kinematics.jump_at_points()).tangent
 
     def pressure_slope(self, jump: Array) -> Array:
         """Derivative of ``pressure_ufl`` in the jump, (points, components) (stress/length)."""
         at = self._at(jump)
-        return at.across[:, None] * self.site.trace.normals + at.mixed
+        across = at.across[:, None] * self.site.trace.normals
+        return across if at.mixed is None else across + at.mixed
 
     def stiffness(self, depth: Array) -> Array:
         """Derivative of the pressure in the depth, at a depth of the points (stress/length)."""
