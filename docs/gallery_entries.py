@@ -220,6 +220,19 @@ def _cycle(solved: Solved) -> Iterator[Finding]:
     yield Finding("area of the second loop", area, work, 0.02)
 
 
+def _fretting(solved: Solved) -> Iterator[Finding]:
+    table, half = solved.table, 1.0
+    yield Finding("friction, $Q$", -solved.value("friction_force", 0), 60 * (51.693 - 50.357), 1e-3)
+    yield solved.against("largest pressure, $p_0$", "max_contact_pressure", 157.0, 5e-3)
+    yield solved.against("width of the contact, $2a$", "contact_area", 2 * half, 0.015)
+    stick = 2 * half * sqrt(1 - 80.16 / (0.65 * 246.6))
+    yield solved.against("width of what sticks, $2c$", "stick_area", stick, 0.02)
+    sticks = table.numbers["x"][table.status == "STICK"]
+    shift = half * 51.025 / (2 * 0.65 * 157)
+    middle = -float(sticks.min() + sticks.max()) / 2
+    yield Finding("middle of what sticks, $e$", middle, shift, 0.02, absolute=True)
+
+
 def _joint(solved: Solved) -> Iterator[Finding]:
     first, last = solved.result.steps[0], solved.result.steps[-1]
     bolt = first.preloads["bolt"]
@@ -301,6 +314,10 @@ ENTRIES: dict[str, Entry] = {
     "cycle": Entry(
         source=f"{JOHNSON}, sections 7.2 and 7.4, for the largest force that came out",
         findings=_cycle,
+    ),
+    "fretting": Entry(
+        source="D. Nowell, D. A. Hills, Int. J. Mech. Sci. 29 (1987) 355-365",
+        findings=_fretting,
     ),
     "cattaneo": Entry(
         source=f"{JOHNSON}, section 7.2, for the forces that came out",

@@ -24,6 +24,8 @@ from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.units import in_units
 from fenics_contact.report.formulas.recognition import AnalyticContact, recognise
+from fenics_contact.report.fretting.pictures import draw_fretting
+from fenics_contact.report.fretting.table import FrettingTable
 from fenics_contact.report.histories.load_steps import draw_history
 from fenics_contact.report.histories.wear import draw_worn_history
 from fenics_contact.results.contact_table import ContactTable
@@ -107,7 +109,8 @@ def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
 
     Returns:
         The deformed body; of each contact pressure and friction, beside formulas where there are
-        some, and the stress below it; displacements and stresses along lines of flat models;
+        some, and the stress below it; fretting where it was looked for;
+        displacements and stresses along lines of flat models;
         curves over the load steps where there are several, and animations where there are many;
         the mesh of an adaptive run. Beside each PNG is a PDF of its name.
 
@@ -123,6 +126,7 @@ def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
             draw_body(body, result, table, folder / "deformed.png"),
             *_of_contacts(run),
             *_along_lines(run),
+            *_fretting(run),
             *draw_history(folder, result, run.far),
             *draw_worn_history(folder, result),
             *_animations(run),
@@ -207,6 +211,14 @@ def _along_lines(run: _Run) -> Iterator[Picture]:
             yield below
     path = run.folder / "surface_displacement.png"
     yield draw_surface_displacement(run.body, run.table, contacts, run.axes, path)
+
+
+def _fretting(run: _Run) -> list[Picture]:
+    """Criteria of fatigue near the contacts, where the scene asks for them."""
+    found = FrettingTable.read(run.folder / "fretting.csv") if run.result.fretting else None
+    if found is None:
+        return []
+    return draw_fretting(run.body, run.contacts, found, run.axes, run.folder)
 
 
 def _adapted(run: _Run) -> list[Picture]:

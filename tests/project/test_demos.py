@@ -28,6 +28,7 @@ NO_ERRORS = 'solver.errors="none"'  # where only answers are looked at
 LONG = {
     "cycle": ["mesh.parameters.size=0.14", "steps.number=26", "steps.end=26"],
     "cattaneo": ["mesh.parameters.size=0.3", "mesh.parameters.cells_outside=3"],
+    "fretting": ["mesh.parameters.size=0.14", "cycles.increments=8", "cycles.number=1"],
     "joint": [
         "mesh.size=9",
         "mesh.sizes.bolt_M8=4",
@@ -244,6 +245,19 @@ def history_of(name, folder, ranks):
     run_demo(name, folder, *LONG[name], ranks=ranks)
     result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
     return [step["quantities"] for step in result["steps"]]
+
+
+def test_stick_zone_of_a_specimen_that_is_pulled(tmp_path):
+    """Half as wide as c, shifted by e, as its page says; the criteria are worst at the edge."""
+    run_demo("fretting", tmp_path, *LONG["fretting"], ranks=2)
+    found = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    assert found["quantities"]["friction_force"][0] == pytest.approx(-80.16, rel=1e-3)
+    words, numbers = table(tmp_path)
+    sticks = [x for (_, status), x in zip(words, numbers[:, 0], strict=True) if status == "STICK"]
+    assert (max(sticks) + min(sticks)) / 2 == pytest.approx(-0.25, abs=0.07)  # half a cell
+    assert (max(sticks) - min(sticks)) / 2 == pytest.approx(0.707, abs=0.07)
+    for name in ("swt", "crossland", "dang_van"):
+        assert found["fretting"]["worst"][name]["at"][0] == pytest.approx(1.0, abs=0.14), name
 
 
 def test_work_of_a_cycle(tmp_path):

@@ -84,10 +84,7 @@ def _evaluated(
     better, plainer = (
         _criteria(fretting, weights, samples, moduli) for weights in recovery.weights(chosen)
     )
-    bars = {
-        name: np.abs(np.where(np.isfinite(values), values - plainer.columns[name], np.nan))
-        for name, values in better.columns.items()
-    }
+    bars = {name: _apart(better.columns[name], plainer.columns[name]) for name in better.columns}
     names = [contact.label for contact in problem.contacts]
     of_contact = [cells.of_contact.get(node) for node in recovery.node[chosen].tolist()]
     places = FrettingPlaces(
@@ -107,6 +104,14 @@ def _evaluated(
         worst=_worst(places, plainer, fretting) if len(chosen) else {},
     )
     return record, places
+
+
+def _apart(values: Array, others: Array) -> Array:
+    """By how much two recoveries differ; not a number where a life is endless by one of them."""
+    known = np.isfinite(values) & np.isfinite(others)
+    apart = np.full(len(values), np.nan)
+    apart[known] = np.abs(values[known] - others[known])
+    return apart
 
 
 def _chosen(recovery: Recovery, touched: Array, depth: float, size: float) -> Integers:

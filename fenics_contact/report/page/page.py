@@ -19,6 +19,7 @@ from fenics_contact.results.accuracy_messages import level_rows
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.results.words.cycles import cycle_rows, cycle_words
 from fenics_contact.results.words.derivatives import derivative_rows, uncertainty_rows
+from fenics_contact.results.words.fretting import fretting_rows
 from fenics_contact.results.words.headlines import headlines
 from fenics_contact.results.words.tables import branch_rows
 
@@ -76,6 +77,7 @@ SECTIONS = (
     ),
     Section("quantities", "Quantities and errors", lambda content: bool(content.result.quantities)),
     Section("cycles", "Cycles", lambda content: content.result.cycles is not None),
+    Section("fretting", "Fretting", lambda content: bool(fretting_rows(content.result.fretting))),
     Section("sensitivities", "Sensitivities", lambda content: bool(content.result.derivatives)),
     Section("scene", "Scene"),
     Section("model", "Model"),
@@ -110,6 +112,7 @@ def page(content: Content) -> str:
         levels=level_rows(result),
         cycle_words=cycle_words(result.cycles).strip(),
         cycles=cycle_rows(result.cycles, result.units),
+        fretting=fretting_rows(result.fretting, result.units),
         derivatives=derivative_rows(result),
         uncertainties=uncertainty_rows(result),
         last_imbalances=", ".join(imbalances) or "none",

@@ -10,23 +10,24 @@ from fenics_contact.results.words.tables import headed
 from fenics_contact.scene.asked.fretting import Fretting
 from fenics_contact.scene.units.names import UnitNames
 
-NAMES = {"swt": "Smith, Watson, Topper", "crossland": "Crossland", "dang_van": "Dang Van"}
+NAMES = {"swt": "SWT", "crossland": "Crossland", "dang_van": "Dang Van"}
 
 
-def fretting_plan(fretting: Fretting, cycles: bool, names: UnitNames | None) -> str:
+def fretting_plan(fretting: Fretting, cycles: bool, units: UnitNames | None) -> str:
     """A line on what a run will look at.
 
     Args:
         fretting: Of the scene.
         cycles: Whether loads come again.
-        names: Of units, if any.
+        units: Their names, if any.
     """
-    criteria = "Smith, Watson and Topper" if fretting.limits is None else ", ".join(NAMES.values())
+    names = list(NAMES.values())
+    criteria = names[0] if fretting.limits is None else ", ".join(names)
     lives = "" if fretting.life is None else " with lives"
     over = "the last cycle" if cycles else "all load steps"
     if not cycles and fretting.begin > 0:
         over += f" from time {fretting.begin:g}"
-    unit = f" {names.length}" if names is not None else ""
+    unit = f" {units.length}" if units is not None else ""
     return (
         f"Fretting: {criteria}{lives}, by the stress over {over}, up to {fretting.depth:g}{unit} "
         "from where contacts touch"
@@ -47,7 +48,9 @@ def fretting_words(asked: Fretting | None, found: FrettingRecord | None) -> str:
     return ""
 
 
-def fretting_rows(found: FrettingRecord | None, units: UnitsRecord | None) -> list[list[str]]:
+def fretting_rows(
+    found: FrettingRecord | None, units: UnitsRecord | None = None
+) -> list[list[str]]:
     """A table of the worst places, its head first; empty where there are none.
 
     Args:
@@ -62,7 +65,7 @@ def fretting_rows(found: FrettingRecord | None, units: UnitsRecord | None) -> li
     ]
     for name, one in found.worst.items():
         if name == "swt":
-            means = "" if one.life is None else f"life {one.life:.3g} cycles"
+            means = "" if one.life is None else f"{one.life:.3g} cycles"
             off = one.life_errors
         else:
             factor = one.safety_factor

@@ -1,0 +1,1 @@
+"""Pictures of fretting: criteria of fatigue along contacts and below them."""
