@@ -51,6 +51,7 @@ if TYPE_CHECKING:
         PressureFormula,
     )
     from fenics_contact.scene.loading.cycles import Cycles
+    from fenics_contact.scene.loading.jumps import Jumps
     from fenics_contact.scene.material import Material
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
@@ -64,7 +65,7 @@ if TYPE_CHECKING:
     from fenics_contact.simulation.fits.measured import Measured
     from fenics_contact.simulation.scene_run import Run
     from fenics_contact.simulation.studies.study import Study
-    from fenics_contact.simulation.studies.worn_cycle import Jumps, WornCycle
+    from fenics_contact.simulation.worn.worn_cycle import WornCycle
 
 __all__ = [
     "Accuracy",
@@ -150,6 +151,7 @@ _MODULES = {
     "scene.conditions": ("Load", "Point", "Preload", "Support"),
     "scene.accuracy": ("Accuracy",),
     "scene.loading.cycles": ("Cycles",),
+    "scene.loading.jumps": ("Jumps",),
     "scene.asked.derivatives": ("AskedDerivatives",),
     "scene.asked.fretting": ("FatigueLimits", "Fretting", "StrainLifeLine"),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
@@ -176,7 +178,7 @@ _MODULES = {
     "simulation.fits.measured": ("Measured",),
     "simulation.scene_run": ("Run",),
     "simulation.studies.study": ("Study",),
-    "simulation.studies.worn_cycle": ("Jumps", "WornCycle"),
+    "simulation.worn.worn_cycle": ("WornCycle",),
 }
 
 

@@ -150,7 +150,7 @@ def _solve_steps(
     prepared: Run, folder: Path, resume: bool, announce: Announce | None
 ) -> Result | int:
     """The load steps of a scene; the exit code alone where an earlier run has done them all."""
-    state = StateFile(folder, prepared.problem)
+    state = StateFile(folder, prepared.problem, prepared.scene)
     saved = state.load() if resume else None
     if not resume:
         state.remove()
@@ -158,7 +158,7 @@ def _solve_steps(
         logger.info("'%s' holds a finished run: nothing to resume", folder)
         return saved.exit_code or 0
     if saved is not None:
-        logger.info("resuming after time %g", saved.last.unknowns.time)
+        logger.info("resuming after time %g", saved.time)
     elif resume:
         logger.info("there is no '%s' to resume from: beginning at the start", state.path)
     with Interrupts() as interrupts:
@@ -199,10 +199,10 @@ def _report(folder: Path, quiet: bool) -> int:
         written = [write_sweep_page(folder)]
     elif (folder / FIT).exists():
         written = [write_fit_page(folder)]
-    elif (folder / WEAR).exists() and not (folder / "result.json").exists():
-        written = [write_wear_page(folder)]
     else:
-        written = [*(picture.path for picture in write_report(folder)), folder / PAGE]
+        written = [write_wear_page(folder)] if (folder / WEAR).exists() else []
+        if not written or (folder / "result.json").exists():
+            written += [*(picture.path for picture in write_report(folder)), folder / PAGE]
     for path in [] if quiet else written:
         print(f"  {one_line(str(path))}")
     return 0

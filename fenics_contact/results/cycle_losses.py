@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 from itertools import takewhile
+from typing import Any
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.results.load_history import Drive, History
 from fenics_contact.results.records.contacts import ContactRecord
-from fenics_contact.results.records.cycles import CycleRecord, CyclesRecord, LoopRecord
+from fenics_contact.results.records.cycles import (
+    CycleEnd,
+    CycleRecord,
+    CyclesRecord,
+    LoopRecord,
+)
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.loading.cycles import Cycles
 
@@ -38,6 +45,9 @@ def cycles_record(
         return None
     history = History(accepted, np.array([step.load_factor for step in accepted]))
     drives = history.drives(contacts, far)
+    first = accepted[ends[0]].cycle
+    if first is not None and first.worn is not None:
+        return _passed_over(history, cycles)
     begin = _before_cycles(history.time, cycles)
     begins = [begin, *ends[:-1]]
     each = [_cycle(history, drives, *span) for span in zip(begins, ends, strict=True)]
@@ -54,6 +64,43 @@ def cycles_record(
         loss=sum(one.loss for one in each) + repeats * last.loss,
         each=each,
     )
+
+
+def _passed_over(history: History, cycles: Cycles) -> CyclesRecord:
+    """Of cycles that wear, of each of which the last load step is known.
+
+    Args:
+        history: Those steps.
+        cycles: Of the scene.
+    """
+    each = []
+    for number, step in enumerate(history.steps, start=1):
+        end = step.cycle
+        assert end is not None and end.worn is not None
+        each.append(
+            CycleRecord(
+                **_as_said(end),
+                steps=[number, number],
+                loss=float(sum(end.worn.losses.values())),
+                work=None,
+                contacts=end.worn.losses,
+                errors={"total": None},
+            )
+        )
+    works = [step.quantities["friction_work"] for step in (history.steps[0], history.steps[-1])]
+    return CyclesRecord(
+        kind="",
+        closed_in=None,
+        number=cycles.number,
+        computed=len(each),
+        loss=works[1] - works[0] + each[0].loss,
+        each=each,
+    )
+
+
+def _as_said(end: CycleEnd) -> dict[str, Any]:
+    """The attributes of the end of a cycle."""
+    return {field.name: getattr(end, field.name) for field in fields(CycleEnd)}
 
 
 def _before_cycles(times: Array, cycles: Cycles) -> int:
@@ -84,7 +131,7 @@ def _cycle(history: History, drives: list[Drive], begin: int, end: int) -> Cycle
         for number, contact in enumerate(last.contacts)
     }
     return CycleRecord(
-        **last.cycle.as_dict(),
+        **_as_said(last.cycle),
         steps=[begin + 2, end + 1],
         loss=since("friction_work"),
         work=since("external_work"),

@@ -59,8 +59,8 @@ class History:
         return cls(steps, np.array([step.load_factor for step in steps]))
 
     def quantity(self, name: str) -> Array:
-        """A quantity of the whole model, (steps,) or (steps, components)."""
-        return np.array([step.quantities[name] for step in self.steps])
+        """A quantity of the whole model, (steps,) or (steps, components); no number if unknown."""
+        return np.array([step.quantities[name] for step in self.steps], dtype=np.float64)
 
     def of_contact(self, number: int, name: str) -> Array | None:
         """A quantity of a contact, likewise; None where it is not known of every step."""
@@ -149,6 +149,13 @@ def step_line(number: int, step: StepRecord, units: UnitNames | None = None) -> 
     """
     area = "" if units is None else f" {units.of('area')}"
     found, passes = step.quantities, step.outer_iterations
+    worn = None if step.cycle is None else step.cycle.worn
+    if step.cycle is not None and worn is not None:
+        volume = "" if units is None else f" {units.of('volume')}"
+        return (
+            f"cycle {step.cycle.number}: {worn.passed_over} before it passed over, worn volume "
+            f"{found['worn_volume']:.4g}{volume}, contact area {found['contact_area']:.4g}{area}"
+        )
     counted = f", {passes} pass{'es' if passes > 1 else ''}" if passes else ""
     return (
         f"step {number}: time {step.load_factor:.6g}, {newton_steps(step.newton_iterations)}"

@@ -20,6 +20,7 @@ from fenics_contact.scene.asked.tolerances import as_tolerances
 from fenics_contact.scene.conditions import Load, Point, Preload, Support
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene.loading.cycles import Cycles
+from fenics_contact.scene.loading.jumps import require_wear
 from fenics_contact.scene.loading.load_paths import load_steps_of, require_cycles
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.quantity_names import VECTORS, QuantityNames
@@ -299,13 +300,18 @@ class Scene(HasUnits):
         _require_distinct("preloads", [preload.label for preload in self.preload])
         _require_known(self)
         require_cycles(self)
-        _require_wear_to_end(self)
+        require_wear(self)
         require_fretting(self)
 
     @cached_property
     def load_steps(self) -> Steps:
-        """All load steps, to the end of the last cycle."""
+        """All load steps, to the end of the last cycle; of cycles with jumps the ends of all."""
         return load_steps_of(self)
+
+    @property
+    def passes_cycles_over(self) -> bool:
+        """Whether not every cycle is computed."""
+        return self.cycles is not None and self.cycles.jumps is not None
 
     def path_time(self, time: float) -> float:
         """The pseudo-time at which load paths are asked: of all cycles that in the first.
@@ -337,20 +343,6 @@ class Scene(HasUnits):
             points=tuple(point.name for point in self.point),
             preloads=tuple(preload.label for preload in self.preload),
             dimension=self.dimension,
-        )
-
-
-def _require_wear_to_end(scene: Scene) -> None:
-    """Loops that are closed still wear, and do not come again as they were.
-
-    Raises:
-        ValueError: Cycles end as soon as they are closed, and a contact wears.
-    """
-    worn = next((number for number, one in enumerate(scene.contact) if one.wear), None)
-    if worn is not None and scene.cycles is not None and scene.cycles.until == "closed":
-        raise ValueError(
-            f"cycles.until = 'closed': contact[{worn}] has a wear, which goes on when the loop is "
-            "closed; set until = 'end'"
         )
 
 

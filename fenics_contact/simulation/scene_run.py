@@ -41,9 +41,12 @@ from fenics_contact.simulation import verdict
 from fenics_contact.simulation.asked_derivatives.asked import asked_derivatives, keys_asked_of
 from fenics_contact.simulation.asked_derivatives.uncertainty import uncertainties
 from fenics_contact.simulation.description import model_of, record_of, units_of
-from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
+from fenics_contact.simulation.restart.state_file import Beside, SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.simulation.worn.cycle_history import CycleHistory
+from fenics_contact.simulation.worn.cycles_of_run import CyclesOfRun
+from fenics_contact.simulation.worn.worn_cycle import WornCycle, one_cycle
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.solve.load_steps.load_steps import LoadSteps, solve
@@ -120,12 +123,13 @@ class Run:
 
     def _make_ready(self, scene: Scene, comm: MPI.Comm, body: Body | None) -> None:
         """Mesh, model and solver; collective."""
-        is_asked = scene.derivatives is not None
-        if is_asked and scene.accuracy is None and self._kept is None:
+        is_asked, passes_over = scene.derivatives is not None, scene.passes_cycles_over
+        if (passes_over or (is_asked and scene.accuracy is None)) and self._kept is None:
             body = body or mesh_of(scene, comm, self.timings)
             self._kept = KeptBody(scene, body, self.timings, KnownFactors())
+        once = one_cycle(scene, None, None)[0] if passes_over else scene
         if self._kept is not None:
-            self.problem = Problem(scene, self._kept.discrete, self.timings, by_points=True)
+            self.problem = Problem(once, self._kept.discrete, self.timings, by_points=True)
         else:
             body = body or mesh_of(scene, comm, self.timings)
             self.problem = Problem.on_mesh(scene, body, self.timings)
@@ -134,7 +138,13 @@ class Run:
         self._keys = keys_asked_of(self.problem) if is_asked else []
         self.choice: SolverChoice = choose_solver(self.problem, self._kept is not None)
         forces_of = partial(BulkForces, self.problem)
-        self._history = StepHistory(self.problem, self.timings, forces_of)
+        kind = CycleHistory if passes_over else StepHistory
+        self._history = kind(self.problem, self.timings, forces_of)
+
+    @property
+    def worn_cycle(self) -> WornCycle | None:
+        """The last cycle that was computed, where cycles that wear are passed over."""
+        return self._history.cycle if isinstance(self._history, CycleHistory) else None
 
     @property
     def solution(self) -> Solution | None:
@@ -217,10 +227,13 @@ class Run:
 
         def begin(load_steps: LoadSteps) -> None:
             begun.append(load_steps)
-            if self.scene.solver.errors != "none" and load_steps.newton.system.repeats_cheaply:
+            repeats = load_steps.newton.system.repeats_cheaply and cycles is None
+            if self.scene.solver.errors != "none" and repeats:
                 load_steps.ends = {}
             load_steps.guess = guess
-            if saved is not None:
+            if saved is not None and cycles is not None:
+                history.resume(cycles.resume(load_steps, saved), saved.energy)
+            elif saved is not None:
                 solution = load_steps.resume(saved.last, saved.pace, saved.forces)
                 history.resume(solution, saved.energy)
                 if self.stress_history is not None:
@@ -231,14 +244,17 @@ class Run:
             if self.stress_history is not None:
                 with self.timings.phase("output"):
                     self.stress_history.add(time, solution)
+            tell()
+
+        def tell() -> None:
             self._announce(len(history.steps), history.steps[-1])
             if accepted is not None:
                 accepted()
 
-        def keep(load_steps: LoadSteps) -> None:
+        def keep(load_steps: LoadSteps, beside: Beside | None = None) -> None:
             if state is not None:
                 with self.timings.phase("output"):
-                    state.save(load_steps, history.steps, history.book.sums)
+                    state.save(load_steps, history.steps, history.book.sums, beside)
 
         def end(load_steps: LoadSteps) -> None:
             self.last = None if load_steps.last is None else load_steps.last.unknowns
@@ -246,14 +262,20 @@ class Run:
             with self.timings.phase("output"):
                 self.others = look_around(load_steps)
             with self.timings.phase("errors"):
-                self.budget = error_budget(load_steps, history.steps)
+                judge = error_budget if cycles is None else cycles.budget
+                self.budget = judge(load_steps, history.steps)
                 if self.at_end is not None:
                     self.at_end(load_steps, self.budget.local)
 
+        cycles: CyclesOfRun | None = None
+        drive: Callable[[LoadSteps], Solution] = LoadSteps.solve
+        if isinstance(history, CycleHistory):
+            cycles = CyclesOfRun(self.scene, history, tell, keep)
+            drive = cycles.drive
         try:
             condense = None if self._kept is None else self._kept.condense
             calls = (begin, keep, stopped, end, condense)
-            solve(self.problem, self.timings, record, self.choice, *calls)
+            solve(self.problem, self.timings, record, self.choice, *calls, drive)
         except NotConvergedError as error:
             return self._unconverged(error, begun[0].tried, begun[0].spent)
         except StoppedError:

@@ -77,8 +77,7 @@ class StepHistory(Generic[_Forces]):
             solution: Of the step.
         """
         quantities = self._measure(solution)
-        self._count()
-        quantities |= self.book.quantities(quantities)
+        quantities |= self._work_along(quantities)
         with self._timings.phase("output"):
             sizes = self._linear_range.of(solution) if self.forces.tells_inside else {}
         self.steps.append(
@@ -136,6 +135,15 @@ class StepHistory(Generic[_Forces]):
             )
         )
 
+    def _work_along(self, quantities: dict[str, Any]) -> dict[str, Any]:
+        """Work since the start, at the end of a load step; collective.
+
+        Args:
+            quantities: The other ones there.
+        """
+        self._count()
+        return dict(self.book.quantities(quantities))
+
     def _count(self) -> None:
         """The work of the step whose forces these are; collective."""
         if self._problem.scene.load_steps.several:  # else there is no path to count along
@@ -159,10 +167,13 @@ class StepHistory(Generic[_Forces]):
             self.supports = support_records(self.forces)
             self.preloads = preload_records(self._problem, solution)
             self.by_contact = [
-                contact_quantities(self._problem, solution, number)
-                for number in range(len(self._problem.contacts))
+                self._of_contact(solution, number) for number in range(len(self._problem.contacts))
             ]
             return global_quantities(self.forces, self.by_contact)
+
+    def _of_contact(self, solution: Solution, number: int) -> dict[str, Any]:
+        """Quantities of a contact, by its number in scene order; collective."""
+        return contact_quantities(self._problem, solution, number)
 
     @cached_property
     def _linear_range(self) -> LinearRange:

@@ -24,7 +24,7 @@ INSIDE = {
     ),
     "solve": ("systems", "condensed", "iterative", "newton", "coulomb", "load_steps"),
     "simulation": (
-        *("restart", "sensitivities", "studies", "adaptive", "output", "sweeps", "fits"),
+        *("restart", "sensitivities", "worn", "studies", "adaptive", "output", "sweeps", "fits"),
         "asked_derivatives",
     ),
 }

@@ -85,6 +85,8 @@ def _energies(runs: Sequence[DrawnRun]) -> _Panels:
     for run in runs:
         for key, label in _ENERGIES.items():
             values = run.history.quantity(key)
+            if np.isnan(values).any():  # of cycles that were passed over
+                continue
             panels.setdefault(labelled(label, "energy"), []).append((run, run.history.time, values))
     return {
         label: curves

@@ -191,13 +191,13 @@ def _energies(history: History, path: Path) -> Picture:
         "elastic_slip_energy": "in elastic slip, $E_s$",
     }
     known = history.steps[0].quantities
-    names = {name: label for name, label in names.items() if name in known}
-    work = np.abs(history.quantity("external_work")).max()
+    names = {name: label for name, label in names.items() if known.get(name) is not None}
+    largest = max(np.abs(history.quantity(name)).max() for name in names)
     balances = "energy_defect" in known
     figure, panels = over_time("Work and energies", [2.1, 1.1][: 1 + balances], history)
     for number, (name, label) in enumerate(names.items()):
         values = history.quantity(name)
-        least = 0.0 if name == "friction_work" else _SHOWN * work
+        least = 0.0 if name == "friction_work" else _SHOWN * largest
         if np.abs(values).max() > least:
             line(panels[0], history.time, values, label, number)
     panels[0].set_ylabel(labelled("energy", "energy"))
@@ -209,7 +209,8 @@ def _energies(history: History, path: Path) -> Picture:
         _legend(panel)
     figure.align_ylabels(panels)
     save(figure, path)
-    said = "Work W of loads and obstacles, strain energy E and what friction has dissipated, D"
+    done = "Work W of loads and obstacles, strain" if "external_work" in names else "Strain"
+    said = f"{done} energy E and what friction has dissipated, D"
     said += "; below, what does not balance, which load steps leave." if balances else "."
     return Picture(path, "Work and energies", said, followed(figure, panels, history))
 

@@ -52,7 +52,19 @@ class WornHistory:
             number: Of the contact.
             name: Of the quantity.
         """
-        return self.columns[name if len(self.contacts) == 1 else f"contact.{number}.{name}"]
+        return self.columns[self._name(number, name)]
+
+    def sticking(self, number: int) -> Array:
+        """Area that never slips in a cycle; of earlier tables what sticks at its end, (cycles,).
+
+        Args:
+            number: Of the contact.
+        """
+        found = (self._name(number, name) for name in ("stick_area_of_cycle", "stick_area"))
+        return self.columns[next(name for name in found if name in self.columns)]
+
+    def _name(self, number: int, name: str) -> str:
+        return name if len(self.contacts) == 1 else f"contact.{number}.{name}"
 
     def title(self, contact: int) -> str:
         """What pictures call a contact; empty where it is the only one.

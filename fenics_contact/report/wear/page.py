@@ -94,7 +94,7 @@ def _rows(history: WornHistory) -> list[list[str]]:
     places = np.unique(np.linspace(0, count - 1, min(count, _MOST_ROWS)).round().astype(int))
     several = len(history.contacts) > 1
     heads = ["cycle", "passed over before", "worn volume", "deepest wear"]
-    for name in ("largest pressure", "stick area"):
+    for name in ("largest pressure", "area that never slips"):
         heads += [f"{name}, {history.title(n)}" if several else name for n in history.contacts]
     return [heads, *(_row(history, int(place)) for place in places)]
 
@@ -106,8 +106,10 @@ def _row(history: WornHistory, place: int) -> list[str]:
         _with_bar(history, "worn_volume", place),
         _with_bar(history, "max_wear_depth", place),
         *(
-            f"{history.of_contact(number, name)[place]:.4g}"
-            for name in ("max_contact_pressure", "stick_area")
-            for number in history.contacts
+            f"{values[place]:.4g}"
+            for values in (
+                *(history.of_contact(n, "max_contact_pressure") for n in history.contacts),
+                *(history.sticking(n) for n in history.contacts),
+            )
         ),
     ]

@@ -89,18 +89,18 @@ def _over_cycles(history: WornHistory, path: Path) -> Picture:
     save(figure, path)
     said = (
         "Worn volume V and deepest wear h, both surfaces together, largest contact pressure, and "
-        "areas in contact, at the ends of the cycles that were computed. Bands: the estimated "
-        "error of passing over the others."
+        "areas in contact, at the ends of the cycles that were computed, with the part that never "
+        "slipped in the cycle. Bands: the estimated error of passing over the others."
     )
     return Picture(path, "Wear over the cycles", said)
 
 
 def _areas(panel: Axes, history: WornHistory, number: int) -> None:
-    """In contact, and the part of it that sticks."""
+    """In contact, and the part of it that never slips in a cycle."""
     closed = history.of_contact(number, "contact_area")
-    sticks = history.of_contact(number, "stick_area")
-    panel.fill_between(history.cycles, closed, color=COLOURS["SLIP"], lw=0, label="slip")
-    panel.fill_between(history.cycles, sticks, color=COLOURS["STICK"], lw=0, label="stick")
+    sticks = history.sticking(number)
+    panel.fill_between(history.cycles, closed, color=COLOURS["SLIP"], lw=0, label="slips")
+    panel.fill_between(history.cycles, sticks, color=COLOURS["STICK"], lw=0, label="never slips")
     panel.plot(history.cycles, closed, color="black", linewidth=0.8)
     title = history.title(number)
     panel.set_ylabel(labelled(f"area,\n{title}" if title else "area", "area"))

@@ -2,9 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from fenics_contact.results.records.record import ErrorRow, Quantities, Record
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WornCycleEnd(Record):
+    """What a cycle that wears has brought, where most of them are passed over.
+
+    Attributes:
+        passed_over: How many cycles before it were not computed, since the last one that was.
+        pressure_change: Largest change of a pressure since then, over the largest pressure.
+        depth_over_width: Deepest wear over half the width that is worn, about a slope; beyond .1
+            the linear theory of gaps ends.
+        stick_areas: Name of a contact → what touched in the cycle and never slipped (area).
+        losses: Name of a contact → what friction dissipates there in the cycle (energy).
+        errors: `worn_volume` and `max_wear_depth` → estimated absolute error of all jumps so far
+            (volume, length).
+    """
+
+    passed_over: int
+    pressure_change: float
+    depth_over_width: float
+    stick_areas: Quantities
+    losses: Quantities
+    errors: Mapping[str, float]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -22,13 +47,17 @@ class CycleEnd(Record):
             the loop is not closed.
         is_kept_changing: Whether what laws keep at the points, such as wear, has changed as well,
             so that the loop cannot be closed.
+        worn: What it has brought, where cycles that wear are passed over.
     """
+
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"worn"})
 
     number: int
     change: float | None
     advance: float | None
     kind: str
     is_kept_changing: bool = False
+    worn: WornCycleEnd | None = None
 
     @property
     def is_closed(self) -> bool:
@@ -60,7 +89,8 @@ class CycleRecord(CycleEnd):
     Attributes:
         steps: Numbers of its first and last load step, counted from 1.
         loss: What friction dissipates in it (energy).
-        work: What loads, supports and obstacles do in it (energy).
+        work: What loads, supports and obstacles do in it; null where cycles are passed over
+            (energy).
         contacts: Name of a contact → what friction dissipates there (energy).
         loops: Force against displacement of what is moved.
         errors: Estimated errors of the loss.
@@ -68,7 +98,7 @@ class CycleRecord(CycleEnd):
 
     steps: list[int]
     loss: float
-    work: float
+    work: float | None
     contacts: Quantities
     loops: list[LoopRecord] = field(default_factory=list)
     errors: ErrorRow = field(default_factory=dict)
@@ -82,8 +112,9 @@ class CyclesRecord(Record):
         kind: What becomes of the loop, as of its last cycle.
         closed_in: Number of the cycle that repeats the one before; null where none does.
         number: How many the scene has.
-        computed: How many were computed; those after repeat the last.
-        loss: What friction dissipates in all of them, with those that repeat (energy).
+        computed: How many were computed; those after repeat the last, where none is passed over.
+        loss: What friction dissipates in all of them, with those that repeat or are passed over
+            (energy).
         each: Those that were computed.
     """
 

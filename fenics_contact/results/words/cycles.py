@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fenics_contact.results.records.cycles import CyclesRecord
+from fenics_contact.results.records.cycles import CycleRecord, CyclesRecord, WornCycleEnd
 from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.words.rounding import UNKNOWN, bar_in_words
 from fenics_contact.results.words.tables import headed
@@ -22,6 +22,8 @@ def cycle_words(cycles: CyclesRecord | None) -> str:
     if cycles is None:
         return ""
     last = cycles.each[-1]
+    if last.worn is not None:
+        return _worn_words(cycles.computed, last.number, last.worn)
     if not last.is_closed:
         still = "" if last.change is None else f"; tractions still change by {last.change:.2g}"
         if last.is_kept_changing:
@@ -30,6 +32,16 @@ def cycle_words(cycles: CyclesRecord | None) -> str:
         return f" The loop is not closed after {cycles.computed} {many}{still}."
     words = _KINDS[last.kind].format(loss=last.loss, advance=last.advance)
     return f" The loop closed in cycle {cycles.closed_in} of {cycles.number}, {words}."
+
+
+def _worn_words(computed: int, number: int, worn: WornCycleEnd) -> str:
+    """How far cycles that wear have come, and how sure what was passed over is."""
+    errors = worn.errors
+    return (
+        f" {number} cycles wear, of which {computed} were computed; passing over the others may be "
+        f"off by {errors['worn_volume']:.2g} in the worn volume, and by "
+        f"{errors['max_wear_depth']:.2g} in the deepest wear."
+    )
 
 
 def cycle_rows(cycles: CyclesRecord | None, units: UnitsRecord | None = None) -> list[list[str]]:
@@ -41,6 +53,8 @@ def cycle_rows(cycles: CyclesRecord | None, units: UnitsRecord | None = None) ->
     """
     if cycles is None:
         return []
+    if cycles.each[0].worn is not None:
+        return _worn_rows(cycles.each, units)
     several = list(cycles.each[0].contacts) if len(cycles.each[0].contacts) > 1 else []
     rows = [
         [
@@ -58,6 +72,39 @@ def cycle_rows(cycles: CyclesRecord | None, units: UnitsRecord | None = None) ->
         changes = [UNKNOWN if x is None else f"{x:.2g}" for x in (one.change, one.advance)]
         lost = [f"{one.contacts[name]:.5g}" for name in several]
         bar = bar_in_words(one.errors.get("total"))
-        row = [str(one.number), f"{one.loss:.5g}", bar, *lost, f"{one.work:.5g}", *changes]
+        work = UNKNOWN if one.work is None else f"{one.work:.5g}"
+        row = [str(one.number), f"{one.loss:.5g}", bar, *lost, work, *changes]
         rows.append([*row, one.kind])
+    return rows
+
+
+def _worn_rows(each: list[CycleRecord], units: UnitsRecord | None) -> list[list[str]]:
+    """The same of cycles that wear and are passed over."""
+    rows = [
+        [
+            "cycle",
+            "passed over before",
+            headed("loss", "energy", units),
+            "change of pressures",
+            headed("never slips", "area", units),
+            "depth over half width",
+            headed("± of worn volume", "volume", units),
+            headed("± of deepest wear", "length", units),
+        ]
+    ]
+    for one in each:
+        worn = one.worn
+        assert worn is not None
+        rows.append(
+            [
+                str(one.number),
+                str(worn.passed_over),
+                f"{one.loss:.5g}",
+                f"{worn.pressure_change:.2g}",
+                f"{sum(worn.stick_areas.values()):.4g}",
+                f"{worn.depth_over_width:.2g}",
+                f"{worn.errors['worn_volume']:.2g}",
+                f"{worn.errors['max_wear_depth']:.2g}",
+            ]
+        )
     return rows

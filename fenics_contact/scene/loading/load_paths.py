@@ -132,6 +132,8 @@ def load_steps_of(scene: Scene) -> Steps:
     steps, cycles = scene.steps, scene.cycles
     if cycles is None:
         return steps
+    if cycles.jumps is not None:
+        return Steps(times=cycles.repetition.ends)
     last = cycles.repetition.ends[-1]
     if steps.automatic:
         size = steps.end / steps.number

@@ -21,13 +21,14 @@ from fenics_contact.common.failures import failing_together
 from fenics_contact.common.parallel import on_root
 from fenics_contact.results.load_history import Announce
 from fenics_contact.results.result import Result
-from fenics_contact.scene.scene import Steps
+from fenics_contact.scene.scene import Scene, Steps
 from fenics_contact.scene.writing import write_scene
 from fenics_contact.simulation.output.contact_rows import contact_rows
 from fenics_contact.simulation.output.fields import FieldSeries
 from fenics_contact.simulation.output.step_table import StepTable
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.scene_run import Run
+from fenics_contact.simulation.worn.worn_files import WornFiles
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 
 
@@ -92,7 +93,7 @@ def _solve(
     guess: Unknowns | None,
 ) -> Result:
     """As ``solve_and_write``, without the scene's file; its text goes into the result's."""
-    steps = StepFiles(run, folder, None if saved is None else saved.last.unknowns.time)
+    steps = StepFiles(run, folder, None if saved is None else saved.time)
     result = run.solve(state, saved, stopped, announce, steps.add, guess)
     with run.timings.phase("output"):
         steps.complete()
@@ -197,11 +198,16 @@ class StepFiles:
         on_root(self._comm, lambda: _clear(folder, names))
         self._table = StepTable(folder / "steps.csv")
         self._fields = FieldSeries(run.problem, folder, resumed)
+        self._worn: WornFiles | None = None
+        if run.scene.passes_cycles_over:
+            self._worn = WornFiles(self._comm, folder, _last_cycle(run.scene, resumed))
 
     def add(self) -> None:
         """A step was accepted."""
         with self._run.timings.phase("output"):
             self.catch_up()
+            if self._worn is not None and self._run.worn_cycle is not None:
+                self._worn.add(self._run.worn_cycle)
             steps = self._run.steps
             cycles, last = self._run.scene.cycles, steps[-1]
             if cycles is not None and cycles.keep == "cycles":
@@ -232,6 +238,18 @@ class StepFiles:
         return bool(self._fields.last == self._run.steps[-1].load_factor)
 
 
+def _last_cycle(scene: Scene, time: float | None) -> int:
+    """Number of the cycle that ends at a pseudo-time; 0 before any.
+
+    Args:
+        scene: With cycles.
+        time: Of its load steps; None before any.
+    """
+    if time is None or scene.cycles is None:
+        return 0
+    return round((time - scene.cycles.begin) / scene.cycles.repetition.period)
+
+
 def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
     """Whether a step's fields are written, if at most so many are.
 
@@ -250,12 +268,15 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 # Files of a run and of its report, and nothing else that may lie in the folder.
 _PICTURES = (
     r"(deformed|mesh|axis_stress|surface_displacement|convergence|accuracy|history_\w+"
-    r"|contact_\d+|contact_\d+_formula|stress_\d+|fretting_\w+)\.(png|pdf)|animation_(body|\d+)\.gif"
+    r"|contact_\d+|contact_\d+_formula|stress_\d+|fretting_\w+|wear|wear_\d+)\.(png|pdf)"
+    r"|animation_(body|\d+)\.gif"
 )
 # Those that say how a run ended, which is not true any more when it goes on.
-_OF_THE_END = rf"result\.json|(contact|fretting)\.csv|report\.html|{_PICTURES}"
+_OF_THE_END = rf"result\.json|(contact|fretting)\.csv|(report|wear)\.html|{_PICTURES}"
 _LEVEL = "next_level"  # folder of a level that is not whole yet
-_OF_STEPS = r"steps\.csv|fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
+_OF_STEPS = (
+    r"steps\.csv|wear\.csv|wear_profiles\.csv|fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
+)
 
 
 def _clear(folder: Path, names: str) -> None:

@@ -35,9 +35,11 @@ _LATER: dict[str, dict[str, Any]] = {
         "interference_path": RAMP,
         "wear": None,
     },
+    "Cycles": {"jumps": None},
 }
 # Keys of parts of a scene that may change likewise: how many cycles, and how each is computed.
 _FREE_INSIDE: dict[str, tuple[str, ...]] = {
+    "Jumps": ("pressure_change", "error", "fixed"),
     "Cycles": ("number", "increments", "until", "tolerance", "keep"),
 }
 # Where functions are asked: places along each axis of the box around the body, and pseudo-times.

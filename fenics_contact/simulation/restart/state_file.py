@@ -7,7 +7,7 @@ any number of ranks can read it.
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +40,23 @@ _NOT_INSTALLED = "source"
 
 
 @dataclass(frozen=True, eq=False)
+class Beside:
+    """What those who take load steps keep beside the last one.
+
+    Attributes:
+        said: What is no array, as JSON has it.
+        at_points: Of each contact, by name: values at its points, (points,); none of none.
+    """
+
+    said: dict[str, Any] = field(default_factory=dict)
+    at_points: list[dict[str, Array]] = field(default_factory=list)
+
+    def of_contact(self, number: int) -> dict[str, Array]:
+        """The values at the points of a contact."""
+        return self.at_points[number] if self.at_points else {}
+
+
+@dataclass(frozen=True, eq=False)
 class SavedRun:
     """What a run had reached.
 
@@ -50,6 +67,7 @@ class SavedRun:
         forces: Largest of all steps (force).
         energy: Sums of its energy book.
         exit_code: Of a run that came to its end; else None.
+        beside: What was kept beside the step.
     """
 
     last: AcceptedStep
@@ -58,10 +76,16 @@ class SavedRun:
     forces: float
     energy: list[float]
     exit_code: int | None
+    beside: Beside
+
+    @property
+    def time(self) -> float:
+        """Pseudo-time that was reached, of all cycles."""
+        return self.steps[-1].load_factor
 
     def is_done(self, scene: Scene) -> bool:
         """Whether nothing is left to do of a scene."""
-        reached = self.last.unknowns.time >= scene.load_steps.last * (1 - 1e-9)
+        reached = self.time >= scene.load_steps.last * (1 - 1e-9)
         return self.exit_code is not None and (reached or has_ended(scene, self.pace))
 
 
@@ -71,9 +95,10 @@ class StateFile:
     Args:
         folder: Of the results.
         problem: The model, as made ready.
+        scene: By which the run is known, if not that of the problem.
     """
 
-    def __init__(self, folder: Path, problem: Problem) -> None:
+    def __init__(self, folder: Path, problem: Problem, scene: Scene | None = None) -> None:
         self.path = folder / NAME
         self._problem, self._comm = problem, problem.comm
         self._nodes = NodalKeys(problem.body.mesh, problem.spaces.displacement_space.dofmap)
@@ -85,7 +110,7 @@ class StateFile:
             "version": compat.versions()["fenics_contact"],
             "mesh": fingerprint.of_mesh(problem.body),
             "several": problem.scene.load_steps.several,
-            "scene": fingerprint.of_scene(problem.scene, problem.body),
+            "scene": fingerprint.of_scene(scene or problem.scene, problem.body),
         }
 
     def make_folder(self) -> None:
@@ -96,18 +121,25 @@ class StateFile:
         """Take away that of an earlier run; collective."""
         on_root(self._comm, lambda: self.path.unlink(missing_ok=True))
 
-    def save(self, load_steps: LoadSteps, steps: list[StepRecord], energy: list[float]) -> None:
+    def save(
+        self,
+        load_steps: LoadSteps,
+        steps: list[StepRecord],
+        energy: list[float],
+        beside: Beside | None = None,
+    ) -> None:
         """Write the last accepted step of a history; collective.
 
         Args:
             load_steps: Of the run.
             steps: Records of all steps.
             energy: Sums of the energy book.
+            beside: What else is to be kept.
 
         Raises:
             MachineError: It could not be written; that of the step before is still there.
         """
-        last = load_steps.last
+        last, beside = load_steps.last, beside or Beside()
         assert last is not None
         header = {
             "made_for": self._made_for,
@@ -119,12 +151,14 @@ class StateFile:
             "energy": energy,
             "exit_code": None,
             "contacts": [_plain_part(memory) for memory in last.contacts],
+            "beside": beside.said,
+            "beside_at_points": list(beside.of_contact(0)),
             "solution": {
                 "strategy": last.solution.strategy,
                 "imbalance_limit": last.solution.imbalance_limit,
             },
         }
-        write(self._comm, self.path, header, self._tables(last))
+        write(self._comm, self.path, header, self._tables(last, beside))
 
     def finish(self, exit_code: int) -> None:
         """Say in it that the run came to its end; collective."""
@@ -152,12 +186,15 @@ class StateFile:
         nodal, mean_stresses = self._read(saved, self._nodes, "nodes"), {}
         if self._mixed is not None:
             mean_stresses = self._read(saved, self._mean_stresses, "mean_stresses")
+        more = header.get("beside_at_points", [])
+        contacts, at_points = [], []
+        for number, plain in enumerate(header["contacts"]):
+            memory = self._contact(number, plain, saved, nodal, more)
+            at_points.append({name: memory.at_points.pop(name) for name in more})
+            contacts.append(memory)
         last = AcceptedStep(
             unknowns=_unknowns(header, "last", nodal, mean_stresses),
-            contacts=[
-                self._contact(number, plain, saved, nodal)
-                for number, plain in enumerate(header["contacts"])
-            ],
+            contacts=contacts,
             solution=Solution(
                 find_body=lambda: BodyAnswer(np.zeros(0), np.zeros(0)),
                 normal_force=[],
@@ -176,7 +213,13 @@ class StateFile:
             else _unknowns(header, "before", nodal, mean_stresses),
         )
         return SavedRun(
-            last, steps, header["pace"], header["forces"], header["energy"], header["exit_code"]
+            last=last,
+            steps=steps,
+            pace=header["pace"],
+            forces=header["forces"],
+            energy=header["energy"],
+            exit_code=header["exit_code"],
+            beside=Beside(header.get("beside", {}), at_points),
         )
 
     def _require_same(self, made_for: dict[str, Any]) -> None:
@@ -199,14 +242,14 @@ class StateFile:
     def _refused(self, why: str) -> InputError:
         return InputError(f"--resume: '{self.path}' does not belong here: {why}")
 
-    def _tables(self, last: AcceptedStep) -> dict[str, Rows]:
+    def _tables(self, last: AcceptedStep, beside: Beside) -> dict[str, Rows]:
         """This rank's own rows of all that stands at nodes and facets; collective."""
         keys, own = self._nodes.own()
         states = {"last": last.unknowns} | ({} if last.before is None else {"before": last.before})
         nodal = {name: unknowns.displacement[own] for name, unknowns in states.items()}
         tables: dict[str, Rows] = {}
         for number, memory in enumerate(last.contacts):
-            tables |= self._of_contact(number, memory)
+            tables |= self._of_contact(number, memory.at_points | beside.of_contact(number))
             if memory.paired_at is not None:
                 nodal[_paired_at(number)] = memory.paired_at[own]
         tables["nodes"] = Rows(keys, nodal)
@@ -216,11 +259,11 @@ class StateFile:
             tables["mean_stresses"] = Rows(keys, columns)
         return tables
 
-    def _of_contact(self, number: int, memory: ContactMemory) -> dict[str, Rows]:
+    def _of_contact(self, number: int, at_points: dict[str, Array]) -> dict[str, Rows]:
         """What is at the points of a contact: at its nodes, and at its facets' centres."""
         contact = self._problem.contacts[number]
         trace = contact.trace
-        values = np.column_stack(list(memory.at_points.values()))
+        values = np.column_stack(list(at_points.values()))
         count = len(trace.nodes)
         on_body = trace.surface.on_body(trace.at_all_nodes(values[:count]))
         keys, own = self._nodes.own(contact.on_body)
@@ -238,8 +281,14 @@ class StateFile:
         return found
 
     def _contact(
-        self, number: int, plain: dict[str, Any], saved: SavedTables, nodal: dict[str, Array]
+        self,
+        number: int,
+        plain: dict[str, Any],
+        saved: SavedTables,
+        nodal: dict[str, Array],
+        more: list[str],
     ) -> ContactMemory:
+        """That of a contact, with what was kept beside, by its names; collective."""
         contact, name = self._problem.contacts[number], f"contact{number}"
         owned = contact.on_body[: self._problem.spaces.owned_nodes]
         if total(self._comm, int(owned.sum())) != saved.count(f"{name}_nodes"):
@@ -252,6 +301,7 @@ class StateFile:
             raise self._refused("its facets are those of another mesh")
         values = np.concatenate([at_nodes, at_centres["values"]])
         present = remember(contact).at_points
+        present |= {name: np.zeros(len(values)) for name in more}
         wide = [array.shape[1] if array.ndim == 2 else 1 for array in present.values()]
         parts = np.split(values, np.cumsum(wide)[:-1], axis=1)
         at_points = {

@@ -14,6 +14,7 @@ from fenics_contact.common.failures import failing_together
 from fenics_contact.common.timings import Timings
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
+from fenics_contact.scene.loading.jumps import Jumps
 from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.scene_run import Run
@@ -25,9 +26,11 @@ from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
 from fenics_contact.simulation.studies.saved_body import SavedBody, save_body, text_of
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
 from fenics_contact.simulation.studies.solved_history import History, solved_history
-from fenics_contact.simulation.studies.worn_cycle import Jumps, WornCycle, one_cycle
-from fenics_contact.simulation.studies.worn_cycles import WornCycles
-from fenics_contact.simulation.studies.worn_files import WornFiles
+from fenics_contact.simulation.worn.worn_cycle import WornCycle, one_cycle
+from fenics_contact.simulation.worn.worn_cycles import WornCycles
+from fenics_contact.simulation.worn.worn_files import WornFiles
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.solve.newton.newton import Newton
 
 if TYPE_CHECKING:
     from fenics_contact import Exploration, Objective
@@ -338,8 +341,8 @@ class Study:
             begin: Pseudo-time at which the cycle begins, the end of a load step, with the loads of
                 the last one; by default that of ``cycles``.
             cycles: How many there are; by default as many as ``cycles`` has.
-            jumps: How far cycles may be passed over; by default as far as pressures change by 20 %
-                and depths are off by 1 %.
+            jumps: How far cycles may be passed over; by default as ``cycles`` says, or else as far
+                as pressures change by 20 % and depths are off by 1 %.
             changes: As of ``solve``.
             folder: Where to write ``wear.csv``, a row a cycle, and ``wear_profiles.csv``, with the
                 contact points of each; whatever ends the run, what was computed is there.
@@ -354,16 +357,17 @@ class Study:
         """
         scene = self.changed(changes)
         with failing_together(self.comm):
+            said = None if scene.cycles is None else scene.cycles.jumps
             once, begin, cycles = one_cycle(scene, begin, cycles)
-            cycling = WornCycles(self._body_of(once), once, begin, jumps or Jumps())
-            try:
+            timings = Timings()
+            with self._body_of(once).solving(once, timings) as (system, _):
+                load_steps = LoadSteps(Newton(system.problem, system, timings))
+                cycling = WornCycles(load_steps, begin, jumps or said or Jumps())
                 files = None if folder is None else WornFiles(self.comm, Path(folder))
                 for cycle in cycling.run(cycles):
                     if files is not None:
                         files.add(cycle)
                     yield cycle
-            finally:
-                cycling.close()
 
     def forget_answer(self) -> None:
         """Begin the next quick answer as a separate run does, not at the last one."""

@@ -32,7 +32,11 @@ class Shortcut:
             result: What came out.
         """
         self._settings, self._since = None, 0
-        if scene.solver.errors != "none" or result.model.solver != "condensed":
+        if (
+            scene.passes_cycles_over
+            or scene.solver.errors != "none"
+            or result.model.solver != "condensed"
+        ):
             return
         if not result.converged:
             return

@@ -53,6 +53,7 @@ class LoadSteps:
         guess: Where the first step is thought to end, if that is known.
         warm: Solves a step from that of another answer of the same body, or gives None where that
             tells nothing of it; None where there is none, or it did not get there; collective.
+        accepted: Called with pseudo-time and solution of every step, before slip is counted anew.
         warm_steps: How many it solved.
         finds_body: Whether the displacement inside the body is found at the end; else when it is
             asked for.
@@ -60,7 +61,7 @@ class LoadSteps:
 
     Args:
         newton: Made for the problem, not started.
-        accepted: Called with pseudo-time and solution of every step, before slip is counted anew.
+        accepted: As the attribute.
         kept: Called after that, when the step can be gone back to.
     """
 
@@ -78,7 +79,7 @@ class LoadSteps:
         self.pace: Pace | PaceOfCycles = pace_of(scene, self._knots)
         cycles = cycles_of(scene)
         self._cycles = None if cycles is None else CycleWatch(self.problem, cycles)
-        self._accepted, self._kept = accepted, kept
+        self.accepted, self._kept = accepted, kept
         self._untouched = [remember(contact) for contact in self.problem.contacts]
         self._first: list[ContactMemory] = []
         self._has_moved_on = False
@@ -347,8 +348,8 @@ class LoadSteps:
         self._has_moved_on = False
         self._failed_with = None
         self.spent = 0
-        if self._accepted is not None:
-            self._accepted(time, found)
+        if self.accepted is not None:
+            self.accepted(time, found)
 
     def go_back(self) -> None:
         """To the last accepted step as it was solved, or to none; collective."""
@@ -391,6 +392,7 @@ def solve(
     stopped: Callable[[], bool] | None = None,
     ended: Callable[[LoadSteps], None] | None = None,
     condense: Condense | None = None,
+    drive: Callable[[LoadSteps], Solution] = LoadSteps.solve,
 ) -> Solution:
     """Solve a problem step by step; collective.
 
@@ -404,6 +406,7 @@ def solve(
         stopped: As of ``Newton``.
         ended: Called after the last step, while the system can still be solved.
         condense: As of ``create_system``.
+        drive: Takes the load steps.
 
     Returns:
         The solution of the last step.
@@ -421,7 +424,7 @@ def solve(
             load_steps.newton.stopped = stopped
         if begun is not None:
             begun(load_steps)
-        solution = load_steps.solve()
+        solution = drive(load_steps)
         if ended is not None:
             ended(load_steps)
         return solution

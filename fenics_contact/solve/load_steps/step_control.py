@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from fenics_contact.common.errors import InputError
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.scene import Scene, Steps
 
@@ -177,7 +178,15 @@ def pace_of(scene: Scene, knots: Sequence[float]) -> Pace | PaceOfCycles:
     Args:
         scene: Of the run.
         knots: Pseudo-times that no automatic step may pass over, increasing.
+
+    Raises:
+        InputError: Cycles are to be passed over.
     """
+    if scene.passes_cycles_over:
+        raise InputError(
+            "cycles.jumps: here each load step is computed; cycles are passed over by `run`, "
+            "`Study.solve` and `Study.worn`"
+        )
     steps = scene.load_steps
     pace: Pace = AutomaticPace(steps, knots) if steps.automatic else FixedPace(steps)
     return pace if scene.cycles is None else PaceOfCycles(pace, scene.cycles)
@@ -195,10 +204,12 @@ def has_ended(scene: Scene, state: Sequence[float]) -> bool:
 
 def _has_ended(cycles: Cycles, state: Sequence[float]) -> bool:
     """Whether they ended early, and with no larger a tolerance than is asked for now."""
+    if not _ends_early(cycles):
+        return False
     tolerance = state[-1]
     is_unknown = tolerance >= 1  # as earlier versions wrote it
-    return _ends_early(cycles) and tolerance > 0 and (is_unknown or tolerance <= cycles.tolerance)
+    return tolerance > 0 and (is_unknown or tolerance <= cycles.tolerance)
 
 
 def _ends_early(cycles: Cycles) -> bool:
-    return cycles.until == "closed"
+    return cycles.until == "closed" and cycles.jumps is None

@@ -225,5 +225,5 @@ def test_what_is_no_cycle_is_refused():
     said = Cycles(begin=1, end=5, until="end", increments=4)
     with pytest.raises(InputError, match="begin = 0: a cycle begins at the end of a load step"):
         list(study_of(dataclasses.replace(scene, cycles=said)).worn(begin=0.0))
-    with pytest.raises(InputError, match=r"error = -1: must be > 0"):
+    with pytest.raises(InputError, match=r"error = -1: must be greater than 0"):
         Jumps(error=-1)

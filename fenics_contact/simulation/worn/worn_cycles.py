@@ -16,29 +16,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.errors import InputError
+from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.parallel import largest
-from fenics_contact.common.timings import Timings
+from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.quantities import contact_points, contact_quantities
-from fenics_contact.problem.existence.condition import require_equilibrium
-from fenics_contact.problem.problem import Problem
-from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.loading.jumps import Jumps
 from fenics_contact.scene.steps import Steps
-from fenics_contact.simulation.studies.kept_body import KeptBody
-from fenics_contact.simulation.studies.worn_cycle import Jumps, WornCycle
-from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.simulation.worn.rates import Progress, Rates
+from fenics_contact.simulation.worn.sticking import Sticking
+from fenics_contact.simulation.worn.worn_cycle import SETTLING, WornCycle
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.step_control import FixedPace
-from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.linear_theory.worn_width import worn_share
 
 logger = logging.getLogger(__name__)
 
-# Of a cycle: so much before its begin stands the step after which what was worn is in the gap.
-_SETTLING = 1e-6
 # Jumps grow at most by this from one to the next, and shrink at most to the other.
 _GROWTH, _SHRINKING = 3.0, 0.2
 # Of what is allowed, at which jumps aim, and beyond which they are taken again.
@@ -47,77 +42,41 @@ _AIM, _TOO_FAR = 0.8, 1.25
 _MANY = 50
 
 
-@dataclass(frozen=True, eq=False)
-class _Rates:
-    """What a cycle wears.
-
-    Attributes:
-        number: Of the cycle.
-        begin: Depths at which it begins, of each contact (length).
-        depths: What it adds, likewise.
-        work: Of friction in it (energy).
-        solution: At its end, with the depths then.
-        end: Its last load step, to go on from.
-    """
-
-    number: int
-    begin: list[Array]
-    depths: list[Array]
-    work: float
-    solution: Solution
-    end: AcceptedStep
-
-    @property
-    def pressures(self) -> list[Array]:
-        """At its end (stress)."""
-        return [state.contact_pressure for state in self.solution.states]
-
-
 class WornCycles:
     """The cycles of a scene whose contacts wear; collective, as all its methods.
 
     Attributes:
         computed: How many cycles were computed, those of jumps that were refused among them.
+        progress: How far they are, after each cycle that counts; None before there is one.
 
     Args:
-        kept: The body.
-        scene: Its load steps are those to the begin of a cycle, and those of one cycle.
+        load_steps: Those to the begin of a cycle, and those of one cycle; nothing is taken yet.
         begin: Pseudo-time at which the cycle begins, at which loads are as at its end.
         jumps: How far cycles are passed over.
-
-    Raises:
-        InputError: No contact wears, or the cycle is none.
+        progress: Of cycles of an earlier run that these go on from.
     """
 
-    def __init__(self, kept: KeptBody, scene: Scene, begin: float, jumps: Jumps) -> None:
-        times = np.array(scene.steps.all_times)
-        self._close = _SETTLING * (times[-1] - begin)
-        inside = times[times > begin + self._close]
-        ends = np.abs(times - begin) <= self._close
-        if scene.steps.automatic or not ends.any() or len(inside) == 0:
-            raise InputError(
-                f"begin = {begin:g}: a cycle begins at the end of a load step and has others to "
-                "its own end, the last of all, none of them automatic"
-            )
-        timings = Timings()
-        self._problem = Problem(scene, kept.discrete, timings, by_points=True)
+    def __init__(
+        self,
+        load_steps: LoadSteps,
+        begin: float,
+        jumps: Jumps,
+        progress: Progress | None = None,
+    ) -> None:
+        self._load_steps, self._problem = load_steps, load_steps.problem
         self._contacts, self._comm = self._problem.contacts, self._problem.comm
-        if not any(contact.wear.wears for contact in self._contacts):
-            raise InputError("contact.wear is missing: nothing changes from cycle to cycle")
-        require_equilibrium(self._problem)
-        self._system = CondensedSystem(
-            self._problem, timings, kept.condense(self._problem, timings)
-        )
-        self._load_steps = LoadSteps(Newton(self._problem, self._system, timings), self._add)
-        self._load_steps.finds_body = False
+        load_steps.accepted = self._add
+        load_steps.finds_body = False
+        times = np.array(self._problem.scene.steps.all_times)
+        self._period = float(times[-1] - begin)
+        self._close = SETTLING * self._period
         self._begin, self._jumps = begin, jumps
+        inside = times[times > begin + self._close]
         self._times = Steps(times=(begin, *inside.tolist()))
         self.computed = 0
-        self._settled: tuple[list[Array], float] = ([], 0.0)
-
-    def close(self) -> None:
-        """Free the system; the body is kept."""
-        self._system.destroy()
+        self.progress = progress
+        self._sticking = Sticking(self._contacts)
+        self._settled = self._worn(None)
 
     def run(self, cycles: int) -> Iterator[WornCycle]:
         """Each cycle that is computed and counts, the last one among them.
@@ -126,34 +85,59 @@ class WornCycles:
             cycles: How many there are.
 
         Raises:
-            NotConvergedError: A load step of a cycle.
+            NotConvergedError: A load step of a cycle; all is as at the end of the last one that
+                counts, if there is one.
+            StoppedError: Likewise.
         """
-        rates = self._first()
-        errors = dict.fromkeys(("worn_volume", "max_wear_depth"), 0.0)
-        number, before, size = 1, self._settled[1], self._jumps.fixed or 1
-        earlier = rates
-        yield self._cycle(1, 0, 0.0, errors, before, rates)
-        while number < cycles:
-            ahead = min(size, cycles - number)
-            found = self._ahead(earlier, rates, ahead)
+        if self.progress is None:
+            rates = self._first()
+            yield self._counts(Progress.first(rates, self._settled[1]))
+        assert self.progress is not None
+        while (now := self.progress).rates.number < cycles:
+            number = now.rates.number
+            ahead = min(self._jumps.fixed or now.size, cycles - number)
+            try:
+                found = self._ahead(now.earlier, now.rates, ahead)
+            except (NotConvergedError, StoppedError):
+                self._back_to(now.rates.end, number + ahead)
+                raise
             size = self._next_size(found, ahead)
             if self._jumps.fixed is None and ahead > 1 and found.excess > _TOO_FAR:
                 logger.info("cycle %d: %d cycles ahead is too far", number, ahead)
+                self.progress = dataclasses.replace(now, size=size)
                 continue
-            before += ahead * rates.work + 0.5 * (ahead - 1) * (found.guessed.work - rates.work)
-            number, earlier, rates = number + ahead, rates, found.rates
-            errors = {name: errors[name] + more for name, more in found.errors.items()}
-            yield self._cycle(number, ahead - 1, found.pressure_change, errors, before, rates)
+            works = now.rates.works
+            passed = ahead * works + 0.5 * (ahead - 1) * (found.guessed.works - works)
+            yield self._counts(
+                Progress(
+                    earlier=now.rates,
+                    rates=found.rates,
+                    before=now.before + passed,
+                    size=size,
+                    passed_over=ahead - 1,
+                    pressure_change=found.pressure_change,
+                    errors={name: now.errors[name] + more for name, more in found.errors.items()},
+                )
+            )
 
-    def _first(self) -> _Rates:
+    def _counts(self, progress: Progress) -> WornCycle:
+        """A cycle that counts."""
+        self.progress = progress
+        return self._cycle(progress)
+
+    def _back_to(self, end: AcceptedStep, number: int) -> None:
+        """To the end of the last cycle that counts, from a later one; collective."""
+        self._load_steps.tried += (number - 1) * self._period
+        self._load_steps.last = end
+        self._load_steps.go_back()
+
+    def _first(self) -> Rates:
         """The way to the first cycle, and that cycle."""
         solution = self._load_steps.solve()
         self.computed = 1
-        begin, rates, work = self._since_begin(solution)
-        assert self._load_steps.last is not None
-        return _Rates(1, begin, rates, work, solution, self._load_steps.last)
+        return self._rates_of(1, solution)
 
-    def _rates(self, number: int, end: AcceptedStep, begin: list[Array]) -> _Rates:
+    def _rates(self, number: int, end: AcceptedStep, begin: list[Array]) -> Rates:
         """Of a cycle that begins at some depths.
 
         Args:
@@ -166,16 +150,30 @@ class WornCycles:
         load_steps.pace = FixedPace(self._times)
         solution = load_steps.solve()
         self.computed += 1
-        _, rates, work = self._since_begin(solution)
-        states = [
-            _with_depth(state, depth + rate) if contact.wear.wears else state
-            for contact, state, depth, rate in zip(
-                self._contacts, solution.states, begin, rates, strict=True
-            )
-        ]
-        assert load_steps.last is not None
-        at_end = dataclasses.replace(solution, states=states)
-        return _Rates(number, begin, rates, work, at_end, load_steps.last)
+        return self._rates_of(number, solution, begin)
+
+    def _rates_of(self, number: int, solution: Solution, begin: list[Array] | None = None) -> Rates:
+        """What a cycle that was just solved wears.
+
+        Args:
+            number: Of the cycle.
+            solution: Of its last load step.
+            begin: Depths at which it begins; by default those that it had then (length).
+        """
+        depths, works = self._worn(solution)
+        settled, worked = self._settled
+        worn = [now - then for now, then in zip(depths, settled, strict=True)]
+        end = self._load_steps.last
+        assert end is not None
+        return Rates(
+            number=number,
+            begin=settled if begin is None else begin,
+            depths=worn,
+            works=works - worked,
+            stick_areas=self._sticking.areas(),
+            solution=solution,
+            end=end,
+        )
 
     def _add(self, time: float, solution: Solution) -> None:
         """A load step is accepted: what comes before a cycle is of none.
@@ -184,23 +182,27 @@ class WornCycles:
         """
         if abs(time - self._begin) <= self._close:
             self._settled = self._worn(solution)
+            self._sticking = Sticking(self._contacts)
+        elif time > self._begin:
+            self._sticking.follow(solution)
 
-    def _since_begin(self, solution: Solution) -> tuple[list[Array], list[Array], float]:
-        """Depths at the begin of a cycle, and what it adds to them and to the work of friction."""
-        depths, work = self._worn(solution)
-        begin, worked = self._settled
-        return begin, [now - then for now, then in zip(depths, begin, strict=True)], work - worked
+    def _worn(self, solution: Solution | None) -> tuple[list[Array], Array]:
+        """Depths of each contact at the end of a step (length), and its work of friction (energy).
 
-    def _worn(self, solution: Solution) -> tuple[list[Array], float]:
-        """Depths of each contact at the end of a step (length), and work of friction (energy)."""
+        Args:
+            solution: Of the step; None before any.
+        """
+        if solution is None:
+            none = [np.zeros(len(contact.trace.weights)) for contact in self._contacts]
+            return none, np.zeros(len(self._contacts))
         pairs = list(zip(self._contacts, solution.states, strict=True))
         depths = [
             state.own["worn_depth"] if contact.wear.wears else np.zeros(len(state.gap))
             for contact, state in pairs
         ]
-        return depths, sum(contact.work.of_friction(state) for contact, state in pairs)
+        return depths, np.array([contact.work.of_friction(state) for contact, state in pairs])
 
-    def _ahead(self, earlier: _Rates, rates: _Rates, ahead: int) -> _Ahead:
+    def _ahead(self, earlier: Rates, rates: Rates, ahead: int) -> _Ahead:
         """A cycle further on.
 
         Args:
@@ -233,7 +235,7 @@ class WornCycles:
         return _Ahead(guessed, found, change, errors, float(excess))
 
     def _errors(
-        self, earlier: _Rates, rates: _Rates, guessed: _Rates, found: _Rates
+        self, earlier: Rates, rates: Rates, guessed: Rates, found: Rates
     ) -> dict[str, float]:
         """Estimated, of a jump: of the volume, and the largest of the depths."""
         ahead, back = found.number - rates.number, rates.number - earlier.number
@@ -262,25 +264,27 @@ class WornCycles:
         factor = _AIM / found.excess if found.excess > 0 else _GROWTH
         return max(1, int(ahead * min(max(factor, _SHRINKING), _GROWTH)))
 
-    def _cycle(
-        self,
-        number: int,
-        passed_over: int,
-        change: float,
-        errors: dict[str, float],
-        before: float,
-        rates: _Rates,
-    ) -> WornCycle:
+    def _cycle(self, progress: Progress) -> WornCycle:
+        rates = progress.rates
+        solution = with_depths(self._contacts, rates)
+        works = progress.before + rates.works
         contacts = []
         for place in range(len(self._contacts)):
-            found = contact_quantities(self._problem, rates.solution, place)
-            del found["friction_work"]  # of the cycles that were computed
-            contacts.append(found)
-        points = contact_points(self._problem, rates.solution)
-        work = before + rates.work
-        pairs = zip(self._contacts, rates.solution.states, strict=True)
-        slope = max(worn_share(contact, state) for contact, state in pairs)
-        return WornCycle(number, passed_over, change, errors, work, slope, contacts, points)
+            found = contact_quantities(self._problem, solution, place)
+            contacts.append(found | {"friction_work": float(works[place])})
+        pairs = zip(self._contacts, solution.states, strict=True)
+        return WornCycle(
+            number=rates.number,
+            passed_over=progress.passed_over,
+            pressure_change=progress.pressure_change,
+            errors=progress.errors,
+            losses=rates.works.tolist(),
+            friction_work=float(works.sum()),
+            stick_areas=rates.stick_areas,
+            depth_over_width=max(worn_share(contact, state) for contact, state in pairs),
+            contacts=contacts,
+            points=contact_points(self._problem, solution),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -295,11 +299,27 @@ class _Ahead:
         excess: By how much the jump is longer than it should be.
     """
 
-    guessed: _Rates
-    rates: _Rates
+    guessed: Rates
+    rates: Rates
     pressure_change: float
     errors: dict[str, float]
     excess: float
+
+
+def with_depths(contacts: list[ContactSurface], rates: Rates) -> Solution:
+    """The end of a cycle with what is worn then, without the slip that none of them has.
+
+    Args:
+        contacts: Of the problem.
+        rates: Of the cycle.
+    """
+    states = [
+        _with_depth(state, depth + more) if contact.wear.wears else state
+        for contact, state, depth, more in zip(
+            contacts, rates.solution.states, rates.begin, rates.depths, strict=True
+        )
+    ]
+    return dataclasses.replace(rates.solution, states=states)
 
 
 def _with_depth(state: ContactState, depth: Array) -> ContactState:

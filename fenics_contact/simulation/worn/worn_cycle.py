@@ -1,4 +1,4 @@
-"""What is said of cycles of loads that wear: which, how far they are passed over, what came out."""
+"""What is said of cycles of loads that wear: which they are, and what came out of each."""
 
 from __future__ import annotations
 
@@ -6,32 +6,15 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from fenics_contact.common.errors import InputError
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.scene.loading.load_paths import require_back
 from fenics_contact.scene.scene import Scene
 
-
-@dataclass(frozen=True)
-class Jumps:
-    """How far cycles are passed over.
-
-    Attributes:
-        pressure_change: Largest change of a pressure in a jump, over the largest pressure.
-        error: About the largest estimated error at the end of all: of the depths over the deepest,
-            and of the volume over itself.
-        fixed: How many cycles further on every next one is, in place of the control; None with it.
-    """
-
-    pressure_change: float = 0.2
-    error: float = 0.01
-    fixed: int | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("pressure_change", "error", "fixed"):
-            value = getattr(self, name)
-            if value is not None and not value > 0:
-                raise InputError(f"{name} = {value}: must be > 0")
+# Of a cycle: so much before its begin stands the step after which what was worn is in the gap.
+SETTLING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +27,9 @@ class WornCycle:
         pressure_change: Largest change of a pressure since then, over the largest pressure.
         errors: Estimated error of all jumps so far: ``worn_volume`` (volume) and
             ``max_wear_depth`` (length), absolute.
+        losses: What friction dissipates in it at each contact (energy).
         friction_work: To the end of the cycle (energy).
+        stick_areas: Of each contact what touched in the cycle and never slipped (area).
         depth_over_width: Deepest wear over half the width that is worn, about a slope; beyond .1
             the linear theory of gaps ends.
         contacts: Quantities of each contact at its end, in scene order.
@@ -55,7 +40,9 @@ class WornCycle:
     passed_over: int
     pressure_change: float
     errors: dict[str, float]
+    losses: list[float]
     friction_work: float
+    stick_areas: list[float]
     depth_over_width: float
     contacts: list[dict[str, Any]]
     points: ContactPoints
@@ -74,6 +61,8 @@ class WornCycle:
 def one_cycle(scene: Scene, begin: float | None, cycles: int | None) -> tuple[Scene, float, int]:
     """A scene whose load steps end with the first of its cycles; their begin, and how many.
 
+    Cycles begin at the end of a load step, and something wears.
+
     Args:
         scene: Any.
         begin: In place of that of its ``cycles``.
@@ -85,7 +74,8 @@ def one_cycle(scene: Scene, begin: float | None, cycles: int | None) -> tuple[Sc
     """
     said = scene.cycles
     if said is not None:
-        once = dataclasses.replace(scene, cycles=dataclasses.replace(said, number=1))
+        first = dataclasses.replace(said, number=1, jumps=None, until="end")
+        once = dataclasses.replace(scene, cycles=first)
         scene = dataclasses.replace(scene, cycles=None, steps=once.load_steps)
         begin = said.begin if begin is None else begin
         cycles = said.number if cycles is None else cycles
@@ -93,8 +83,26 @@ def one_cycle(scene: Scene, begin: float | None, cycles: int | None) -> tuple[Sc
         raise InputError("begin and cycles are missing, and the scene has no [cycles]")
     if cycles < 1:
         raise InputError(f"cycles = {cycles}: must be >= 1")
+    _require_cycle(scene, begin)
+    return scene, begin, cycles
+
+
+def _require_cycle(scene: Scene, begin: float) -> None:
+    """That the load steps end with a cycle at whose end loads are as at its begin.
+
+    Raises:
+        InputError: They do not, or nothing wears.
+    """
+    times = np.array(scene.steps.all_times)
+    close = SETTLING * (times[-1] - begin)
+    if scene.steps.automatic or not (np.abs(times - begin) <= close).any() or begin >= times[-1]:
+        raise InputError(
+            f"begin = {begin:g}: a cycle begins at the end of a load step and has others to "
+            "its own end, the last of all, none of them automatic"
+        )
+    if not any(contact.wear for contact in scene.contact):
+        raise InputError("contact.wear is missing: nothing changes from cycle to cycle")
     try:
         require_back(scene, begin, scene.steps.last)
     except ValueError as error:
         raise InputError(str(error)) from None
-    return scene, begin, cycles

@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 from fenics_contact.common.atomic_files import append, make_folder, replace_file
 from fenics_contact.common.parallel import on_root
-from fenics_contact.simulation.studies.worn_cycle import WornCycle
+from fenics_contact.simulation.worn.worn_cycle import WornCycle
 
 #: A row a cycle that was computed.
 HISTORY = "wear.csv"
@@ -26,15 +26,21 @@ class WornFiles:
 
     Args:
         comm: Ranks that have the cycles; collective, as all.
-        folder: Where to; tables that are there are replaced.
+        folder: Where to.
+        kept: Number of the cycle up to which tables that are there are kept; 0 to replace them.
 
     Raises:
         MachineError: It cannot be made.
     """
 
-    def __init__(self, comm: MPI.Comm, folder: Path) -> None:
-        self._comm, self._folder, self._is_begun = comm, folder, False
-        on_root(comm, lambda: make_folder(folder))
+    def __init__(self, comm: MPI.Comm, folder: Path, kept: int = 0) -> None:
+        self._comm, self._folder = comm, folder
+
+        def begin() -> bool:
+            make_folder(folder)
+            return all([_kept(folder / name, kept) for name in (HISTORY, PROFILES)])
+
+        self._is_begun = on_root(comm, begin)
 
     def add(self, cycle: WornCycle) -> None:
         """Append a cycle.
@@ -63,6 +69,21 @@ class WornFiles:
         (append if self._is_begun else replace_file)(path, text.getvalue().encode())
 
 
+def _kept(path: Path, last: int) -> bool:
+    """Keep the rows of a table up to a cycle; whether there are any.
+
+    Args:
+        path: Of the table.
+        last: Number of the cycle.
+    """
+    if last == 0 or not path.exists():
+        return False
+    head, *rows = path.read_text(encoding="utf-8").splitlines(keepends=True) or [""]
+    kept = [row for row in rows if row.endswith("\n") and int(row.partition(",")[0]) <= last]
+    replace_file(path, "".join([head, *kept]).encode())
+    return bool(kept)
+
+
 def _row(cycle: WornCycle) -> dict[str, Any]:
     return {
         "cycle": cycle.number,
@@ -74,18 +95,20 @@ def _row(cycle: WornCycle) -> dict[str, Any]:
         "max_wear_depth_error": cycle.errors["max_wear_depth"],
         "depth_over_width": cycle.depth_over_width,
         "friction_work": cycle.friction_work,
-        **_of_contacts(cycle.contacts),
+        **_of_contacts(cycle),
     }
 
 
-def _of_contacts(contacts: list[dict[str, Any]]) -> Mapping[str, Any]:
+def _of_contacts(cycle: WornCycle) -> Mapping[str, Any]:
     """Of the only contact by their names, of several by the contact's number as well."""
-    several = len(contacts) > 1
-    return {
-        f"contact.{number}.{name}" if several else name: found[name]
-        for number, found in enumerate(contacts)
-        for name in _OF_CONTACTS
-    }
+    row: dict[str, Any] = {}
+    several = len(cycle.contacts) > 1
+    of_all = zip(cycle.contacts, cycle.stick_areas, cycle.losses, strict=True)
+    for number, (found, sticks, loss) in enumerate(of_all):
+        own = {name: found[name] for name in _OF_CONTACTS}
+        own |= {"stick_area_of_cycle": sticks, "friction_loss": loss}
+        row |= {f"contact.{number}.{name}" if several else name: own[name] for name in own}
+    return row
 
 
 def _profiles(cycle: WornCycle) -> Iterator[dict[str, Any]]:

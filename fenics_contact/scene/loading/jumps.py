@@ -1,0 +1,94 @@
+"""How far cycles that wear may be passed over: a table of its own in a scene, ``cycles.jumps``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from pydantic import Field
+
+from fenics_contact.scene.values import Integer, Number, scene_class
+
+if TYPE_CHECKING:
+    from fenics_contact.scene.scene import Scene
+
+
+@scene_class
+class Jumps:
+    """How far cycles that wear are passed over, by what those that are computed wear.
+
+    >>> Jumps().pressure_change, Jumps(error=0.001).error
+    (0.2, 0.001)
+    """
+
+    pressure_change: Annotated[
+        Number,
+        Field(gt=0, description="largest change of a pressure in a jump, over the largest one"),
+    ] = 0.2
+    error: Annotated[
+        Number,
+        Field(
+            gt=0,
+            description="about the largest estimated error of all jumps in the end: of the depths "
+            "over the deepest, and of the worn volume over itself",
+        ),
+    ] = 0.01
+    fixed: Annotated[
+        Annotated[Integer, Field(ge=1)] | None,
+        Field(
+            description="how many cycles further on every next one is that is computed, in place "
+            "of the control; by default there is control"
+        ),
+    ] = None
+
+
+def require_wear(scene: Scene) -> None:
+    """Refuse cycles that end, or are passed over, in a way that does not go with wear.
+
+    Raises:
+        ValueError: In words.
+    """
+    cycles = scene.cycles
+    worn = next((number for number, one in enumerate(scene.contact) if one.wear), None)
+    if cycles is None:
+        return
+    if cycles.jumps is not None:
+        _require_jumps(scene, worn)
+    elif worn is not None and cycles.until == "closed":  # closed loops still wear
+        raise ValueError(
+            f"cycles.until = 'closed': contact[{worn}] has a wear, which goes on when the loop is "
+            "closed; set until = 'end', or say how far cycles may be passed over: jumps = {}"
+        )
+
+
+def _require_jumps(scene: Scene, worn: int | None) -> None:
+    """That cycles can be passed over.
+
+    Args:
+        scene: Whose cycles have jumps.
+        worn: Number of a contact that wears, if there is one.
+    """
+    assert scene.cycles is not None
+    if worn is None:
+        raise ValueError(
+            "cycles.jumps: no contact wears, so that nothing grows from cycle to cycle; leave it "
+            "out: cycles that repeat are not computed again"
+        )
+    if scene.steps.automatic:
+        raise ValueError("cycles.jumps: every cycle has the same load steps; set automatic = false")
+    if scene.cycles.begin == 0:
+        raise ValueError(
+            "cycles.jumps: begin = 0; the first cycle must begin at the end of a load step, with "
+            "which the loads have grown"
+        )
+    others = {
+        "accuracy": scene.accuracy is not None,
+        "derivatives": scene.derivatives is not None,
+        "fretting": scene.fretting is not None,
+        "solver.branches": scene.solver.branches,
+        f"solver.solver = '{scene.solver.solver}'": scene.solver.solver in ("full", "iterative"),
+    }
+    for key, is_said in others.items():
+        if is_said:
+            raise ValueError(
+                f"{key}: cycles are passed over on one condensed body, without this; leave it out"
+            )
