@@ -49,7 +49,7 @@ class QuantityGradient:
     def __init__(self, adjoint: CondensedAdjoint, step: AcceptedStep, state: StateGradient) -> None:
         self._problem = problem = adjoint.problem
         self._step = step
-        self._adjoint, self._energy = adjoint, state.energy
+        self._adjoint, self._energy, self._resultant = adjoint, state.energy, state.resultant
         numbered = list(enumerate(problem.contacts))
         tractions = [self._traction(number, state) for number, _ in numbered]
         start = adjoint.opposing(tractions)
@@ -120,7 +120,11 @@ class QuantityGradient:
             found += self._along_columns(change)
         if change.modulus is not None:
             found += self._along_modulus(*change.modulus)
+        itself = 0.0
+        if change.of_resultants and self._resultant is not None:
+            itself = change.of_resultants * self._resultant()
         if problem.comm.rank == 0:
+            found += itself
             scalars = self.multipliers.scalars
             found += sum(float(scalars[place] * by) for place, by in change.scalars.items())
         return float(total(problem.comm, found))

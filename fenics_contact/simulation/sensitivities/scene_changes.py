@@ -30,8 +30,7 @@ _MODULI = ("youngs_modulus", "poissons_ratio")
 # Why numbers have none that answers do follow.
 _WHY = {
     "mesh": "cells would be others, from which answers jump more than they change; compare runs",
-    "thickness": "stresses do not follow it, and forces are in proportion to it, unless a force is "
-    "given: then stresses are those of a force so many times smaller; derive by the force",
+    "thickness": "where it varies, stresses follow it; one that is a number has",
 }
 
 
@@ -46,6 +45,7 @@ class Change:
         scalars: Number of a scalar unknown → the right-hand side of its equation.
         columns: Number of a scalar unknown → its column of the far field.
         modulus: Number of a material and name of its modulus, if it is one.
+        of_resultants: What forces and energies change by, over themselves, with all else the same.
     """
 
     load: Array | None = None
@@ -54,6 +54,20 @@ class Change:
     scalars: Mapping[int, float] = field(default_factory=dict)
     columns: Mapping[int, Array] = field(default_factory=dict)
     modulus: tuple[int, str] | None = None
+    of_resultants: float = 0.0
+
+    def added(self, other: Change) -> Change:
+        """Both together, of changes of supports and of scalars alone."""
+        moved = [one.prescribed for one in (self, other) if one.prescribed is not None]
+        scalars = dict(self.scalars)
+        for place, value in other.scalars.items():
+            scalars[place] = scalars.get(place, 0.0) + value
+        return replace(self, prescribed=sum(moved) if moved else None, scalars=scalars)
+
+    def times(self, factor: float) -> Change:
+        """A multiple, likewise."""
+        moved = None if self.prescribed is None else factor * self.prescribed
+        return Change(prescribed=moved, scalars={n: factor * v for n, v in self.scalars.items()})
 
 
 class SceneChanges:
@@ -81,6 +95,8 @@ class SceneChanges:
             raise _refused(key, "it is chosen automatically, and held")
         if isinstance(value, bool) or not isinstance(value, float | int):
             raise _refused(key, "it is no number")
+        if key == "thickness":
+            return self._of_thickness(float(value))
         group, number, *rest = [*key.split("."), "", ""]
         rest = [name for name in rest if name]
         kinds = {
@@ -95,6 +111,20 @@ class SceneChanges:
                 key, _WHY.get(group, "answers do not follow it smoothly, or not by itself")
             )
         return kinds[group](key, int(number), rest)
+
+    def _of_thickness(self, thickness: float) -> Change:
+        """Stresses are those of forces that are so many times smaller, where forces are given."""
+        found = Change(of_resultants=1 / thickness)
+        for number, preload in enumerate(self.problem.preloads):
+            own = self._of_preload(f"preload.{number}.force", number, ["force"])
+            found = found.added(own.times(-preload.scene.force / thickness))
+        for number, contact in enumerate(self.problem.contacts):
+            if contact.floats:
+                obstacle = contact.contact.obstacle
+                assert obstacle is not None and obstacle.force is not None
+                own = self._of_force(number, contact)
+                found = found.added(own.times(-obstacle.force / thickness))
+        return found
 
     def _of_load(self, key: str, number: int, rest: list[str]) -> Change:
         problem, load = self.problem, self.problem.scene.load[number]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -21,6 +22,13 @@ from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, VECTORS, Quantit
 from fenics_contact.scene.values import AXES
 from fenics_contact.solve.condensed.adjoint import BodyGradient
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.error_estimates.measured import measured
+
+# Quantities of plane models that are in proportion to the thickness, all else being the same.
+_OF_THE_THICKNESS = (
+    *("normal_force", "pressure_integral", "friction_force", "contact_force", "reaction"),
+    *("friction_work", "penalty_energy", "strain_energy", "external_work"),
+)
 
 
 @dataclass(eq=False)
@@ -32,12 +40,15 @@ class StateGradient:
         scalars: In the scalar unknowns, beside what these do to jumps and displacements.
         body: In the body, None where the contacts tell all of it.
         energy: How often the strain energy is in it: of that, stiffness is a part.
+        resultant: Gives the quantity itself, in the same state, where it is one of the whole
+            thickness, as forces and energies are; collective.
     """
 
     contacts: list[AnswerGradient]
     scalars: Array
     body: BodyGradient | None = None
     energy: float = 0.0
+    resultant: Callable[[], float] | None = None
 
     @classmethod
     def none(cls, problem: Problem) -> StateGradient:
@@ -105,7 +116,14 @@ class Quantities:
         else:
             for number in self._contacts_of(name, text):
                 self._of_contacts[name.quantity](found, number, name)
+        if name.quantity in _OF_THE_THICKNESS:
+            found.resultant = partial(self._value, name)
         return found
+
+    def _value(self, name: QuantityName) -> float:
+        """Of the answer, in its state; collective."""
+        value = measured(self.problem, self.solution)[self.problem.scene.names.key(name)]
+        return float(value if name.axis is None else np.asarray(value)[name.axis])
 
     @property
     def _of_body(self) -> dict[str, Callable[[StateGradient, QuantityName], None]]:

@@ -12,6 +12,7 @@ from fenics_contact.evaluate.quantities import (
     preload_records,
     support_records,
 )
+from fenics_contact.problem.problem import Problem
 from fenics_contact.results.quantities import QUANTITIES, QuantityValue, reactions_by_name
 from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
 from fenics_contact.scene.quantity_names import OF_PRELOADS, OfPreload, Reaction
@@ -34,22 +35,28 @@ class Measured:
     def __call__(self, solution: Solution) -> dict[Hashable, QuantityValue]:
         """Of a solution; collective."""
         if solution is not self._answer:
-            return self._measured(solution)
+            return measured(self._problem, solution)
         if not self._of_answer:
-            self._of_answer = self._measured(solution)
+            self._of_answer = measured(self._problem, solution)
         return self._of_answer
 
-    def _measured(self, solution: Solution) -> dict[Hashable, QuantityValue]:
-        problem = self._problem
-        forces = BulkForces(problem, solution)
-        supports = support_records(forces)
-        contacts = [contact_quantities(problem, solution, i) for i in range(len(problem.contacts))]
-        every = global_quantities(forces, contacts)
-        found: dict[Hashable, QuantityValue] = _known(every)
-        found.update(problem.points.quantities(solution.displacement))
-        for number, of_contact in enumerate(contacts):
-            found |= {(number, name): value for name, value in _known(of_contact).items()}
-        return found | _reactions(supports) | _preloads(preload_records(problem, solution))
+
+def measured(problem: Problem, solution: Solution) -> dict[Hashable, QuantityValue]:
+    """Quantities of a solution in whose state a problem is, by ``Measured``'s keys; collective.
+
+    Args:
+        problem: The model.
+        solution: The solution.
+    """
+    forces = BulkForces(problem, solution)
+    supports = support_records(forces)
+    contacts = [contact_quantities(problem, solution, i) for i in range(len(problem.contacts))]
+    every = global_quantities(forces, contacts)
+    found: dict[Hashable, QuantityValue] = _known(every)
+    found.update(problem.points.quantities(solution.displacement))
+    for number, of_contact in enumerate(contacts):
+        found |= {(number, name): value for name, value in _known(of_contact).items()}
+    return found | _reactions(supports) | _preloads(preload_records(problem, solution))
 
 
 def recorded(

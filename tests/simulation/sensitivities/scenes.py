@@ -217,6 +217,23 @@ TABLE = {
         "seat.normal_force bolt.elongation strain_energy external_work bottom.reaction_y",
         *("preload.0.force", FORCE),
     ),
+    "a plate with a bolt": derived(
+        dataclasses.replace(
+            with_changes(CASES["bolt"][0], BOLT), kinematics="plane stress", thickness=0.4
+        ),
+        CASES["bolt"][1],
+        "seat.normal_force bolt.elongation strain_energy external_work bottom.reaction_y "
+        "max_contact_pressure penalty_energy",
+        *("thickness", "preload.0.force", FORCE),
+    ),
+    "a plate, in load steps": derived(
+        dataclasses.replace(
+            dragged(THREE, driven={"force": 2.0}), kinematics="plane stress", thickness=0.4
+        ),
+        block,
+        "friction_force_x indentation max_contact_pressure strain_energy normal_force max_slip",
+        *("thickness", FORCE, MU, MOVED),
+    ),
     "nearly incompressible": case(
         "nearly incompressible",
         {},
@@ -387,6 +404,6 @@ SAMPLE = [
         "micro-slip, in load steps",
         "friction around points of rings",
     ),
-    *("pressure by a formula", "glued", "a pressure that comes and goes"),
+    *("pressure by a formula", "glued", "a pressure that comes and goes", "a plate, in load steps"),
     *("pressed by a force, in load steps", "two materials"),
 ]

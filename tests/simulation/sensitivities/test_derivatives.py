@@ -125,6 +125,28 @@ def test_derivatives_of_a_uniform_stress_are_those_of_the_formula():
     assert found["external_work"][down] == pytest.approx(-2 * force, rel=1e-8)
 
 
+def test_forces_go_with_the_thickness_unless_they_are_given():
+    """Moved down, force W t δ / c; pressed by F, it goes down by F c / (W t), c = h/E + ε₁."""
+    thickness, force, c = 0.5, 3.0, HEIGHT / 1000 + PENALTY
+    plate = dataclasses.replace(uniform_block(), kinematics="plane stress", thickness=thickness)
+    body = box_body((3, 2), (WIDTH, HEIGHT))
+    of = ["normal_force", "y1.reaction_y", "strain_energy", "max_contact_pressure"]
+    found = Study(plate, body=body).derivatives(of, ["thickness"])
+    slopes = [found[name]["thickness"] for name in of]
+    energy = WIDTH * DELTA**2 / (2 * c**2) * HEIGHT / 1000
+    assert slopes == pytest.approx([WIDTH * DELTA / c, -WIDTH * DELTA / c, energy, 0.0], rel=1e-9)
+    plane = Obstacle("plane", normal=(0.0, 1.0), force=force)
+    pressed = Contact("y0", penalty_parameter=PENALTY, obstacle=plane)
+    held = (Support("y1", {"y": 0}),)
+    plate = dataclasses.replace(plate, support=held, contact=(pressed,))
+    of = ["normal_force", "indentation", "max_contact_pressure", "strain_energy"]
+    found = Study(plate, body=body).derivatives(of, ["thickness"])
+    lengths = [force * c / WIDTH, force / WIDTH, force**2 * HEIGHT / 1000 / (2 * WIDTH)]
+    expected = [0.0, *(-length / thickness**2 for length in lengths)]
+    slopes = [found[name]["thickness"] for name in of]
+    assert slopes == pytest.approx(expected, rel=1e-8, abs=1e-8)
+
+
 def test_a_sphere_without_friction_is_that_of_hertz_but_for_the_mesh():
     """F = (4/3) E* √R d^(3/2): from cell to cell the discrete derivatives jump by some per cent."""
     ball = with_changes(BALL, {MU: 0.0, DEPTH: 0.04, "contact.0.penalty_parameter": 1e-6})
@@ -172,7 +194,7 @@ def test_all_numbers_that_have_a_derivative_are_found():
         ("normal_force", "contact.0.penalty_parameter", "it is chosen automatically, and held"),
         ("normal_force", "solver.tolerance", "answers do not follow it smoothly"),
         ("normal_force", "support.0.path.time.0", "it is part of a path"),
-        ("normal_force", "thickness", "forces are in proportion to it, unless a force is given"),
+        ("normal_force", "thickness.values.0", "where it varies, stresses follow it"),
         ("normal_force", "mesh.0.parameters.cells", "cells would be others"),
         ("normal_force", "contact.0.obstacle.normal.0", "a direction of the obstacle moves"),
     ],
@@ -181,7 +203,7 @@ def test_what_has_no_derivative_is_refused_in_a_sentence(of, by, said):
     scene = dataclasses.replace(
         ON_A_FLOOR,
         kinematics="plane stress",
-        thickness=0.5,
+        thickness=Profile("x", (0, 1), (0.5, 0.5)),
         mesh=(MeshSource("block.geo", parameters={"cells": 4.0}),),
     )
     plane = Obstacle("plane", normal=(0.0, 1.0))
