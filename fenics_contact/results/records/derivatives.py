@@ -12,8 +12,8 @@ class Derivative(Record):
     """The derivative of a quantity in a number of the scene (unit of the one over the other).
 
     Attributes:
-        value: Mean over a window in which the edges of contact and of stick move by about a cell;
-            null where there is none.
+        value: Of a parabola fitted to slopes in a window, of areas their mean, in which the edges
+            of contact and of stick move by about a cell; null where there is none.
         spread: How far derivatives of single answers in the window lie from it.
         discrete: Exact derivative of the discrete answer, automatic parameters held; null of areas
             and radii.

@@ -6,7 +6,7 @@ exact derivatives are averaged instead, along a multiple of all that loads the s
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
 from fenics_contact.body.description import BodyDescription
@@ -99,10 +99,15 @@ class Means:
         known = {name: found for name, found in values.items() if None not in found}
         first, *_, last = (answer for answer in answers if answer is not None)
         return {
-            name: window.mean([value for value in found if value is not None])
+            name: self._in(window, name)([value for value in found if value is not None])
             for name, found in known.items()
             if self._is_averaged(name, first, last)
         }
+
+    def _in(self, window: Window, name: str) -> Callable[[list[float]], Mean]:
+        """How a derivative follows from answers in a window: areas jump there."""
+        is_area = edges_of(self._scene.names.find(name).quantity) is not None
+        return window.mean if is_area else window.slope
 
     def _is_averaged(self, name: str, first: WindowAnswer, last: WindowAnswer) -> bool:
         """Whether edges move by a cell from end to end of a window, those that bound an area.

@@ -62,7 +62,8 @@ class Change:
         scalars = dict(self.scalars)
         for place, value in other.scalars.items():
             scalars[place] = scalars.get(place, 0.0) + value
-        return replace(self, prescribed=sum(moved) if moved else None, scalars=scalars)
+        prescribed = np.sum(moved, axis=0) if moved else None
+        return replace(self, prescribed=prescribed, scalars=scalars)
 
     def times(self, factor: float) -> Change:
         """A multiple, likewise."""

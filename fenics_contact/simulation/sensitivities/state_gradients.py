@@ -123,7 +123,7 @@ class Quantities:
     def _value(self, name: QuantityName) -> float:
         """Of the answer, in its state; collective."""
         value = measured(self.problem, self.solution)[self.problem.scene.names.key(name)]
-        return float(value if name.axis is None else np.asarray(value)[name.axis])
+        return float(np.atleast_1d(value)[name.axis or 0])
 
     @property
     def _of_body(self) -> dict[str, Callable[[StateGradient, QuantityName], None]]:

@@ -6,10 +6,12 @@ The contact radius is small against the obstacle's, so that this moves by little
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import sqrt
 
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.program import mesh_file
+from fenics_contact.scene.asked.derivatives import AskedDerivatives
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Discretisation, MeshSource, Scene, SolverSettings, Steps
@@ -80,6 +82,25 @@ def _mindlin(quick: bool) -> Iterator[Finding]:
         ratio = sqrt(quantities["stick_area"] / quantities["contact_area"])
         stick = (1 - share) ** (1 / 3)
         yield Finding(f"stick / radius, {at}", ratio, stick, 0.04, absolute=True)
+    if not quick:
+        yield _slope(0.6)
+
+
+def _slope(share: float) -> Finding:
+    """What the shear grows by with the coefficient of friction, as the shift stays.
+
+    δ is in proportion to μ g, g = 1 − (1 − q)^(2/3) with q = Q/μP: so dQ/dμ = P (q − g/g').
+    """
+    key, cells = "contact.0.friction_coefficient", {"fine": 1.25, "size": 0.125, "cells_outside": 5}
+    scene = sheared_scene(share, **cells)
+    solver = replace(scene.solver, errors="none")
+    asked = AskedDerivatives(("friction_force_x",), (key,))
+    result = solved(replace(scene, solver=solver, derivatives=asked))
+    found = result.derivatives["friction_force_x"][key].value
+    left = (1 - share) ** (1 / 3)
+    slope = HERTZ.force * (share - 1.5 * left * (1 - left**2))
+    value = float("nan") if found is None else 2 * abs(found)
+    return Finding(f"friction by its coefficient, Q = {share:.2f} μP", value, slope, 0.02)
 
 
 CASES: tuple[Case, ...] = (

@@ -21,6 +21,7 @@ from fenics_contact import (
 )
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.asked.derivatives import AskedDerivatives
+from fenics_contact.simulation.asked_derivatives.windows import Window
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.simulation.sensitivities.kinks import has_kink
 from tests.scenes import ROOT, box_body
@@ -100,6 +101,34 @@ def cylinder(shift, cells):
     across, down = points[:, 0] - 1, points[:, 1] - 1
     points[:, 0], points[:, 1] = (np.sinh(4 * x) / np.sinh(4) for x in (across, down))
     return scene, body, half_width, force
+
+
+@pytest.mark.parametrize("intervals", [8, 16])
+def test_slopes_in_a_window_are_those_of_a_curved_function(intervals):
+    """Exact of cubics, whose mean slope is off by h²/12 times its second derivative, with h half
+    the width; of what repeats over a cell a fifth is left."""
+    window = Window.of_boxes(0.3, 0.2, 0.2, intervals)
+    places = window.places
+    slope, spread = window.slope(places**3)
+    assert slope == pytest.approx(3 * 0.3**2, rel=1e-12) and spread < 1e-12
+    mean, _ = window.mean(places**3)
+    assert mean == pytest.approx(3 * 0.3**2 + 6 * 0.2**2 / 12, rel=1e-2)
+    waves = [window.slope(np.sin(2 * np.pi * places / 0.2 + phase))[0] for phase in range(6)]
+    assert np.abs(waves).max() < 0.25 * 2 * np.pi / 0.2
+
+
+def test_friction_under_a_given_shift_follows_the_coefficient():
+    """Against differences of runs on a finer mesh, to order 4 in their steps."""
+    scene, body, *_ = cylinder(0.008, 60)
+    result = run(asking(scene, ("friction_force_x",), (MU,)), body=body)
+    scene, body, *_ = cylinder(0.008, 120)
+    finer, step = Study(scene, body=body), 0.03
+    nearest, next_ones = (
+        np.diff([finer.quantities({MU: 0.3 + d}).quantities["friction_force"][0] for d in (-w, w)])
+        for w in (step, 2 * step)
+    )
+    expected = float((8 * nearest - next_ones)[0]) / (12 * step)
+    assert result.derivatives["friction_force_x"][MU].value == pytest.approx(expected, rel=0.02)
 
 
 def test_the_half_width_that_sticks_follows_the_coefficient_as_cattaneo_has_it():
