@@ -18,7 +18,8 @@ from fenics_contact.evaluate.quantities import (
 )
 from fenics_contact.problem.problem import Problem
 from fenics_contact.simulation.step_history import StepHistory
-from fenics_contact.solve.load_steps.load_steps import LoadSteps, solve
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.solve.memory import unknowns
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution

@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     )
     from fenics_contact.scene.loading.cycles import Cycles
     from fenics_contact.scene.loading.jumps import Jumps
+    from fenics_contact.scene.loading.motion import Motion
     from fenics_contact.scene.material import Material
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
@@ -93,6 +94,7 @@ __all__ = [
     "Measured",
     "MeshSource",
     "MicroSlipFriction",
+    "Motion",
     "NoEquilibriumError",
     "NonlocalFriction",
     "NormalCompliance",
@@ -152,6 +154,7 @@ _MODULES = {
     "scene.accuracy": ("Accuracy",),
     "scene.loading.cycles": ("Cycles",),
     "scene.loading.jumps": ("Jumps",),
+    "scene.loading.motion": ("Motion",),
     "scene.asked.derivatives": ("AskedDerivatives",),
     "scene.asked.fretting": ("FatigueLimits", "Fretting", "StrainLifeLine"),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),

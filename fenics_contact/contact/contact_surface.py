@@ -66,6 +66,8 @@ class ContactSurface:
         wear: What slip wears off.
         work: Of friction and of what goes back along it.
         own_arrays: What these keep of their own at the points, and results have.
+        friction_weight: How often its friction counts beside its pressure, in what Newton's method
+            balances: twice in steps of motion.
         by_points: Whether forces and tangents are worked out point by point, without the compiled
             forms: the same numbers, sooner where points are few; for nodal points only.
     """
@@ -99,6 +101,7 @@ class ContactSurface:
         self.normal: NormalLaw = acting_law(contact)(site)
         self.friction: FrictionLaw = friction_law(site, self.normal)
         self.by_points = False
+        self.friction_weight = 1.0
         before = self.kinematics.gap
         if self.is_one_sided:  # where they overlap at first, pressure pushes the overlap out
             before = np.maximum(before, 0.0)
@@ -152,6 +155,10 @@ class ContactSurface:
         laws: tuple[NormalLaw | FrictionLaw, ...] = (self.normal, self.friction)
         return [law for law in laws if law.follows_jump]
 
+    def weight_of(self, law: NormalLaw | FrictionLaw) -> float:
+        """How often a law of it counts in what Newton's method balances."""
+        return self.friction_weight if law is self.friction else 1.0
+
     @property
     def can_go_by_points(self) -> bool:
         """Whether all points are nodes, and its laws say what they do at points."""
@@ -166,10 +173,10 @@ class ContactSurface:
         return self.trace.at_all_nodes(self.trace.weights[:, None] * law.at_points())
 
     def all_forces(self) -> Array:
-        """Forces of both laws at all nodes of its surface; collective."""
+        """Forces of both laws at all nodes of its surface, friction by its weight; collective."""
         if not self.by_points:
-            return self.normal.force() + self.friction.force()
-        traction = self.normal.at_points() + self.friction.at_points()
+            return self.normal.force() + self.friction_weight * self.friction.force()
+        traction = self.normal.at_points() + self.friction_weight * self.friction.at_points()
         return self.trace.at_all_nodes(self.trace.weights[:, None] * traction)
 
     def given_forces(self) -> list[tuple[Array, Callable[[float], float]]]:

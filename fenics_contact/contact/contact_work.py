@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.contact.last_step import LastStep
 from fenics_contact.contact.laws.friction.law import FrictionLaw
 from fenics_contact.contact.laws.normal.law import NormalLaw
@@ -34,10 +35,16 @@ class ContactWork:
             state: At its end, before it is accepted.
         """
         friction, last = self._friction, self._last
-        in_step = last.dissipation(state, friction.sliding(state.slip))
+        in_step = last.dissipation(state, self._slip_in_step(state))
         before = last.state.friction_traction
         work = friction.work(in_step, before, state.friction_traction, state.slip)
         return float(self._trace.integral(work))
+
+    def _slip_in_step(self, state: ContactState) -> Array:
+        """Slip of the present step, less what goes back, (points, components) (length)."""
+        if self._last.acts_all_along:  # friction counts slip from elsewhere, by the velocity
+            return state.slip - self._last.state.slip
+        return self._friction.sliding(state.slip)
 
     def of_friction(self, state: ContactState) -> float:
         """Dissipated since the start: in all steps, or by the static law (energy).
@@ -67,5 +74,5 @@ class ContactWork:
         if self._normal.pushes_only:
             left += self._last.open_pressing(state)
         if self._friction.rubs:
-            left += self._last.open_friction(state, self._friction.sliding(state.slip))
+            left += self._last.open_friction(state, self._slip_in_step(state))
         return float(self._trace.integral(left))

@@ -22,12 +22,14 @@ class LastStep:
             overlap is none yet (length).
         dissipated: Work of friction in the load steps that are done (force × length).
         left_open: Work of pressures, where a gap was measured anew between steps (likewise).
+        acts_all_along: Whether friction at the end of a step acts in all of it, as in motion.
     """
 
     def __init__(self, at_rest: ContactState, gap: Array) -> None:
         self.state = at_rest
         self.gap = gap
         self.dissipated, self.left_open = 0.0, 0.0
+        self.acts_all_along = False
         # What laws keep of their own, they remember themselves.
         self._names = [field.name for field in fields(at_rest) if field.name != "own"]
 
@@ -35,6 +37,10 @@ class LastStep:
         """At which points the status changed in the step, if only in between, as in slip back."""
         turned = np.einsum("ij,ij->i", self.state.friction_traction, state.friction_traction) < 0
         return np.asarray((state.status != self.state.status) | (turned & (state.status == SLIP)))
+
+    def _takes_end(self, state: ContactState) -> Flags:
+        """At which points friction at the end of the step is that of the step."""
+        return self.changed(state) | self.acts_all_along
 
     def dissipation(self, state: ContactState, slip: Array) -> Array:
         """Work of friction in a step (energy/area).
@@ -46,7 +52,7 @@ class LastStep:
             state: At the end of the step.
             slip: In the step, without what goes back, (points, components) (length).
         """
-        ends = self.changed(state)[:, None]
+        ends = self._takes_end(state)[:, None]
         traction = state.friction_traction
         mean = np.where(ends, traction, 0.5 * (self.state.friction_traction + traction))
         return np.asarray(0.0 - np.einsum("ij,ij->i", mean, slip))
@@ -62,6 +68,8 @@ class LastStep:
 
     def open_friction(self, state: ContactState, slip: Array) -> Array:
         """How far ``dissipation`` is from the trapezoidal rule everywhere (energy/area)."""
+        if self.acts_all_along:
+            return np.zeros(len(slip))
         beyond = 0.5 * (state.friction_traction - self.state.friction_traction)
         return np.where(self.changed(state), np.abs(np.einsum("ij,ij->i", beyond, slip)), 0.0)
 

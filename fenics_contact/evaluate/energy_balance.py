@@ -26,7 +26,7 @@ _ROUND_OFF = 1e-9
 # Of the work done: what a contact may do to the balance besides what is known to be left open.
 _SHARE = 0.02
 
-_OF_OBSTACLES = ("forces", "motions")
+_OF_OBSTACLES = ("pressures", "frictions", "motions")
 _SUMS = ("work", "done", "round_off", "left_open", "changed")
 
 
@@ -54,6 +54,8 @@ class EnergyBook:
         self._last |= {name: np.zeros(shape) for name in _OF_OBSTACLES}
         self._last |= {"preloads": np.zeros((len(problem.preloads), 2))}
         self._overlaps: list[Array | float] = [0.0] * len(problem.contacts)
+        inertia = problem.inertia
+        self._first = 0.0 if inertia is None else inertia.kinetic_energy(inertia.state.velocity)
 
     def count(self, forces: NeededForces) -> None:
         """Count a step that was accepted, before slip is counted anew; collective.
@@ -86,12 +88,16 @@ class EnergyBook:
         """In a step, of what stands opposite; it becomes the last step's; collective."""
         contact = self._problem.contacts[number]
         kinematics, state, before = contact.kinematics, solution.states[number], contact.last_step
-        pushed = solution.contact_force[number][contact.owned_nodes].sum(axis=0)
-        force = np.asarray(total(contact.spaces.comm, pushed))
+        every = solution.normal_force[number], solution.friction_force[number]
+        own = np.stack([force[contact.owned_nodes].sum(axis=0) for force in every])
+        pressed, rubbed = total(contact.spaces.comm, own)
         motion = kinematics.motion
-        forces, motions = self._last["forces"], self._last["motions"]
-        work = float(0.5 * (forces[number] + force) @ (motion - motions[number]))
-        forces[number], motions[number] = force, motion
+        pressures, frictions, motions = (self._last[name] for name in _OF_OBSTACLES)
+        if before.acts_all_along:
+            frictions[number] = rubbed
+        mean = 0.5 * (pressures[number] + pressed + frictions[number] + rubbed)
+        work = float(mean @ (motion - motions[number]))
+        pressures[number], frictions[number], motions[number] = pressed, rubbed, motion
         overlap = kinematics.interference - kinematics.worn
         pushed_in = overlap - self._overlaps[number]
         self._overlaps[number] = overlap
@@ -138,7 +144,13 @@ class EnergyBook:
     def open_share(self) -> float:
         """``left_open``, in steps and between them, over the work done; 0 without a path."""
         between = sum(contact.last_step.left_open for contact in self._problem.contacts)
-        return (self.left_open + between) / self.done if self.applies and self.done > 0 else 0.0
+        size = self._size
+        return (self.left_open + between) / size if self.applies and size > 0 else 0.0
+
+    @property
+    def _size(self) -> float:
+        """What is brought in altogether: by work, and by velocities at the start (energy)."""
+        return self.done + self._first
 
     def quantities(self, quantities: Mapping[str, Any]) -> dict[str, float]:
         """``external_work`` along the steps, and the ``energy_defect`` that it leaves.
@@ -148,8 +160,9 @@ class EnergyBook:
         """
         if not self._problem.scene.load_steps.several:
             return {}  # of a single step, the work of the final forces is given
-        kept = ("strain_energy", "penalty_energy", "friction_work", "elastic_slip_energy")
-        defect = self.work - sum(float(quantities.get(key, 0.0)) for key in kept)
+        stored = ("strain_energy", "penalty_energy", "elastic_slip_energy", "kinetic_energy")
+        kept = (*stored, "friction_work")
+        defect = self._first + self.work - sum(float(quantities.get(key, 0.0)) for key in kept)
         balance = {"energy_defect": defect} if self.applies else {}
         return {"external_work": self.work, **balance}
 
@@ -159,12 +172,13 @@ class EnergyBook:
         Args:
             quantities: Of the last step.
         """
-        if not self.applies or self.done == 0:
+        size = self._size
+        if not self.applies or size == 0:
             return None
-        limit = _ROUND_OFF + self.round_off / self.done + self.open_share
+        limit = _ROUND_OFF + self.round_off / size + self.open_share
         if self.changed:
             limit += _SHARE
-        return Check(abs(quantities["energy_defect"]) / self.done, limit)
+        return Check(abs(quantities["energy_defect"]) / size, limit)
 
 
 def _work_at_edges(

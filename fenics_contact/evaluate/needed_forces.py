@@ -44,9 +44,11 @@ class NeededForces(ABC):
         load: The loads, (nodes, components) (force).
         contacts: Forces of all contacts on the body, likewise.
         tells_inside: Whether displacements inside the body are known.
+        rests: Whether nothing has inertia, so that loads, contacts and supports are in balance.
     """
 
     tells_inside: ClassVar[bool]
+    rests: ClassVar[bool] = True
 
     def __init__(self, problem: Problem, solution: Solution) -> None:
         self.problem, self.solution = problem, solution

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import ufl
@@ -30,6 +30,7 @@ class ActingLoad(ABC):
     """A load of a scene with its values in UFL.
 
     Attributes:
+        is_of_volume: Whether it acts inside the body, as a weight does.
         value: Vector, of a pressure a scalar (stress, or force over volume).
         group: What it acts on.
         spaces: Those of the body.
@@ -37,6 +38,7 @@ class ActingLoad(ABC):
         key: Of the load, for messages.
     """
 
+    is_of_volume: ClassVar[bool] = False
     value: Expr
     group: Group
     spaces: Spaces
@@ -129,6 +131,8 @@ class Pressure(ActingLoad):
 
 class BodyForce(ActingLoad):
     """A force over the volume of a part of the body."""
+
+    is_of_volume: ClassVar[bool] = True
 
     @property
     def _measure(self) -> ufl.Measure:

@@ -27,6 +27,7 @@ from fenics_contact.contact.surface.supports import SurfaceSupports
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.far_field import FarField
+from fenics_contact.problem.inertia.inertia import Inertia
 from fenics_contact.problem.loads import GivenLoad, given_loads
 from fenics_contact.problem.scalar_unknowns import (
     Indentation,
@@ -79,11 +80,13 @@ class Problem:
         own_arrays: What their laws keep of their own at the points, and results have.
         unknowns: Scalars that are found together with the displacements, those of preloads last.
         preloads: In scene order.
+        inertia: Masses, and what a step of motion begins from, where bodies move.
         far_field: The outer boundary of a half-space, or None.
         points: Where the displacement is a quantity.
         loads: Those of the scene that are not zero.
         elastic: ½ a(·, ·): law, compiled forms, stress.
-        load: Present nodal loads with the prescribed contact pressures, (nodes, components).
+        given_load: Present nodal loads with the prescribed contact pressures, (nodes, components).
+        load: What acts at the nodes in the balance to solve: the same, but in a step of motion.
         pressure_load: The part of it that is prescribed contact pressures.
         disturbance: Nodal loads over pseudo-time besides the scene's, to see what they do, or None.
         tightening: Forces of preloads over pseudo-time besides the scene's, likewise, (preloads,).
@@ -105,6 +108,7 @@ class Problem:
         self.body = self.spaces.body
         self.comm = self.spaces.comm
         self.disturbance: Array | None = None
+        self.inertia: Inertia | None = None
         self._shares: list[float] | None = None  # of the loads, at the present time
         self.tightening = np.zeros(len(scene.preload))
         self.stabilisation: list[AppliedSupport] = []
@@ -149,6 +153,7 @@ class Problem:
                 for load in self.loads
             ]
             self._pressures = self._assemble_pressures()
+            self.inertia = self._place_masses()
             self.set_time(scene.load_steps.all_times[-1])
 
     @classmethod
@@ -157,7 +162,8 @@ class Problem:
         timings = timings or Timings()
         with timings.phase("compile"):
             discrete = DiscreteBody(BodyDescription.of(scene), body)
-        return cls(scene, discrete, timings)
+        # Of a motion there are many steps, each of little work: forms would cost more than that.
+        return cls(scene, discrete, timings, by_points=scene.motion is not None)
 
     @cached_property
     def shared_reactions(self) -> SharedReactions:
@@ -211,6 +217,21 @@ class Problem:
             self.discrete.found["supports"] = found.again(self.scene)
         return found
 
+    def _place_masses(self) -> Inertia | None:
+        """Masses where bodies move, at time 0; collective."""
+        scene = self.scene
+        if scene.motion is None:
+            return None
+        known = scene.motion, scene.material, self.spaces, self.contacts, self.constrained
+        found = Inertia(*known)
+        self._loads = [
+            (found.with_masses(nodal) if load.acting.is_of_volume else nodal, path)
+            for load, (nodal, path) in zip(self.loads, self._loads, strict=True)
+        ]
+        self.set_time(0.0)
+        found.begin(self.given_load)
+        return found
+
     def _place_far_field(self) -> FarField | None:
         """Hold the outer boundary of a half-space, by forces known or unknown."""
         if self.scene.half_space is None:
@@ -255,6 +276,13 @@ class Problem:
         mean_stress = np.zeros(0) if mixed is None else mixed.mean_stress.x.array
         return tuple(preload.state(displacement, mean_stress) for preload in self.preloads)
 
+    @property
+    def applied(self) -> Array:
+        """Sizes of the forces at the nodes that an imbalance is small against (force)."""
+        if self.inertia is None:
+            return np.abs(self.load)
+        return self.inertia.applied(self.load, self.given_load)
+
     def stick_all(self) -> None:
         """Take every contact point to stick, for a solve to begin with."""
         for contact in self.frictional:
@@ -266,6 +294,11 @@ class Problem:
         self._set_loads(time)
         for contact in self.contacts:
             contact.set_time(time)
+        if self.inertia is None:
+            self.load = self.given_load
+        else:
+            self.load = self.inertia.effective_load(self.given_load)
+            self.inertia.follow_velocities()
         for preload, more in zip(self.preloads, self.tightening, strict=True):
             preload.set_time(time, float(more))
         self.prescribed = self.supports.at(time)
@@ -284,12 +317,12 @@ class Problem:
         self.pressure_load = np.zeros((len(self.spaces.coordinates), self.spaces.components))
         for array, path in self._pressures:
             self.pressure_load += array * path(time)
-        self.load = self.pressure_load.copy()
+        self.given_load = self.pressure_load.copy()
         for array, path in self._loads:
-            self.load += array * path(time)
+            self.given_load += array * path(time)
         self._shares = shares
         if self.disturbance is not None:
-            self.load += self.disturbance * time
+            self.given_load += self.disturbance * time
             self._shares = None
 
     def _refuse_held_contacts(self) -> None:

@@ -139,6 +139,11 @@ WORDS: Mapping[str, CheckWords] = {
             "radius or thickness; linear theory measures the gap where points first were",
         },
     ),
+    "momentum_balance": CheckWords(
+        "The change of momentum of each connected part in a step of motion against the impulses of "
+        "loads, supports and contacts; over all of these, in the worst step.",
+        "momentum changes by {share} otherwise than by what acts",
+    ),
     "energy_balance": CheckWords(
         "Work done along the load steps less strain energy, penalties' energy and dissipation; "
         "over the work done.",

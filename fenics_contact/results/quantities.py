@@ -167,6 +167,22 @@ ALL = (
         needs="friction",
     ),
     Quantity(
+        "kinetic_energy",
+        "energy",
+        "½ v · M v, where bodies move (`[motion]`)",
+    ),
+    Quantity(
+        "momentum",
+        "impulse",
+        "of all that moves, a vector; of a revolution its part along the axis",
+    ),
+    Quantity(
+        "impulse",
+        "impulse",
+        "∫ `contact_force` dt since the start, a vector, where bodies move",
+        _OF_THE_ONLY.replace("; `null` with several", "; not there with several"),
+    ),
+    Quantity(
         "energy_defect",
         "energy",
         "what the load steps leave open of the balance of work and energies; not of a single step",

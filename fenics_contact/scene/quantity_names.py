@@ -17,7 +17,7 @@ from fenics_contact.scene.values import AXES
 OF_ONE_CONTACT = ("normal_force", "pressure_integral", "friction_force", "contact_force")
 
 # Those that have a component along each axis.
-VECTORS = ("friction_force", "contact_force", "reaction")
+VECTORS = ("friction_force", "contact_force", "reaction", "momentum", "impulse")
 
 OF_CONTACTS = (
     *OF_ONE_CONTACT,

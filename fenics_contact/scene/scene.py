@@ -22,6 +22,7 @@ from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.loading.jumps import require_wear
 from fenics_contact.scene.loading.load_paths import load_steps_of, require_cycles
+from fenics_contact.scene.loading.motion import Motion, require_motion
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.quantity_names import VECTORS, QuantityNames
 from fenics_contact.scene.steps import SolverSettings as SolverSettings
@@ -238,6 +239,9 @@ class Scene(HasUnits):
     cycles: Annotated[
         Cycles | None, Field(description="a piece of all load paths that runs again and again")
     ] = None
+    motion: Annotated[
+        Motion | None, Field(description="bodies have mass, and move in real time")
+    ] = None
     solver: Annotated[SolverSettings, Field(description="the nonlinear solver")] = Field(
         default_factory=SolverSettings
     )
@@ -300,6 +304,7 @@ class Scene(HasUnits):
         _require_distinct("preloads", [preload.label for preload in self.preload])
         _require_known(self)
         require_cycles(self)
+        require_motion(self)
         require_wear(self)
         require_fretting(self)
 

@@ -16,6 +16,7 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBook
 from fenics_contact.evaluate.fretting.criteria_at_places import evaluate_fretting
 from fenics_contact.evaluate.fretting.history import StressHistory
+from fenics_contact.evaluate.moving_forces import MovingForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import (
     contact_points,
@@ -49,7 +50,8 @@ from fenics_contact.simulation.worn.cycles_of_run import CyclesOfRun
 from fenics_contact.simulation.worn.worn_cycle import WornCycle, one_cycle
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
-from fenics_contact.solve.load_steps.load_steps import LoadSteps, solve
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice, choose_solver
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget
@@ -137,7 +139,7 @@ class Run:
             self.free_motion: FreeMotion = require_equilibrium(self.problem)
         self._keys = keys_asked_of(self.problem) if is_asked else []
         self.choice: SolverChoice = choose_solver(self.problem, self._kept is not None)
-        forces_of = partial(BulkForces, self.problem)
+        forces_of = partial(MovingForces if scene.motion else BulkForces, self.problem)
         kind = CycleHistory if passes_over else StepHistory
         self._history = kind(self.problem, self.timings, forces_of)
 

@@ -8,6 +8,8 @@ from typing import Any, Generic, TypeVar
 
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBook
+from fenics_contact.evaluate.momentum_book import MomentumBook
+from fenics_contact.evaluate.moving_forces import MovingForces
 from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.evaluate.quantities import (
     contact_quantities,
@@ -39,6 +41,7 @@ class StepHistory(Generic[_Forces]):
     Attributes:
         steps: What came out of each.
         book: Work and energies along them.
+        momenta: Impulses along them, where bodies move.
         solution: Nodal values of this rank of the last one, None before there is one.
         forces: Nodal forces that the bulk needs there.
         by_contact: Quantities of each contact there.
@@ -57,6 +60,7 @@ class StepHistory(Generic[_Forces]):
         """Forget all, but steps of an earlier run to go on from."""
         self.steps = list(steps)
         self.book = EnergyBook(self._problem)
+        self.momenta = MomentumBook(self._problem)
         self.solution = None
 
     def resume(self, solution: Solution, energy: Sequence[float]) -> None:
@@ -77,6 +81,9 @@ class StepHistory(Generic[_Forces]):
             solution: Of the step.
         """
         quantities = self._measure(solution)
+        if isinstance(self.forces, MovingForces):
+            quantities |= self.forces.quantities()
+            quantities |= self.momenta.count(self.forces, self.by_contact)
         quantities |= self._work_along(quantities)
         with self._timings.phase("output"):
             sizes = self._linear_range.of(solution) if self.forces.tells_inside else {}
@@ -153,6 +160,7 @@ class StepHistory(Generic[_Forces]):
         """Of the last load step; collective."""
         with self._timings.phase("output"):
             checks = run_checks(self.forces, len(self.steps))
+            checks |= {} if self.forces.rests else {"momentum_balance": self.momenta.check()}
             balance = self.book.check(self.steps[-1].quantities)
             checks |= {} if balance is None else {"energy_balance": balance}
             small = linear_range(self.steps)

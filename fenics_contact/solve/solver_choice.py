@@ -89,6 +89,8 @@ def _automatic(problem: Problem, free: float) -> SolverChoice:
     def choice(name: Name, reason: str) -> SolverChoice:
         return SolverChoice(name, reason, memory_estimate(problem, name))
 
+    if problem.inertia is not None:
+        return choice("condensed", "one factorisation of the bulk for all steps of the motion")
     if not any(contact.terms for contact in problem.contacts):
         return choice("full", "nothing to iterate on")
     condensed = choice("condensed", "one factorisation of the bulk")

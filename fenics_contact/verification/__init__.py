@@ -12,6 +12,7 @@ from fenics_contact.verification.laws import orthotropic as orthotropic_cases
 from fenics_contact.verification.laws import slip_weakening as slip_weakening_cases
 from fenics_contact.verification.laws import wear as wear_cases
 from fenics_contact.verification.memory import check as memory_check
+from fenics_contact.verification.motion import cases as motion_cases
 from fenics_contact.verification.published import cycle as cycle_cases
 from fenics_contact.verification.published import friction as friction_cases
 from fenics_contact.verification.published import hertz_pair as hertz_pair_cases
@@ -49,6 +50,7 @@ CASES: tuple[Case, ...] = (
     *orthotropic_cases.CASES,
     *wear_cases.CASES,
     *fretting_cases.CASES,
+    *motion_cases.CASES,
     *memory_check.CASES,
 )
 

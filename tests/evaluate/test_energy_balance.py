@@ -13,7 +13,7 @@ from fenics_contact.evaluate.quantities import (
     contact_quantities,
     global_quantities,
 )
-from fenics_contact.solve.load_steps.load_steps import solve
+from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 from tests.wrong_answers import with_body

@@ -70,6 +70,8 @@ def require_equilibrium(problem: Problem) -> FreeMotion:
     last = problem.scene.load_steps.last
     rigid = RigidMotions(problem)
     motions = tuple(named_motions(problem, rigid))
+    if problem.inertia is not None:  # what loads do not hold, they move
+        return FreeMotion(len(motions), 0.0, "none: bodies move", motions)
     earlier = [t for t in times_to_judge(problem.scene, problem.can_pair_anew) if t < last]
     for time in earlier:
         problem.set_time(time)

@@ -88,9 +88,9 @@ def _tables(scene: Scene) -> list[Path]:
 def cycles_of(scene: Scene) -> Cycles | None:
     """Those that loads run through: of ``[cycles]``, or as tables say it shorter by ``cycles``.
 
-    None where there are none, or tables have several periods.
+    None where there are none, or tables have several periods, and where bodies move.
     """
-    if scene.cycles is not None:
+    if scene.cycles is not None or scene.motion is not None:
         return scene.cycles
     several = [path.repetition for path in _tables(scene) if path.cycles > 1]
     if not several or len({one.period for one in several}) > 1:
@@ -128,8 +128,10 @@ def _distinct(times: list[float]) -> list[float]:
 
 
 def load_steps_of(scene: Scene) -> Steps:
-    """Load steps to the end of the last cycle: those of ``[steps]``, and of ``[cycles]``."""
+    """Load steps to the end of the last cycle: of ``[steps]`` and ``[cycles]``, or ``[motion]``."""
     steps, cycles = scene.steps, scene.cycles
+    if scene.motion is not None:
+        return scene.motion.steps
     if cycles is None:
         return steps
     if cycles.jumps is not None:

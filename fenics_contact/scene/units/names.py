@@ -35,7 +35,7 @@ class UnitNames:
         Args:
             words: Such as ``stress/length``; empty of a pure number.
         """
-        if self.per_unit_thickness and words in ("force", "energy"):
+        if self.per_unit_thickness and words in ("force", "energy", "impulse"):
             return self._of_all(f"{words}/length")
         return self._of_all(_PER_THICKNESS.get(words, words) if self.per_unit_thickness else words)
 
@@ -46,6 +46,7 @@ class UnitNames:
         power = {"area": "²", "volume": "³", "length^m": "^m"}
         named = {"length": self.length, "force": self.force}
         named |= {"stress": self.stress, "energy": self.energy, "": "", "1": "1"}
+        named |= {"time": "s", "impulse": f"{self.force}·s"}
         name = named[over] if over in named else self.length + power[over]
         if not slash:
             return name

@@ -24,7 +24,7 @@ _FREE = ("title", "steps", "solver", "mesh", "units", "derivatives", "tolerances
 # Keys that states written before they were there do not know: as long as they have their defaults
 # they do not count.
 _LATER: dict[str, dict[str, Any]] = {
-    "Scene": {"preload": (), "cycles": None},
+    "Scene": {"preload": (), "cycles": None, "motion": None},
     "Material": {"density": None},
     "Support": {"name": None},
     "Preload": {"between": None},

@@ -39,11 +39,15 @@ def with_changes(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 
 
 def refuse_accuracy(scene: Scene) -> None:
-    """One that asks for an accuracy has its own meshes.
+    """One that asks for an accuracy has its own meshes, and one that moves masses.
 
     Raises:
         InputError: It does.
     """
+    if scene.motion is not None:
+        raise InputError(
+            "motion: a study keeps the stiffness of a body at rest; solve scenes with motion by run"
+        )
     if scene.accuracy is not None:
         raise InputError(
             "accuracy: a study keeps one mesh for all answers; leave accuracy out, and look at the "

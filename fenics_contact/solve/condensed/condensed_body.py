@@ -70,6 +70,7 @@ class CondensedBody:
         timings: Seconds so far.
         schur: Gives S on rank 0, where it is known, in the order of given contact dofs; collective.
         factors: Those of a body before, which serve where a part of the body is the same.
+        stiffening: As of ``LocalStiffness``.
 
     Raises:
         MachineError: There is not the memory for the factorisation; on every rank.
@@ -84,11 +85,12 @@ class CondensedBody:
         timings: Timings,
         schur: Callable[[ContactDofs], Array | None] | None = None,
         factors: KnownFactors | None = None,
+        stiffening: Array | None = None,
     ) -> None:
         self.discrete = discrete
         self._constrained, self.sides = constrained, tuple(sides)
         with timings.phase("assemble"):
-            self.stiffness = LocalStiffness(discrete)
+            self.stiffness = LocalStiffness(discrete, stiffening)
         self.dofs = ContactDofs(discrete.spaces, constrained, sides)
         self.held = np.zeros(len(self.stiffness.numbers), dtype=bool)
         displacements = self.stiffness.displacements

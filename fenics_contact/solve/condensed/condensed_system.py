@@ -68,7 +68,11 @@ class CondensedSystem(System):
         self._root = self.comm.rank == 0
         self._is_own = body is None  # then it ends with the system
         self._body = body or CondensedBody(
-            problem.discrete, problem.constrained, acting_sides(problem), timings
+            problem.discrete,
+            problem.constrained,
+            acting_sides(problem),
+            timings,
+            stiffening=None if problem.inertia is None else problem.inertia.stiffening,
         )
         self.stiffness, self.held = self._body.stiffness, self._body.held
         self.dofs, self._preloads = self._body.dofs, self._body.preloads

@@ -47,6 +47,17 @@ class Beginning:
         self._system.begin(displacement)
         self._problem.stick_all()
 
+    def where_it_flies(self, displacement: Array) -> None:
+        """From where bodies would be if nothing acted on them; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components) (length).
+        """
+        self.continues = True
+        self._system.begin(displacement)
+        self._system.follow_supports()
+        self._problem.stick_all()
+
     def at(self, position: Array, scalars: Array) -> None:
         """Take a state, at the present loads; collective.
 

@@ -80,15 +80,22 @@ class SurfaceMatrix:
         """The same of each point by itself."""
         if self.contact.by_points:
             trace = self.contact.trace
-            blocks = sum(term.tangent_at_points() for term in self.contact.terms)
+            weight_of = self.contact.weight_of
+            blocks = sum(weight_of(term) * term.tangent_at_points() for term in self.contact.terms)
             weighted = trace.weights[:, None, None] * np.asarray(blocks)
             rows, columns = self._point_dofs
             return rows, columns, weighted[trace.owned].ravel()
         if self.assembled is None:
             none = np.zeros(0, dtype=np.int64)
             return none, none, np.zeros(0)
-        forms = [form for term in self.contact.terms for form in term.tangents]
-        return self.assembled.rows, self.assembled.columns, self.assembled.values(forms)
+        rows, columns = self.assembled.rows, self.assembled.columns
+        terms = self.contact.terms
+        if self.contact.friction_weight == 1.0:
+            every = [form for term in terms for form in term.tangents]
+            return rows, columns, self.assembled.values(every)
+        parts = [(self.contact.weight_of(term), term.tangents) for term in terms]
+        values = [weight * self.assembled.values(forms) for weight, forms in parts]
+        return rows, columns, np.sum(values, axis=0)
 
     @cached_property
     def _point_dofs(self) -> tuple[Integers, Integers]:

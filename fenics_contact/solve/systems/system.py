@@ -142,7 +142,7 @@ class System(ABC):
         owned = self.problem.spaces.owned_nodes
         load, known = self.problem.load, self._load_norm
         if known is None or known[0] is not load:  # another load is another array
-            known = load, float(total(self.comm, np.abs(load[:owned]).sum()))
+            known = load, float(total(self.comm, self.problem.applied[:owned].sum()))
             self._load_norm = known
         asked = np.array([preload.force for preload in self.problem.preloads])
         tightened = np.maximum(np.abs(asked), np.abs(self.along_parts)).sum()

@@ -141,7 +141,8 @@ def _creep_share(compared: ComparedFriction, steps: int) -> Check | None:
     sums = [compared.area * part for part in (carried * creep, carried**2, rough)]
     crept, squares, area = total(compared.comm, np.array([part.sum() for part in sums]))
     gives = compared.strongest * size_of(contact, area) / contact.moduli.combined
-    anew = steps if contact.friction.follows_path else 1
+    creeps_on = contact.friction.follows_path and not contact.last_step.acts_all_along
+    anew = steps if creeps_on else 1
     value = float(anew * crept / (squares * gives))
     return Check(value, _LARGEST_SHARE, contact.label, kind="share")
 

@@ -31,8 +31,11 @@ def resultant(forces: NeededForces) -> Check | None:
     - The forces of all contacts on a connected part, along axes that no support holds,
       against the loads on it.
 
-    Each relative to the forces that it adds up. None where there is nothing of the kind.
+    Each relative to the forces that it adds up. None where there is nothing of the kind, and of
+    bodies that move.
     """
+    if not forces.rests:
+        return None
     worst: Check | None = None
     for check in (*_obstacles(forces), *_pressures(forces), *_parts(forces)):
         worst = nearer_to_failing(worst, check)

@@ -20,6 +20,10 @@ from fenics_contact.trust.error_estimates.estimates import SOURCES, Errors, Esti
 from fenics_contact.trust.error_estimates.measured import Measured
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 
+_OF_MOTION = (
+    "Errors of a motion are not estimated: compare with half the step, and with a finer mesh."
+)
+
 Row = dict[str, float | None]
 
 
@@ -99,6 +103,8 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
     problem = load_steps.problem
     if problem.scene.solver.errors == "none" or load_steps.last is None:
         return ErrorBudget()
+    if problem.inertia is not None:
+        return ErrorBudget(notes=[_OF_MOTION])
     measure = Measured(load_steps)
     answer = measure(load_steps.last.solution)
     estimates = Estimates(load_steps, measure, steps)

@@ -5,7 +5,8 @@ import pytest
 
 from fenics_contact import Contact, Discretisation, Material, Obstacle, Run, Scene, Support
 from fenics_contact.evaluate.quantities import contact_quantities
-from fenics_contact.solve.load_steps.load_steps import LoadSteps, solve
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.trust.error_estimates.solving_again import AlongLine, last_step_again
 from tests.scenes import box_body
 

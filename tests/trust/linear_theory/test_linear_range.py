@@ -21,7 +21,7 @@ from fenics_contact import (
     Support,
     load_scene,
 )
-from fenics_contact.solve.load_steps.load_steps import solve
+from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_range
 from fenics_contact.trust.linear_theory.zones import TURNED, Zone, exceeded
 from tests.scenes import ROOT, box_body, slab

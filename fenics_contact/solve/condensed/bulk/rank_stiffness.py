@@ -29,9 +29,14 @@ class LocalStiffness:
         shared: Which of them cells of other ranks touch, too.
         is_plane: Whether the body has two dimensions.
         displacements: Displacement dofs among them, by their local number in the space.
+
+    Args:
+        discrete: The body.
+        stiffening: What is added at each node, (nodes, components, components) (force/length), as
+            by masses in a step of motion; None for nothing.
     """
 
-    def __init__(self, discrete: DiscreteBody) -> None:
+    def __init__(self, discrete: DiscreteBody, stiffening: Array | None = None) -> None:
         self._discrete = discrete
         spaces, mixed = discrete.spaces, discrete.elastic.mixed
         self.comm = spaces.comm
@@ -56,6 +61,20 @@ class LocalStiffness:
         self._sharers = sharers[touched]
         self.displacements = touched[touched < sizes[0]]
         self._stresses = touched[touched >= sizes[0]] - sizes[0]
+        if stiffening is not None:
+            self.matrix = csr_matrix(self.matrix + self._at_nodes(stiffening))
+
+    def _at_nodes(self, blocks: Array) -> csr_matrix:
+        """This rank's share of a matrix that couples the displacements of single nodes."""
+        size = blocks.shape[1]
+        nodes, rows = np.divmod(self.displacements, size)
+        values = blocks[nodes, rows] / self._sharers[: len(nodes), None]
+        place = np.full(len(blocks) * size, -1)
+        place[self.displacements] = np.arange(len(self.displacements))
+        columns = place[nodes[:, None] * size + np.arange(size)]
+        count = len(self.numbers)
+        lines = np.broadcast_to(np.arange(len(nodes))[:, None], columns.shape)
+        return csr_matrix((values.ravel(), (lines.ravel(), columns.ravel())), (count, count))
 
     def places(self) -> tuple[Array, Integers]:
         """Where each unknown is (unknowns, 3) (length), and which one of its node it is."""

@@ -11,7 +11,7 @@ from fenics_contact.body.description import BodyDescription
 from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, stick_area
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.load_steps.load_steps import solve
+from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.trust.error_estimates.mesh import edge_shift
 from fenics_contact.trust.error_estimates.mesh.edge_shift import (
     edges_inside,

@@ -1,0 +1,76 @@
+"""Impulses along the steps of a motion, and whether momenta change by them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.evaluate.moving_forces import MovingForces
+from fenics_contact.problem.problem import Problem
+from fenics_contact.results.result import Check
+
+# Round-off of sums over the body, of the impulses and momenta that are added up.
+_ROUND_OFF = 1e-9
+
+
+class MomentumBook:
+    """Impulses of contacts, summed over the steps, and what is left of the balance of momenta.
+
+    Pressures act by the mean of both ends of a step, friction and supports by their mean of it.
+
+    Attributes:
+        impulses: Of each contact on the body of ``on``, (contacts, components) (force × time).
+        worst: Largest share of the momenta and impulses of a connected part that a step left open.
+        part: Which part that was.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        shape = (len(problem.contacts), problem.spaces.components)
+        self.impulses, self._last = np.zeros(shape), np.zeros(shape)
+        self.worst, self.part = 0.0, ""
+        self._accepted = 0.0
+        self._largest = np.zeros(problem.spaces.parts.count)
+
+    def count(self, forces: MovingForces, contacts: list[dict[str, Any]]) -> dict[str, Any]:
+        """Count a step that was accepted; collective.
+
+        Args:
+            forces: Of its solution.
+            contacts: Quantities of each contact, to which its impulse is added.
+
+        Returns:
+            The impulse of the only contact, as a quantity of the whole model; none of several.
+        """
+        size = forces.inertia.size
+        for number, found in enumerate(contacts):
+            friction = np.array(found["friction_force"])
+            pressed = np.array(found["contact_force"]) - friction
+            mean = 0.5 * (self._last[number] + pressed) + friction
+            self._last[number] = pressed
+            self.impulses[number] += size * mean
+            found["impulse"] = self.impulses[number].tolist()
+        self._balance(forces)
+        return {"impulse": contacts[0]["impulse"]} if len(contacts) == 1 else {}
+
+    def _balance(self, forces: MovingForces) -> None:
+        parts, owned = self._problem.spaces.parts, self._problem.spaces.owned_nodes
+        size, changes = forces.inertia.size, forces.momentum_changes()
+        acting = size * forces.mean_forces()
+        left = changes - acting
+        if self._problem.spaces.kinematics == "axisymmetric":
+            left[:, 0] = 0.0  # radial forces cancel around the ring
+        off = np.linalg.norm(parts.sums(left[:owned]), axis=1)
+        carried = np.abs(acting) + np.abs(changes) + np.abs(forces.momenta)
+        self._largest = np.maximum(self._largest, parts.sums(carried[:owned].sum(axis=1)))
+        shares = np.divide(off, self._largest, out=np.zeros_like(off), where=self._largest > 0)
+        allowed = 2 * size * forces.solution.imbalance_limit
+        self._accepted = max(self._accepted, allowed / (self._largest.max() or 1.0))
+        number = int(np.argmax(shares))
+        if not shares[number] <= self.worst:
+            self.worst, self.part = float(shares[number]), parts.names[number]
+
+    def check(self) -> Check:
+        """The worst step against what round-off and the accepted imbalance may leave."""
+        return Check(self.worst, _ROUND_OFF + self._accepted, part=self.part)

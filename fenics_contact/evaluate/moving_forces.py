@@ -1,0 +1,65 @@
+"""What bodies that move need in a step: forces of inertia and of the bulk, against contacts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.evaluate.contact_resultants import resultant
+from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.load_steps.motion_steps import forces_of_step
+from fenics_contact.solve.newton.solution import Solution
+
+
+class MovingForces(BulkForces):
+    """The same of a step of motion; friction and reactions are means of the step.
+
+    Attributes:
+        inertia: Masses, and what the step began from.
+    """
+
+    rests = False
+
+    def __init__(self, problem: Problem, solution: Solution) -> None:
+        super().__init__(problem, solution)
+        assert problem.inertia is not None
+        self.inertia, self.load = problem.inertia, problem.given_load
+        self._step = forces_of_step(problem, solution)
+        self._unbalanced = self._step.needed - self.contacts
+
+    @property
+    def strain_energy(self) -> float:
+        """½ a(u, u) (energy)."""
+        return 0.5 * self._summed(self.displacement * self._step.internal)
+
+    @property
+    def momenta(self) -> Array:
+        """M v at its end, at the nodes (mass × velocity)."""
+        return self.inertia.momenta(self._step.velocity)
+
+    def momentum_changes(self) -> Array:
+        """M (v₁ − v₀) at the nodes (mass × velocity)."""
+        return self.inertia.momenta(self._step.velocity - self.inertia.state.velocity)
+
+    def mean_forces(self) -> Array:
+        """What acts on the nodes in the step, but for the bulk's own forces (force)."""
+        rubbed = self.contacts - self._step.pressed
+        return self.inertia.mean_forces(self.load, self._step, self.reactions, rubbed)
+
+    def works_since(self, before: NeededForces | None) -> tuple[float, float]:
+        """Of loads, by the trapezoidal rule, and of reactions, which are means (energy)."""
+        state = self.inertia.state  # that the step began from
+        moved = self.displacement - state.displacement
+        acting = state.load + self.load - self.inertia.missing
+        loads = 0.5 * self._summed(acting * moved)
+        return loads, self._summed(self.reactions * moved)
+
+    def quantities(self) -> dict[str, Any]:
+        """Of the whole model, beside those of statics; collective."""
+        spaces = self.problem.spaces
+        return {
+            "kinetic_energy": self.inertia.kinetic_energy(self._step.velocity),
+            "momentum": resultant(spaces, self.momenta[: spaces.owned_nodes]).tolist(),
+        }

@@ -1,0 +1,316 @@
+"""A step of motion as a problem of statics, with another stiffness and another load.
+
+By the midpoint rule, with A = K + 4 M/Δt² (twice the matrix of the rule as it is mostly written):
+where there is mass A u₁ = f₀ + f₁ − K u₀ + λ₀ + λ₁ + 2 τ + (4 M/Δt²)(u₀ + Δt v₀), and across
+contacts, where there is none, K u₁ = f₁ + λ₁. There, f are loads, λ pressures of contacts and τ
+friction, which is one force for the step. So pressures act once in this balance, and friction twice
+(``ContactSurface.friction_weight``). Then v₁ = 2 (u₁ − u₀)/Δt − v₀; across contacts and where
+supports hold (u₁ − u₀)/Δt.
+
+Friction follows the velocity at the end of the step: it counts slip from u₀ + ½ Δt v₀, and
+u₁ − u₀ − ½ Δt v₀ = ½ Δt v₁. What moves opposite has its mean velocity of the step. Slip up to ε
+goes back: each step counts on from what the last has left of it, so that what sticks does not
+creep.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fenics_contact.body.mass import Mass
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.parallel import total
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.problem.inertia.massless import Neighbours, across_contacts
+from fenics_contact.scene.loading.motion import Motion
+from fenics_contact.scene.material import Material
+
+# Of forces of inertia, which in small steps are far larger than what bodies exert on each other.
+_OF_FLIGHT = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class MovingState:
+    """Where bodies are and how they move at the begin of a step, (nodes, components) each.
+
+    Attributes:
+        time: When.
+        displacement: Of the nodes (length).
+        velocity: Likewise (length/time).
+        internal: K u (force).
+        load: Loads that are given (force).
+        pressed: Forces of pressures of contacts (force).
+        motions: Of what stands opposite, of each contact, (contacts, components) (length).
+        elastic: Slip that goes back, at the points of each contact (length).
+    """
+
+    time: float
+    displacement: Array
+    velocity: Array
+    internal: Array
+    load: Array
+    pressed: Array
+    motions: Array
+    elastic: tuple[Array, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class StepForces:
+    """What a step needs at the nodes, (nodes, components) each.
+
+    Attributes:
+        internal: K u at its end (force).
+        needed: From contacts, and from supports the mean of the step: across contacts at its end,
+            else less half the change of pressures (force).
+        velocity: At its end (length/time).
+        pressed: Forces of pressures of contacts then (force).
+    """
+
+    internal: Array
+    needed: Array
+    velocity: Array
+    pressed: Array
+
+
+class Inertia:
+    """Masses of a problem, and the state that its present step begins from; collective.
+
+    Attributes:
+        size: Length of a step (time).
+        mass: Of the nodes, (nodes, components, components) (mass).
+        stiffening: 4 M/Δt², likewise (force/length).
+        state: At the begin of the present step.
+
+    Args:
+        motion: Of the scene.
+        materials: Of the scene.
+        spaces: Of the body.
+        contacts: Of the problem, which follow velocities from now on.
+        constrained: Dofs that supports hold (local indices, owned and ghost).
+
+    Raises:
+        InputError: A density is missing, or a group of a velocity, or cells are too few.
+    """
+
+    def __init__(
+        self,
+        motion: Motion,
+        materials: Sequence[Material],
+        spaces: Spaces,
+        contacts: Sequence[ContactSurface],
+        constrained: Integers,
+    ) -> None:
+        self.size = motion.size
+        self._spaces, self._contacts = spaces, contacts
+        self._across = across_contacts(contacts, spaces)
+        self._neighbours = Neighbours(self._across, spaces)
+        lumped = Mass(materials, spaces).lumped()[:, None, None]
+        along = np.eye(spaces.components) - self._across
+        self.mass = lumped * along + self._neighbours.taken(lumped * self._across)
+        self.stiffening = self.mass * (4 / self.size**2)
+        shape = (len(spaces.coordinates), spaces.components)
+        held = np.zeros(shape[0] * shape[1], dtype=bool)
+        held[constrained] = True
+        self._held = held.reshape(shape)
+        for contact in contacts:
+            contact.friction_weight = 2.0
+            contact.last_step.acts_all_along = True
+        none = np.zeros(shape)
+        self.state = MovingState(
+            time=0.0,
+            displacement=none,
+            velocity=self._first_velocity(motion),
+            internal=none,
+            load=none,
+            pressed=none,
+            motions=np.zeros((len(contacts), shape[1])),
+            elastic=tuple(np.zeros_like(contact.trace.normals) for contact in contacts),
+        )
+
+    def _first_velocity(self, motion: Motion) -> Array:
+        spaces = self._spaces
+        found = np.zeros((len(spaces.coordinates), spaces.components))
+        for name, velocity in motion.velocity.items():
+            key = f"motion.velocity.{name}"
+            group = spaces.body.group(name, key)
+            if group.dimension != spaces.body.dimension:
+                raise InputError(f"{key}: must be a part of the body, not a boundary")
+            found[spaces.nodes(group)] = velocity
+        found[self._held] = 0.0
+        return found
+
+    def with_masses(self, load: Array) -> Array:
+        """A load that acts on masses, such as a weight, where these are; collective.
+
+        Args:
+            load: At the nodes (force).
+        """
+        across, along = self._split(load)
+        return along + self._neighbours.taken(across)
+
+    def begin(self, load: Array) -> None:
+        """Take what is given at time 0, when what stands opposite is where it is then.
+
+        Args:
+            load: At the nodes (force).
+        """
+        self.state = replace(self.state, load=load, motions=self._motions())
+
+    def _motions(self) -> Array:
+        """How far what stands opposite has moved at present, (contacts, components) (length)."""
+        found = [contact.kinematics.motion for contact in self._contacts]
+        return np.array(found).reshape(self.state.motions.shape)
+
+    def follow_velocities(self) -> None:
+        """Let friction count from where no velocity is left at the end of the step; collective."""
+        state = self.state
+        moved = state.displacement + 0.5 * self.size * state.velocity
+        opposite = 0.5 * (state.motions + self._motions())
+        every = zip(self._contacts, opposite, state.elastic, strict=True)
+        for contact, motion, elastic in every:
+            if contact.friction.rubs:
+                kinematics = contact.kinematics
+                jump = contact.trace.at_points(kinematics.relative(moved) - motion)
+                contact.friction.accept(kinematics.tangential(jump) - elastic)
+
+    def advance(self, time: float, displacement: Array, step: StepForces, load: Array) -> None:
+        """A step is done: the next one begins at its end.
+
+        Args:
+            time: At its end.
+            displacement: Then (length).
+            step: What it needed.
+            load: That was given then (force).
+        """
+        self.state = MovingState(
+            time=time,
+            displacement=displacement,
+            velocity=step.velocity,
+            internal=step.internal,
+            load=load,
+            pressed=step.pressed,
+            motions=self._motions(),
+            elastic=tuple(_elastic_slip(contact) for contact in self._contacts),
+        )
+
+    def _split(self, values: Array) -> tuple[Array, Array]:
+        """Vectors at nodes across contacts, and what is left of them."""
+        across = np.einsum("nij,nj->ni", self._across, values)
+        return across, values - across
+
+    def momenta(self, velocity: Array) -> Array:
+        """M v at the nodes (mass × velocity).
+
+        Args:
+            velocity: Of the nodes, (nodes, components) (length/time).
+        """
+        return np.asarray(np.einsum("nij,nj->ni", self.mass, velocity))
+
+    def kinetic_energy(self, velocity: Array) -> float:
+        """½ v · M v (energy); collective.
+
+        Args:
+            velocity: As of ``momenta``.
+        """
+        own = slice(self._spaces.owned_nodes)
+        return float(
+            0.5 * total(self._spaces.comm, np.sum(velocity[own] * self.momenta(velocity)[own]))
+        )
+
+    def mean_forces(self, load: Array, step: StepForces, unbalanced: Array, rubbed: Array) -> Array:
+        """What acts on nodes in a step, but for the bulk's own forces (force).
+
+        Args:
+            load: That is given at its end.
+            step: What it needed.
+            unbalanced: Of supports, the mean of the step.
+            rubbed: Of friction, likewise.
+        """
+        pressed = self.state.pressed + step.pressed
+        return 0.5 * (self.state.load + load + pressed - self.missing) + unbalanced + rubbed
+
+    @property
+    def missing(self) -> Array:
+        """What is not in balance across contacts at the begin of the step (force).
+
+        Only of the first one: where nothing has mass, a load that acts at once moves it at once.
+        """
+        across, _ = self._split(self.state.load - self.state.internal + self.state.pressed)
+        return across
+
+    def applied(self, effective: Array, load: Array) -> Array:
+        """Sizes of forces that an imbalance is small against, not those of a flight (force).
+
+        Args:
+            effective: The load of the balance that is solved.
+            load: The one that is given.
+        """
+        return np.abs(load) + np.abs(self.state.internal) + _OF_FLIGHT * np.abs(effective)
+
+    def times(self, vectors: Array) -> Array:
+        """4 M/Δt² times vectors at the nodes."""
+        return np.asarray(np.einsum("nij,nj->ni", self.stiffening, vectors))
+
+    @property
+    def predicted(self) -> Array:
+        """Where nodes are at the end of the step if no force acts, (nodes, components) (length)."""
+        return self.state.displacement + self.size * self.state.velocity
+
+    def effective_load(self, load: Array) -> Array:
+        """The right-hand side of the step, but for contacts that press and rub (force).
+
+        Args:
+            load: That is given at the end of the step (force).
+        """
+        state = self.state
+        _, before = self._split(state.load - state.internal + state.pressed)
+        return load + before + self.times(self.predicted)
+
+    def forces(
+        self, displacement: Array, balanced: Array, load: Array, pressed: Array
+    ) -> StepForces:
+        """What a step needs, from what its system gives.
+
+        Args:
+            displacement: At its end (length).
+            balanced: A u₁ (force).
+            load: The ``effective_load`` that it was solved with (force).
+            pressed: Forces of pressures at its end (force).
+        """
+        across, along = self._split(balanced - load)
+        _, shared = self._split(pressed)
+        velocity = self._velocity(displacement)
+        # Supports take nodes along by the mean velocity of the step.
+        taken = np.where(self._held, self.momenta(self.state.velocity - velocity) / self.size, 0.0)
+        return StepForces(
+            internal=balanced - self.times(displacement),
+            needed=across + 0.5 * (along + shared) + taken,
+            velocity=velocity,
+            pressed=pressed,
+        )
+
+    def _velocity(self, displacement: Array) -> Array:
+        """At the end of a step."""
+        mean = (displacement - self.state.displacement) / self.size
+        across, _ = self._split(mean)
+        _, along = self._split(2 * mean - self.state.velocity)
+        return np.where(self._held, mean, across + along)
+
+
+def _elastic_slip(contact: ContactSurface) -> Array:
+    """The part of the slip that friction counts at present that goes back, at most ε (length)."""
+    friction, kinematics = contact.friction, contact.kinematics
+    counted = friction.counted(kinematics.tangential(kinematics.jump_at_points()))
+    if not friction.rubs:
+        return np.zeros_like(counted)
+    sizes = np.linalg.norm(counted, axis=1)
+    most = np.where(
+        friction.present_bound(contact.pressure()) > 0, friction.regularisation_parameter, 0.0
+    )
+    share = np.divide(np.minimum(sizes, most), sizes, out=np.zeros_like(sizes), where=sizes > 0)
+    return np.asarray(counted * share[:, None])

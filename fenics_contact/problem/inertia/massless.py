@@ -1,0 +1,103 @@
+"""Masses of nodes without those that would hit obstacles: contact nodes have none across.
+
+A node that hits with a mass of its own rebounds, in every step anew, and pressures ring. Without it
+they follow from the elasticity behind, as in statics. Its mass across the contact is given to other
+nodes of the same cells, so that the whole is kept (H. B. Khenous, P. Laborde and Y. Renard,
+Eur. J. Mech. A 27 (2008) 918-932); along the contact the node keeps it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.errors import InputError
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.surface.trace import Trace
+
+# Squared sine of the angle between normals of two contacts at a node, below which they are one.
+_SAME_WAY = 1e-12
+
+
+def across_contacts(contacts: Sequence[ContactSurface], spaces: Spaces) -> Array:
+    """Projection onto the normals of one-sided contacts at each node, 0 elsewhere; collective.
+
+    Of two bodies that touch, of both: with masses on one side alone, lighter ones than in the body,
+    pressures ring between them.
+
+    Args:
+        contacts: Of the problem.
+        spaces: Of the body.
+
+    Returns:
+        (nodes, components, components).
+    """
+    size = spaces.components
+    found = np.zeros((len(spaces.coordinates), size, size))
+    for contact in contacts:
+        if not contact.is_one_sided:
+            continue
+        _add_normals(contact.trace, found)
+        if contact.sides.opposite is not None:
+            _add_normals(contact.sides.opposite, found)
+    return found
+
+
+def _add_normals(trace: Trace, found: Array) -> None:
+    """Normals of a surface to projections at the body's nodes; collective."""
+    at_nodes = trace.at_all_nodes(trace.normals[: len(trace.nodes)])
+    normals = trace.surface.on_body(at_nodes)
+    new = normals - np.einsum("nij,nj->ni", found, normals)
+    squares = np.einsum("ni,ni->n", new, new)
+    other = squares > _SAME_WAY
+    found[other] += new[other, :, None] * new[other, None, :] / squares[other, None, None]
+
+
+class Neighbours:
+    """Who takes over what nodes in contact give away: the other nodes of their cells, alike.
+
+    Args:
+        across: As ``across_contacts`` gives it.
+        spaces: Of the body.
+
+    Raises:
+        InputError: All nodes of the cells around a node touch something; on every rank.
+    """
+
+    def __init__(self, across: Array, spaces: Spaces) -> None:
+        self._spaces = spaces
+        touches = np.einsum("nii->n", across) > 0
+        topology = spaces.body.mesh.topology
+        own = topology.index_map(topology.dim).size_local
+        cells = spaces.displacement_space.dofmap.list[:own]
+        gives = touches[cells]
+        takes_part = gives.any(axis=1) & ~gives.all(axis=1)
+        self._cells, self._gives = cells[takes_part], gives[takes_part]
+        counts = np.zeros((len(touches), 1))
+        np.add.at(counts[:, 0], self._cells[self._gives], 1.0)
+        self._counts = spaces.summed(counts)[:, 0]
+        stranded = touches & (self._counts == 0)
+        if spaces.comm.allreduce(int(stranded.sum())):
+            raise InputError(
+                "motion: all nodes of a cell are in contact, so that none is left to take their "
+                "mass; use finer cells there"
+            )
+
+    def taken(self, given: Array) -> Array:
+        """What nodes take, of what nodes in contact give; collective.
+
+        Args:
+            given: Of each node, first axis nodes.
+        """
+        flat = given.reshape(len(given), -1)
+        share = flat / np.maximum(self._counts, 1.0)[:, None]  # of each node, for each of its cells
+        gives = self._gives.astype(np.float64)
+        in_cells = np.einsum("ck,ckj->cj", gives, share[self._cells])
+        in_cells /= (~self._gives).sum(axis=1)[:, None]
+        found = np.zeros_like(flat)
+        rows, columns = np.nonzero(~self._gives)
+        np.add.at(found, self._cells[rows, columns], in_cells[rows])
+        return self._spaces.summed(found).reshape(given.shape)

@@ -1,0 +1,143 @@
+"""The part of a scene that says that its bodies have mass and move: steps in real time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated
+
+from pydantic import Field
+
+from fenics_contact.scene.steps import Steps
+from fenics_contact.scene.units.dimensions import TIME, VELOCITY
+from fenics_contact.scene.values import PER_AXIS, RAMP, Number, Positive, scene_class
+
+if TYPE_CHECKING:
+    from fenics_contact.scene.contact import Contact
+    from fenics_contact.scene.scene import Scene
+
+# Of a step, by which the last one may end behind the end.
+_SAME = 1e-9
+_MOST = 100_000
+_LAWS = ("unilateral", "winkler", "prescribed")
+
+
+@scene_class
+class Motion:
+    """Bodies that have mass and move, in real time: they fly, land, slide and rebound.
+
+    They begin at rest, or with a velocity, and without stress. All paths are then of the time.
+
+    >>> motion = Motion(step=0.01, end=2, velocity={"ball": (0, -3)})
+    >>> motion.steps.number, motion.size
+    (200, 0.01)
+    """
+
+    step: Annotated[
+        Positive,
+        TIME,
+        Field(
+            description="of each step; shortened if need be, so that all are of one length. A wave "
+            "should not pass much more than a cell in it"
+        ),
+    ]
+    end: Annotated[Positive, TIME, Field(description="at which it ends")]
+    velocity: Annotated[
+        Mapping[str, Annotated[tuple[Annotated[Number, VELOCITY], ...], PER_AXIS]],
+        Field(
+            description="at time 0: physical group of cells → a vector, such as "
+            "`{ ball = [0, -3] }`; 0 elsewhere"
+        ),
+    ] = Field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.step > self.end:
+            raise ValueError(f"step = {self.step:g} must not exceed end = {self.end:g}")
+        if self.end / self.step > _MOST:
+            raise ValueError(f"end / step must be at most {_MOST} steps")
+
+    @property
+    def steps(self) -> Steps:
+        """Its steps, all of one length."""
+        return Steps(number=math.ceil(self.end / self.step * (1 - _SAME)), end=self.end)
+
+    @property
+    def size(self) -> float:
+        """Length of a step as it is taken (time)."""
+        return self.end / self.steps.number
+
+
+def require_motion(scene: Scene) -> None:
+    """Refuse what has no meaning, or cannot be had yet, where bodies move.
+
+    Raises:
+        ValueError: In words.
+    """
+    motion = scene.motion
+    if motion is None:
+        return
+    others = {
+        "steps": scene.steps != Steps(),
+        "cycles": scene.cycles is not None,
+        "preload": bool(scene.preload),
+        "half_space": scene.half_space is not None,
+        "accuracy": scene.accuracy is not None,
+        "derivatives": scene.derivatives is not None,
+        "fretting": scene.fretting is not None,
+        "solver.branches": scene.solver.branches,
+        "solver.stabilisation": scene.solver.stabilisation,
+    }
+    for key, is_there in others.items():
+        if is_there:
+            raise ValueError(f"motion: bodies that move have no {key}; leave one of the two out")
+    if scene.solver.solver not in ("auto", "condensed"):
+        raise ValueError(
+            f"motion: it is solved by 'condensed', not by solver.solver = '{scene.solver.solver}'"
+        )
+    for group, velocity in motion.velocity.items():
+        if len(velocity) != scene.dimension:
+            raise ValueError(
+                f"motion.velocity.{group} has {len(velocity)} entries; a {scene.kinematics} model "
+                f"needs {scene.dimension}"
+            )
+    _require_paths(scene)
+    for number, contact in enumerate(scene.contact):
+        _require_contact(contact, f"contact[{number}]")
+
+
+def _require_paths(scene: Scene) -> None:
+    """What acts says how it does in time: the ramp of load steps would end at time 1."""
+    acting = {
+        **{f"load[{number}].path": load.path for number, load in enumerate(scene.load)},
+        **{
+            f"support[{number}].path": support.path
+            for number, support in enumerate(scene.support)
+            if any(value != 0 for value in support.displacement.values())
+        },
+    }
+    for number, contact in enumerate(scene.contact):
+        obstacle = contact.obstacle
+        if obstacle is not None and obstacle.indentation:
+            acting[f"contact[{number}].obstacle.path"] = obstacle.path
+        if obstacle is not None and obstacle.displacement is not None:
+            acting[f"contact[{number}].obstacle.displacement_path"] = obstacle.displacement_path
+    for key, path in acting.items():
+        if path == RAMP:
+            raise ValueError(
+                f"motion: {key} is missing: say how it acts in time; what always acts has "
+                "{ time = [0], factor = [1] }"
+            )
+
+
+def _require_contact(contact: Contact, key: str) -> None:
+    if contact.obstacle is not None and contact.obstacle.force is not None:
+        raise ValueError(f"motion: {key}.obstacle.force: an obstacle has no mass; move it instead")
+    if contact.wear is not None:
+        raise ValueError(f"motion: {key}.wear: bodies that move do not wear yet; leave it out")
+    if contact.normal_law is not None or contact.kind not in _LAWS:
+        raise ValueError(f"motion: {key}: only contacts that are {', '.join(_LAWS)} can move yet")
+    rubs = contact.friction_law is not None or contact.friction_coefficient != 0
+    if rubs and (contact.friction_law is not None or contact.law == "static"):
+        raise ValueError(
+            f"motion: {key}: only Coulomb's friction of law = 'incremental' follows velocities yet"
+        )

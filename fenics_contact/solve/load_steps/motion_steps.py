@@ -1,0 +1,74 @@
+"""The steps of a motion: load steps that begin where bodies would fly to, and remember velocities.
+
+Each is a problem of statics (``Inertia``); going back and accepting are those of load steps.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.problem.inertia.inertia import Inertia, MovingState, StepForces
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.coulomb.strategies import solve_step
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.solve.newton.solution import Solution
+
+
+class MotionSteps(LoadSteps):
+    """All steps of a motion; as of load steps."""
+
+    _began_at: MovingState | None = None  # of the last accepted step
+
+    @property
+    def _inertia(self) -> Inertia:
+        assert self.problem.inertia is not None
+        return self.problem.inertia
+
+    def _try(self, time: float) -> Solution:
+        """Solve a step, from where bodies would be if nothing acted on them; collective."""
+        newton, problem = self.newton, self.problem
+        newton.forget()
+        if self.last is not None:
+            self._move_on(self.last)
+        problem.reach(np.zeros(len(problem.unknowns)))
+        problem.set_time(time)
+        newton.begin.where_it_flies(self._inertia.predicted)
+        return solve_step(newton)
+
+    def _move_on(self, last: AcceptedStep) -> None:
+        """From the last step as it was solved to the beginning of the next one; collective."""
+        if self._has_moved_on:
+            return
+        step = forces_of_step(self.problem, last.solution)
+        self._inertia.advance(
+            last.unknowns.time, last.solution.displacement, step, self.problem.given_load
+        )
+        super()._move_on(last)
+
+    def _accept(self, time: float, found: Solution) -> None:
+        self._began_at = self._inertia.state
+        super()._accept(time, found)
+
+    def go_back(self) -> None:
+        """To the last accepted step as it was solved, or to none; collective."""
+        if self._began_at is not None:
+            self._inertia.state = self._began_at
+        super().go_back()
+
+
+def forces_of_step(problem: Problem, solution: Solution) -> StepForces:
+    """What a step of motion needs at the nodes, in whose state the problem is; collective.
+
+    Args:
+        problem: Of bodies that move.
+        solution: Of the step.
+    """
+    assert problem.inertia is not None
+    pressed: Array = np.zeros_like(problem.load)
+    for contact, force in zip(problem.contacts, solution.normal_force, strict=True):
+        pressed += contact.kinematics.on_body(contact.trace.at_all_nodes(force))
+    return problem.inertia.forces(
+        solution.displacement, solution.internal_force, problem.load, pressed
+    )

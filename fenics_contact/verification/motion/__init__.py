@@ -1,0 +1,1 @@
+"""Bodies that move: against d'Alembert's bar, Coulomb's oscillator and the midpoint rule."""
