@@ -9,6 +9,7 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from fenics_contact.cli.cycle_plan import cycle_plan
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.results.accuracy_messages import level_rows
@@ -96,6 +97,8 @@ def print_model(
     for line in _conditions(scene):
         console.print(one_line(line), markup=False, highlight=False, soft_wrap=True)
     _print_contacts(console, contacts, names_of(scene))
+    for line in cycle_plan(scene, names_of(scene)):
+        console.print(one_line(line), markup=False, highlight=False, soft_wrap=True)
     if plan:
         console.print(plan, markup=False, highlight=False, soft_wrap=True)
     console.print("The scene can be run: supports and contacts can hold the loads.")

@@ -194,8 +194,10 @@ def of_all_contacts(contacts: list[dict[str, Any]]) -> dict[str, Any]:
 def _of_some(contacts: list[dict[str, Any]]) -> dict[str, Any]:
     """Of the whole model what only some contacts have, such as those that wear."""
     found: dict[str, Any] = {}
-    ways = (("worn_volume", sum), ("max_wear_depth", max), ("elastic_slip_energy", sum))
-    for name, together in ways:
+    summed = ("worn_volume", "worn_volume_on", "worn_volume_against", "elastic_slip_energy")
+    greatest = ("max_wear_depth", "max_wear_depth_on", "max_wear_depth_against")
+    for name in (*summed, *greatest):
+        together = sum if name in summed else max
         have = [contact[name] for contact in contacts if name in contact]
         found |= {name: float(together(have))} if have else {}
     return found

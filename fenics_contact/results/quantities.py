@@ -158,6 +158,30 @@ ALL = (
         "the deepest wear at a contact point, of both surfaces together",
         "the largest of all",
     ),
+    Quantity(
+        "worn_volume_on",
+        "volume",
+        "the part of `worn_volume` that the surface `on` has lost, where `wear.share` says it",
+        "sum of those that have it",
+    ),
+    Quantity(
+        "worn_volume_against",
+        "volume",
+        "likewise of the surface `against`",
+        "sum of those that have it",
+    ),
+    Quantity(
+        "max_wear_depth_on",
+        "length",
+        "the part of `max_wear_depth` that the surface `on` has lost, likewise",
+        "the largest of those that have it",
+    ),
+    Quantity(
+        "max_wear_depth_against",
+        "length",
+        "likewise of the surface `against`",
+        "the largest of those that have it",
+    ),
     Quantity("penalty_energy", "energy", "in the springs of penalty, foundation or glue", "sum"),
     Quantity(
         "elastic_slip_energy",

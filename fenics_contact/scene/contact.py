@@ -306,6 +306,11 @@ class Contact:
         """What changes the gap needs one, and an interference sides that stay where they are."""
         if self.wear is not None and self.kind in ("prescribed", "bonded"):
             raise ValueError(f"wear: {self.kind} contact has no gap that could be widened")
+        if self.wear is not None and self.wear.share is not None and self.against is None:
+            raise ValueError(
+                "wear.share: what is lost is shared between two bodies, and nothing stands against "
+                "this one; leave share out, or give against"
+            )
         if not self.interference:
             if self.interference_path != RAMP:
                 raise ValueError("interference_path: only an interference that is given has one")

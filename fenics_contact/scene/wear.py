@@ -34,6 +34,14 @@ class Wear:
         Field(description="pressure up to which nothing is worn; beyond, what exceeds it wears"),
     ] = 0.0
 
+    share: Annotated[
+        Annotated[Number, Field(ge=0, le=1)] | None,
+        Field(
+            description="between bodies: part of the depth that the surface `on` loses, the other "
+            "loses the rest; by default nothing is said of which has lost how much"
+        ),
+    ] = None
+
     def __post_init__(self) -> None:
         if isinstance(self.coefficient, float | int) and self.coefficient < 0:
             raise ValueError(f"coefficient = {self.coefficient} must be ≥ 0")

@@ -69,6 +69,8 @@ class Archard(Unworn):
         assert said is not None
         self._coefficient = site.given(said.coefficient, "wear.coefficient")
         self._threshold = said.threshold
+        on = said.share
+        self._shares = {} if on is None else {"on": on, "against": 1.0 - on}
         self.worn_depth = np.zeros(len(site.trace.weights))
 
     @property
@@ -99,10 +101,12 @@ class Archard(Unworn):
             state: Then.
         """
         depth, trace = state.own["worn_depth"], self.site.trace
-        return {
-            "worn_volume": float(trace.integral(depth)),
-            "max_wear_depth": largest(trace.spaces.comm, depth),
-        }
+        volume, deepest = float(trace.integral(depth)), largest(trace.spaces.comm, depth)
+        found = {"worn_volume": volume, "max_wear_depth": deepest}
+        for side, share in self._shares.items():
+            found |= {f"worn_volume_{side}": share * volume}
+            found |= {f"max_wear_depth_{side}": share * deepest}
+        return found
 
 
 def wear_of(site: LawSite, friction: FrictionLaw, last_step: LastStep) -> Unworn:

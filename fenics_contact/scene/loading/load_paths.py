@@ -150,6 +150,13 @@ def load_steps_of(scene: Scene) -> Steps:
     return Steps(times=(*before, *times))
 
 
+def load_steps_in_cycle(scene: Scene) -> int | None:
+    """How many load steps a cycle of a scene has; None of automatic ones."""
+    if scene.cycles is None or scene.steps.automatic:
+        return None
+    return len(_times_in_cycle(scene, scene.cycles))
+
+
 def _times_in_cycle(scene: Scene, cycles: Cycles) -> list[float]:
     """Ends of the load steps of a cycle, counted from its begin."""
     period = cycles.repetition.period

@@ -36,9 +36,11 @@ _LATER: dict[str, dict[str, Any]] = {
         "wear": None,
     },
     "Cycles": {"jumps": None},
+    "Wear": {"share": None},
 }
 # Keys of parts of a scene that may change likewise: how many cycles, and how each is computed.
 _FREE_INSIDE: dict[str, tuple[str, ...]] = {
+    "Wear": ("share",),
     "Jumps": ("pressure_change", "error", "fixed"),
     "Cycles": ("number", "increments", "until", "tolerance", "keep"),
 }

@@ -121,10 +121,35 @@ def test_the_coefficient_may_follow_the_place():
     np.testing.assert_allclose(points.contact_pressure, pressures, rtol=1e-5)
 
 
-def worn(scene, k=0.05):
-    return dataclasses.replace(
-        scene, contact=(dataclasses.replace(scene.contact[0], wear=Wear(k)),)
+def worn(scene, k=0.05, share=None):
+    contact = dataclasses.replace(scene.contact[0], wear=Wear(k, share=share))
+    return dataclasses.replace(scene, contact=(contact,))
+
+
+def test_each_body_of_a_pair_has_its_part():
+    """Whose part is how large changes nothing of the answer; both together are what is lost."""
+    first, second = (
+        Run(worn(shoved(Steps(4)), 1e-3, share), COMM, two_blocks()).solve()
+        for share in (0.25, None)
     )
+    found, points = first.quantities, first.points
+    lost = float(np.sum(points.weights * points.own["worn_depth"]))
+    assert lost > 0
+    assert found["worn_volume_on"] == pytest.approx(lost / 4, rel=1e-10)
+    assert found["worn_volume_against"] == pytest.approx(3 * lost / 4, rel=1e-10)
+    deepest = points.own["worn_depth"].max()
+    assert found["max_wear_depth_on"] == pytest.approx(deepest / 4, rel=1e-12)
+    assert found["max_wear_depth_against"] == pytest.approx(3 * deepest / 4, rel=1e-12)
+    assert found["worn_volume"] == pytest.approx(second.quantities["worn_volume"], rel=1e-10)
+    assert "worn_volume_on" not in second.quantities
+    assert first.contacts[0].quantities["worn_volume_on"] == found["worn_volume_on"]
+
+
+def test_parts_of_what_is_no_pair_are_refused():
+    with pytest.raises(SceneError, match=r"wear\.share: what is lost is shared between two bodies"):
+        worn(dragged(Steps(1)), share=0.5)
+    with pytest.raises(SceneError, match=r"share = 1\.5: must be less than or equal to 1"):
+        Wear(K, share=1.5)
 
 
 def test_points_that_stick_are_not_worn():
