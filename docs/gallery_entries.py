@@ -259,6 +259,21 @@ def _handbook(force: float) -> float:
     return force / bolt + force * 2 * log(cone) / (0.5774 * pi * 70e3 * diameter)
 
 
+def _joint_damping(solved: Solved) -> Iterator[Finding]:
+    result = solved.result
+    unit = sqrt(210e3 / 7.85e-9) * 10 / sqrt(12) / (2 * pi * 200**2)
+    for mode, square, tolerance in zip(
+        result.modes, (3.516015, 22.034492, 61.697214), (5e-3, 2e-2, 5e-2), strict=True
+    ):
+        name = f"natural frequency {mode.number} while all sticks (Hz)"
+        yield Finding(name, mode.natural_frequency, square * unit, tolerance)
+    last = result.damping[-1]
+    name = "natural frequency at the largest amplitude (Hz)"
+    yield Finding(name, last.natural_frequency, 0.5 * 3.516015 * unit, 0.1)
+    name = "what friction dissipates there in a cycle, against the area of the loop"
+    yield Finding(name, last.loss, last.loop_area, 1e-2)
+
+
 ENTRIES: dict[str, Entry] = {
     "slab": Entry(
         source=f"{PAPER}, example 1; parts of its data are lost and reconstructed, {PROTOTYPE}",
@@ -310,6 +325,10 @@ ENTRIES: dict[str, Entry] = {
     "joint": Entry(
         source="balance of forces; J. E. Shigley, Mechanical Engineering Design, (8-22)",
         findings=_joint,
+    ),
+    "joint_damping": Entry(
+        source="Euler's beam, of both layers together and of each alone; balance of energy",
+        findings=_joint_damping,
     ),
     "cycle": Entry(
         source=f"{JOHNSON}, sections 7.2 and 7.4, for the largest force that came out",

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.accuracy import Accuracy
     from fenics_contact.scene.asked.derivatives import AskedDerivatives
     from fenics_contact.scene.asked.fretting import FatigueLimits, Fretting, StrainLifeLine
+    from fenics_contact.scene.asked.vibration import Damping, Modes
     from fenics_contact.scene.conditions import Load, Point, Preload, Support
     from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
     from fenics_contact.scene.laws.friction_laws import (
@@ -78,6 +79,7 @@ __all__ = [
     "ContactPoints",
     "CoulombFriction",
     "Cycles",
+    "Damping",
     "Discretisation",
     "Exploration",
     "FatigueLimits",
@@ -94,6 +96,7 @@ __all__ = [
     "Measured",
     "MeshSource",
     "MicroSlipFriction",
+    "Modes",
     "Motion",
     "NoEquilibriumError",
     "NonlocalFriction",
@@ -157,6 +160,7 @@ _MODULES = {
     "scene.loading.motion": ("Motion",),
     "scene.asked.derivatives": ("AskedDerivatives",),
     "scene.asked.fretting": ("FatigueLimits", "Fretting", "StrainLifeLine"),
+    "scene.asked.vibration": ("Damping", "Modes"),
     "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
     "scene.laws.friction_laws": (
         "ComplianceFriction",

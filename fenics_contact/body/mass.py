@@ -8,6 +8,7 @@ import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
+from scipy.sparse import csr_matrix
 
 from fenics_contact.body.forms import Expr
 from fenics_contact.body.material_points import MaterialPoints
@@ -38,6 +39,7 @@ class Mass:
 
     def __init__(self, materials: Sequence[Material], spaces: Spaces) -> None:
         self._spaces = spaces
+        self._matrix: csr_matrix | None = None  # of this rank's cells
         self._density = _density(materials, spaces)
         u = ufl.TrialFunction(spaces.displacement_space)
         v = ufl.TestFunction(spaces.displacement_space)
@@ -58,6 +60,17 @@ class Mass:
     def _measure(self) -> ufl.Measure:
         mesh = self._spaces.body.mesh
         return ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": self._degree})
+
+    def times(self, nodal: Array) -> Array:
+        """M u at the nodes of this rank, (nodes, components); collective.
+
+        Args:
+            nodal: u likewise (length).
+        """
+        if self._matrix is None:
+            self._matrix = csr_matrix(fem.assemble_matrix(self.consistent).to_scipy(ghosted=True))
+        found = self._matrix @ nodal.reshape(-1)[: self._matrix.shape[1]]
+        return self._spaces.summed(found.reshape(-1, self._spaces.components))
 
     def lumped(self) -> Array:
         """Masses at the nodes of this rank, (nodes,), all > 0; collective.

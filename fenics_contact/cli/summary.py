@@ -30,6 +30,7 @@ from fenics_contact.results.words.short_forms import (
     reaction_rows,
 )
 from fenics_contact.results.words.tables import branch_rows, motion_words, share_words
+from fenics_contact.results.words.vibration import damping_rows, mode_rows
 from fenics_contact.scene.reference import measured_by
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
@@ -129,6 +130,23 @@ def _conditions(scene: Scene) -> list[str]:
         along = _given(preload.axis)
         place = "" if preload.between is None else f" of '{preload.group}'"
         lines.append(f"Preload '{preload.label}'{place}: force {force} along {along}{kept}")
+    return [*lines, *_vibration(scene)]
+
+
+def _vibration(scene: Scene) -> list[str]:
+    """What modes and damping were understood as."""
+    lines = []
+    if scene.modes is not None:
+        lines.append(f"Modes: the {scene.modes.number} lowest about the last state, contacts stuck")
+    if scene.damping is not None:
+        driven, names = scene.damping, names_of(scene)
+        which = "mode" if len(driven.modes) == 1 else "modes"
+        length = "" if names is None else f" {names.length}"
+        lines.append(
+            f"Damping: {which} {', '.join(map(str, driven.modes))} driven to "
+            f"{len(driven.amplitudes)} amplitudes, from {driven.amplitudes[0]:g} to "
+            f"{driven.amplitudes[-1]:g}{length}, {driven.increments} load steps a cycle"
+        )
     return lines
 
 
@@ -161,7 +179,7 @@ def print_result(result: Result, folder: Path) -> None:
         _print_contacts(console, result.contacts, result.units)
         _print_checks(console, result.checks)
         _print_branches(console, result)
-        _print_derivatives(console, result)
+        _print_asked(console, result)
         _print_fretting(console, result)
         _print_levels(console, result)
     console.print(one_line(result.verdict), markup=False, highlight=False)
@@ -218,9 +236,10 @@ def _print_branches(console: Terminal, result: Result) -> None:
         console.print(table)
 
 
-def _print_derivatives(console: Terminal, result: Result) -> None:
-    """What quantities depend on, where the scene asks for it."""
-    for rows in (derivative_rows(result), uncertainty_rows(result)):
+def _print_asked(console: Terminal, result: Result) -> None:
+    """What quantities depend on, modes and damping, where the scene asks for it."""
+    tables = (derivative_rows, uncertainty_rows, mode_rows, damping_rows)
+    for rows in (of(result) for of in tables):
         if rows:
             table = _table(*map(escape, rows[0]))
             for row in rows[1:]:

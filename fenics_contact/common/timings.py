@@ -11,7 +11,10 @@ from mpi4py import MPI
 
 logger = logging.getLogger(__name__)
 
-PHASES = ("mesh", "compile", "assemble", "factorise", "solve", "output", "errors", "derivatives")
+PHASES = (
+    *("mesh", "compile", "assemble", "factorise", "solve", "output", "errors", "derivatives"),
+    "vibration",
+)
 ESTIMATING = "estimating errors"
 # Phases that may take long, in words.
 _SAID = {
@@ -20,6 +23,7 @@ _SAID = {
     "factorise": "factorising the body",
     "errors": ESTIMATING,
     "derivatives": "finding derivatives",
+    "vibration": "finding modes",
 }
 # What is inside of it counts to it.
 _WHOLE = "errors"

@@ -59,6 +59,25 @@ class Term:
         return [kind for form in self.forms for kind in compat.integral_types(form)]
 
 
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Forces to and fro about a state.
+
+    Attributes:
+        nodal: Largest of them, (nodes, components) (force).
+        rest: Pseudo-time at which all load paths of the scene rest.
+        share: Factor over the pseudo-time since then.
+    """
+
+    nodal: Array
+    rest: float
+    share: Callable[[float], float]
+
+    def at(self, time: float) -> Array:
+        """The forces at a pseudo-time."""
+        return self.nodal * self.share(time - self.rest)
+
+
 class Problem:
     """Spaces, supports, energies and compiled forms of a scene on a body.
 
@@ -90,6 +109,7 @@ class Problem:
         pressure_load: The part of it that is prescribed contact pressures.
         disturbance: Nodal loads over pseudo-time besides the scene's, to see what they do, or None.
         tightening: Forces of preloads over pseudo-time besides the scene's, likewise, (preloads,).
+        drive: Forces besides the scene's while all that this says rests, or None.
     """
 
     def __init__(
@@ -109,6 +129,7 @@ class Problem:
         self.comm = self.spaces.comm
         self.disturbance: Array | None = None
         self.inertia: Inertia | None = None
+        self.drive: Drive | None = None
         self._shares: list[float] | None = None  # of the loads, at the present time
         self.tightening = np.zeros(len(scene.preload))
         self.stabilisation: list[AppliedSupport] = []
@@ -290,8 +311,11 @@ class Problem:
 
     def set_time(self, time: float) -> None:
         """Bring loads, supports and obstacles to a pseudo-time; collective."""
-        time = self.scene.path_time(time)
+        drive, now = self.drive, time
+        time = self.scene.path_time(now if drive is None else drive.rest)
         self._set_loads(time)
+        if drive is not None:
+            self.given_load += drive.at(now)
         for contact in self.contacts:
             contact.set_time(time)
         if self.inertia is None:
@@ -312,7 +336,7 @@ class Problem:
     def _set_loads(self, time: float) -> None:
         """Loads at a pseudo-time: other arrays, but where all are what they were."""
         shares = [path(time) for _, path in (*self._pressures, *self._loads)]
-        if shares == self._shares and self.disturbance is None:
+        if shares == self._shares and self.disturbance is None and self.drive is None:
             return
         self.pressure_load = np.zeros((len(self.spaces.coordinates), self.spaces.components))
         for array, path in self._pressures:
@@ -323,6 +347,7 @@ class Problem:
         self._shares = shares
         if self.disturbance is not None:
             self.given_load += self.disturbance * time
+        if self.disturbance is not None or self.drive is not None:
             self._shares = None
 
     def _refuse_held_contacts(self) -> None:

@@ -26,6 +26,7 @@ from fenics_contact.report.drawing.units import in_units
 from fenics_contact.report.formulas.recognition import AnalyticContact, recognise
 from fenics_contact.report.fretting.pictures import draw_fretting
 from fenics_contact.report.fretting.table import FrettingTable
+from fenics_contact.report.histories.damping import draw_damping
 from fenics_contact.report.histories.load_steps import draw_history
 from fenics_contact.report.histories.wear import draw_worn_history
 from fenics_contact.results.contact_table import ContactTable
@@ -129,6 +130,7 @@ def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
             *_fretting(run),
             *draw_history(folder, result, run.far),
             *draw_worn_history(folder, result),
+            *draw_damping(folder, result),
             *_animations(run),
             *_adapted(run),
         ]

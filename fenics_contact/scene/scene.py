@@ -17,6 +17,7 @@ from fenics_contact.scene.accuracy import Accuracy, Share, as_accuracy
 from fenics_contact.scene.asked.derivatives import AskedDerivatives
 from fenics_contact.scene.asked.fretting import Fretting, require_fretting
 from fenics_contact.scene.asked.tolerances import as_tolerances
+from fenics_contact.scene.asked.vibration import Damping, Modes, require_vibration
 from fenics_contact.scene.conditions import Load, Point, Preload, Support
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene.loading.cycles import Cycles
@@ -233,6 +234,14 @@ class Scene(HasUnits):
         Fretting | None,
         Field(description="criteria of fatigue by the stress near contacts, over the last cycle"),
     ] = None
+    modes: Annotated[
+        Modes | None,
+        Field(description="natural modes about the state after the last load step"),
+    ] = None
+    damping: Annotated[
+        Damping | None,
+        Field(description="modes that are driven to and fro about that state: what joints damp"),
+    ] = None
     steps: Annotated[Steps, Field(description="load steps, by default one")] = Field(
         default_factory=Steps
     )
@@ -307,6 +316,7 @@ class Scene(HasUnits):
         require_motion(self)
         require_wear(self)
         require_fretting(self)
+        require_vibration(self)
 
     @cached_property
     def load_steps(self) -> Steps:

@@ -45,6 +45,7 @@ from fenics_contact.simulation.description import model_of, record_of, units_of
 from fenics_contact.simulation.restart.state_file import Beside, SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.simulation.vibration.vibration import Vibration, damping_scenes, vibration_of
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.cycles_of_run import CyclesOfRun
 from fenics_contact.simulation.worn.worn_cycle import WornCycle, one_cycle
@@ -75,6 +76,7 @@ class Run:
         choice: The solver, and how much memory it is to need.
         others: What is known of other answers of the last step.
         budget: Estimated errors of its quantities.
+        vibration: Modes that the scene asks for, with their shapes, once they are found.
         last: What a further step would start from, once all are solved.
         at_end: Called with the load steps at their end, and with the errors of cells where these
             were estimated; collective.
@@ -114,6 +116,7 @@ class Run:
         self._kept = kept
         self.scene, self.own_mesh = scene, body is not None
         self.last: Unknowns | None = None
+        self.vibration: Vibration | None = None
         self.others = OtherAnswers()
         self.budget = ErrorBudget()
         self.at_end: Callable[[LoadSteps, LocalErrors | None], None] | None = None
@@ -126,7 +129,9 @@ class Run:
     def _make_ready(self, scene: Scene, comm: MPI.Comm, body: Body | None) -> None:
         """Mesh, model and solver; collective."""
         is_asked, passes_over = scene.derivatives is not None, scene.passes_cycles_over
-        if (passes_over or (is_asked and scene.accuracy is None)) and self._kept is None:
+        damping_scenes(scene)  # which says what of it cannot be had
+        is_used_again = is_asked or scene.modes is not None
+        if (passes_over or (is_used_again and scene.accuracy is None)) and self._kept is None:
             body = body or mesh_of(scene, comm, self.timings)
             self._kept = KeptBody(scene, body, self.timings, KnownFactors())
         once = one_cycle(scene, None, None)[0] if passes_over else scene
@@ -283,28 +288,54 @@ class Run:
         except StoppedError:
             return self._interrupted()
         result = self._evaluate()
-        return result if self.scene.accuracy is not None else self.with_derivatives(result)
+        return result if self.scene.accuracy is not None else self.with_all_asked(result)
 
-    def with_derivatives(self, result: Result) -> Result:
-        """With those that the scene asks for, if any; collective.
+    def with_all_asked(self, result: Result) -> Result:
+        """With derivatives and modes that the scene asks for, if any; collective.
 
         Args:
             result: Of this run, that converged.
         """
-        if self.scene.derivatives is None:
+        for phase, is_asked, found in (
+            ("derivatives", self.scene.derivatives is not None, self._with_derivatives),
+            ("vibration", self.scene.modes is not None, self._with_vibration),
+        ):
+            if is_asked:
+                with self.timings.phase(phase):
+                    result = found(result)
+                seconds = Seconds(**self.timings.summary(self.problem.comm))
+                result = dataclasses.replace(result, timings=seconds)
+        return result
+
+    def _kept_body(self) -> KeptBody:
+        """The body for what is asked of the answer; of a run on several meshes one of its own."""
+        if self._kept is not None:
+            return self._kept
+        return KeptBody(self.scene, self.problem.body, Timings(), KnownFactors())
+
+    def _with_derivatives(self, result: Result) -> Result:
+        try:
+            found = asked_derivatives(self._kept_body(), self.scene, self._keys)
+        except NotConvergedError as error:
+            logger.warning("no derivatives: %s", error)
             return result
-        with self.timings.phase("derivatives"):
-            kept = self._kept
-            if kept is None:
-                kept = KeptBody(self.scene, self.problem.body, Timings(), KnownFactors())
-            try:
-                found = asked_derivatives(kept, self.scene, self._keys)
-            except NotConvergedError as error:
-                logger.warning("no derivatives: %s", error)
-                return result
-        seconds = Seconds(**self.timings.summary(self.problem.comm))
-        result = dataclasses.replace(result, derivatives=found, timings=seconds)
+        result = dataclasses.replace(result, derivatives=found)
         return dataclasses.replace(result, uncertainty=uncertainties(self.scene, result))
+
+    def _with_vibration(self, result: Result) -> Result:
+        try:
+            found = vibration_of(self._kept_body(), self.scene)
+        except NotConvergedError as error:
+            words = f"No modes: {str(error).removeprefix('modes: ')}."
+            logger.warning("%s", words)
+            return dataclasses.replace(result, verdict=f"{result.verdict} {words}")
+        self.vibration = found
+        return dataclasses.replace(
+            result,
+            modes=list(found.modes),
+            damping=list(found.damping),
+            verdict=" ".join([result.verdict, *found.notes]),
+        )
 
     def contacts(self, quantities: Sequence[Quantities] | None = None) -> list[ContactRecord]:
         """``contacts`` of ``result.json``.

@@ -27,6 +27,8 @@ from fenics_contact.verification.published import press_fit as press_fit_cases
 from fenics_contact.verification.published import punch as punch_cases
 from fenics_contact.verification.published import shear as shear_cases
 from fenics_contact.verification.published import slab as slab_cases
+from fenics_contact.verification.vibration import damping as damping_cases
+from fenics_contact.verification.vibration import modes as modes_cases
 
 CASES: tuple[Case, ...] = (
     *slab_cases.CASES,
@@ -51,6 +53,8 @@ CASES: tuple[Case, ...] = (
     *wear_cases.CASES,
     *fretting_cases.CASES,
     *motion_cases.CASES,
+    *modes_cases.CASES,
+    *damping_cases.CASES,
     *memory_check.CASES,
 )
 

@@ -27,9 +27,21 @@ class Box:
 
 
 def boxes(
-    parts: Sequence[Box], cell: str = "quadrilateral", comm: MPI.Comm = COMM, order: int = 1
+    parts: Sequence[Box],
+    cell: str = "quadrilateral",
+    comm: MPI.Comm = COMM,
+    order: int = 1,
+    welded: Sequence[Sequence[str]] = (),
 ) -> Body:
-    """Boxes as one mesh of unconnected parts; groups such as ``upper`` and ``upper.y0``."""
+    """Boxes as one mesh; groups such as ``upper`` and ``upper.y0``.
+
+    Args:
+        parts: The boxes.
+        cell: Kind of their cells.
+        comm: Communicator; collective.
+        order: Of the cells' geometry.
+        welded: Names of boxes that share the nodes that lie in the same place; others are apart.
+    """
     dimension = len(parts[0].cells)
     points: list[Array] = []
     cells, owner = [], []
@@ -37,16 +49,24 @@ def boxes(
         make = mesh.create_rectangle if dimension == 2 else mesh.create_box
         ends = [np.array(box.low), np.array(box.high)]
         made = make(MPI.COMM_SELF, ends, list(box.cells), getattr(mesh.CellType, cell))
-        nodes, places = compat.geometry_nodes(made), made.geometry.x
+        nodes, where = compat.geometry_nodes(made), made.geometry.x
         if order == 2:  # the nodes of such cells are numbered as those of elements are
             space = fem.functionspace(made, ("Lagrange", 2))
-            nodes, places = space.dofmap.list, space.tabulate_dof_coordinates()
+            nodes, where = space.dofmap.list, space.tabulate_dof_coordinates()
         cells.append(nodes + sum(len(p) for p in points))
-        points.append(places[:, :dimension])
+        points.append(where[:, :dimension])
         owner.append(np.full(len(cells[-1]), number + 1, dtype=np.int32))
+    places, corners = np.concatenate(points), np.concatenate(cells).astype(np.int64)
+    if welded:
+        names = [next((n for n in welded if part.name in n), [part.name])[0] for part in parts]
+        of_part = [sorted(set(names)).index(name) for name in names]
+        body = np.repeat(of_part, [len(part) for part in points])
+        keys = np.column_stack([places.round(9), body])
+        _, kept, new = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+        places, corners = places[kept], new.reshape(-1)[corners]
     given = slice(0) if comm.rank else slice(None)
-    corners = np.concatenate(cells)[given].astype(np.int64)
-    whole = compat.create_mesh(comm, cell, order, np.concatenate(points)[given], corners)
+    corners = corners[given]
+    whole = compat.create_mesh(comm, cell, order, places[given], corners)
     cell_tags = compat.distributed_tags(whole, dimension, corners, np.concatenate(owner)[given])
     facet_tags, groups = _sides(whole, cell_tags, parts)
     for number, box in enumerate(parts):

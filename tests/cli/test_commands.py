@@ -173,6 +173,7 @@ def test_run_writes_what_the_interface_promises(folder):
         "output",
         "errors",
         "derivatives",
+        "vibration",
         "total",
     }
     phases = [seconds for phase, seconds in result["timings"].items() if phase != "total"]

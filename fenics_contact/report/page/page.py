@@ -22,6 +22,7 @@ from fenics_contact.results.words.derivatives import derivative_rows, uncertaint
 from fenics_contact.results.words.fretting import fretting_rows
 from fenics_contact.results.words.headlines import headlines
 from fenics_contact.results.words.tables import branch_rows
+from fenics_contact.results.words.vibration import damping_rows, mode_rows
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,7 @@ SECTIONS = (
     Section("quantities", "Quantities and errors", lambda content: bool(content.result.quantities)),
     Section("cycles", "Cycles", lambda content: content.result.cycles is not None),
     Section("fretting", "Fretting", lambda content: bool(fretting_rows(content.result.fretting))),
+    Section("vibration", "Vibration", lambda content: bool(content.result.modes)),
     Section("sensitivities", "Sensitivities", lambda content: bool(content.result.derivatives)),
     Section("scene", "Scene"),
     Section("model", "Model"),
@@ -113,6 +115,8 @@ def page(content: Content) -> str:
         cycle_words=cycle_words(result.cycles).strip(),
         cycles=cycle_rows(result.cycles, result.units),
         fretting=fretting_rows(result.fretting, result.units),
+        modes=mode_rows(result),
+        damping=damping_rows(result),
         derivatives=derivative_rows(result),
         uncertainties=uncertainty_rows(result),
         last_imbalances=", ".join(imbalances) or "none",

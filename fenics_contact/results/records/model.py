@@ -130,6 +130,7 @@ class Seconds(Record):
         output: Quantities, checks and files (s).
         errors: Estimating errors (s).
         derivatives: Finding derivatives that the scene asks for (s).
+        vibration: Finding modes that the scene asks for, and driving them (s).
         total: From the start to the end (s).
     """
 
@@ -141,4 +142,5 @@ class Seconds(Record):
     output: float = 0.0
     errors: float = 0.0
     derivatives: float = 0.0
+    vibration: float = 0.0
     total: float

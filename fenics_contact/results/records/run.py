@@ -20,6 +20,7 @@ from fenics_contact.results.records.record import Errors, Quantities, Record
 from fenics_contact.results.records.steps import BranchRecord, CheckRecord, StepRecord
 from fenics_contact.results.records.uncertainty import Uncertainty
 from fenics_contact.results.records.units import UnitsRecord
+from fenics_contact.results.records.vibration import DampingRecord, ModeRecord
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -47,6 +48,8 @@ class Outcome(Record):
         accuracy: What it asked for, and whether that was reached.
         derivatives: Quantity → key of the scene → what it depends on it by, where it was asked for.
         uncertainty: Quantity → how far tolerances of the scene let it be off, and its error bar.
+        modes: Natural modes about the last state, contacts stuck, where they were asked for.
+        damping: What joints damp of them at each amplitude, likewise.
         error_notes: Sentences that say which errors were not estimated, and why.
         timings: Where the time went.
         versions: Program or library → version.
@@ -54,7 +57,10 @@ class Outcome(Record):
     """
 
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
-        {"accuracy", "cycles", "derivatives", "fretting", "preloads", "uncertainty", "units"}
+        {
+            *("accuracy", "cycles", "damping", "derivatives", "fretting", "modes", "preloads"),
+            *("uncertainty", "units"),
+        }
     )
 
     title: str
@@ -76,6 +82,8 @@ class Outcome(Record):
     accuracy: AccuracyRecord | None = None
     derivatives: Mapping[str, Mapping[str, Derivative]] = field(default_factory=dict)
     uncertainty: Mapping[str, Uncertainty] = field(default_factory=dict)
+    modes: list[ModeRecord] = field(default_factory=list)
+    damping: list[DampingRecord] = field(default_factory=list)
     error_notes: list[str] = field(default_factory=list)
     timings: Seconds
     versions: Mapping[str, str]

@@ -40,8 +40,10 @@ class UnitNames:
         return self._of_all(_PER_THICKNESS.get(words, words) if self.per_unit_thickness else words)
 
     def _of_all(self, words: str) -> str:
-        if words == "mass/volume":
-            return f"{self.force}·s²/{self.length}⁴"
+        if words in ("mass", "mass/volume"):
+            return f"{self.force}·s²/{self.length}{'' if words == 'mass' else '⁴'}"
+        if words == "cycles/time":
+            return "Hz"
         over, slash, under = words.partition("/")
         power = {"area": "²", "volume": "³", "length^m": "^m"}
         named = {"length": self.length, "force": self.force}

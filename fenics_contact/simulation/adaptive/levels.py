@@ -238,10 +238,11 @@ class AdaptiveRun:
         return dataclasses.replace(found, interrupted=True)
 
     def _done(self, result: Result, reason: str) -> Result:
-        """Of the last level, with the derivatives that the scene asks for; collective."""
-        found = self.run.with_derivatives(result)
-        self._seconds["derivatives"] = found.timings.derivatives
-        self._seconds["total"] += found.timings.derivatives
+        """Of the last level, with derivatives and modes that the scene asks for; collective."""
+        found = self.run.with_all_asked(result)
+        for phase in ("derivatives", "vibration"):
+            self._seconds[phase] = found.timings[phase]
+            self._seconds["total"] += found.timings[phase]
         return self._with_levels(found, reason)
 
     def _with_levels(self, result: Result, reason: str) -> Result:

@@ -25,6 +25,7 @@ from fenics_contact.scene.scene import Scene, Steps
 from fenics_contact.scene.writing import write_scene
 from fenics_contact.simulation.output.contact_rows import contact_rows
 from fenics_contact.simulation.output.fields import FieldSeries
+from fenics_contact.simulation.output.mode_files import damping_rows, write_modes
 from fenics_contact.simulation.output.step_table import StepTable
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.scene_run import Run
@@ -135,6 +136,7 @@ def solve_levels_and_write(
         on_root(comm, lambda: _clear(folder, f"{_OF_THE_END}|{_OF_STEPS}"))
         scene = _write_scene(first, folder)
         result = levels.solve(solve_level)
+        _write_modes(levels.run, folder)
         on_root(comm, lambda: _write_level(result, folder, aside, scene))
     return result
 
@@ -183,7 +185,13 @@ def _write_scene(run: Run, folder: Path) -> str:
 
 def _finish(run: Run, result: Result, folder: Path, scene: str) -> None:
     with run.timings.phase("output"):
+        _write_modes(run, folder)
         on_root(run.problem.comm, lambda: _write_tables(result, folder, scene))
+
+
+def _write_modes(run: Run, folder: Path) -> None:
+    if run.vibration is not None:
+        write_modes(run.problem.spaces, run.vibration.shapes, folder)
 
 
 class StepFiles:
@@ -268,11 +276,14 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 # Files of a run and of its report, and nothing else that may lie in the folder.
 _PICTURES = (
     r"(deformed|mesh|axis_stress|surface_displacement|convergence|accuracy|history_\w+"
-    r"|contact_\d+|contact_\d+_formula|stress_\d+|fretting_\w+|wear|wear_\d+)\.(png|pdf)"
+    r"|damping|contact_\d+|contact_\d+_formula|stress_\d+|fretting_\w+|wear|wear_\d+)\.(png|pdf)"
     r"|animation_(body|\d+)\.gif"
 )
 # Those that say how a run ended, which is not true any more when it goes on.
-_OF_THE_END = rf"result\.json|(contact|fretting)\.csv|(report|wear)\.html|{_PICTURES}"
+_OF_THE_END = (
+    rf"result\.json|(contact|fretting|damping)\.csv|(report|wear)\.html|modes\.pvd"
+    rf"|modes\d{{6}}\.p?vtu|modes_p\d+_\d{{6}}\.vtu|{_PICTURES}"
+)
 _LEVEL = "next_level"  # folder of a level that is not whole yet
 _OF_STEPS = (
     r"steps\.csv|wear\.csv|wear_profiles\.csv|fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
@@ -296,6 +307,8 @@ def _write_tables(result: Result, folder: Path, scene: str) -> None:
 
 
 def _write_result(result: Result, folder: Path, scene: str) -> None:
+    if result.damping:
+        _replace(folder / "damping.csv", damping_rows(result.damping))
     # Last, and in one move: where it exists, the run is complete.
     content = _finite(result.record(scene).as_dict())
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)

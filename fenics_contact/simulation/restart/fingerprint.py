@@ -20,7 +20,10 @@ from fenics_contact.scene.values import RAMP
 
 # What may change between a run and one that goes on from it: how to get there, what is asked of the
 # answer, and what units are called, as numbers are the same in all of them.
-_FREE = ("title", "steps", "solver", "mesh", "units", "derivatives", "tolerances", "fretting")
+_FREE = (
+    *("title", "steps", "solver", "mesh", "units"),
+    *("derivatives", "tolerances", "fretting", "modes", "damping"),
+)
 # Keys that states written before they were there do not know: as long as they have their defaults
 # they do not count.
 _LATER: dict[str, dict[str, Any]] = {

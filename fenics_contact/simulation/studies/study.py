@@ -26,6 +26,7 @@ from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
 from fenics_contact.simulation.studies.saved_body import SavedBody, save_body, text_of
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
 from fenics_contact.simulation.studies.solved_history import History, solved_history
+from fenics_contact.simulation.vibration.vibration import Vibration, vibration_of
 from fenics_contact.simulation.worn.worn_cycle import WornCycle, one_cycle
 from fenics_contact.simulation.worn.worn_cycles import WornCycles
 from fenics_contact.simulation.worn.worn_files import WornFiles
@@ -368,6 +369,23 @@ class Study:
                     if files is not None:
                         files.add(cycle)
                     yield cycle
+
+    def vibration(self, changes: Changes = None) -> Vibration:
+        """Modes about the last state of the scene, and what joints damp of them; collective.
+
+        As the scene asks for them by ``modes`` and ``damping``.
+
+        Args:
+            changes: As of ``solve``.
+
+        Raises:
+            InputError: As of ``solve``; or it asks for no modes, or for more than there are.
+            NotConvergedError: There is no state to vibrate about, or its modes were not found.
+            MachineError: As of ``solve``.
+        """
+        scene = self.changed(changes)
+        with failing_together(self.comm):
+            return vibration_of(self._body_of(scene), scene)
 
     def forget_answer(self) -> None:
         """Begin the next quick answer as a separate run does, not at the last one."""

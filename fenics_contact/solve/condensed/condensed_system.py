@@ -321,6 +321,26 @@ class CondensedSystem(System):
             self._dense.border.hold(held)
             self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
 
+    def change(self, condensed: Array, along: Array) -> tuple[Array, Array]:
+        """What forces change by the tangent that was set last; collective.
+
+        Args:
+            condensed: Forces condensed onto the free contact dofs; used on rank 0 (force).
+            along: What they do along preloaded parts (force).
+
+        Returns:
+            Displacements of the free contact dofs, and shortenings of preloaded parts (length).
+        """
+        found = None
+        if self._dense is not None:
+            held = np.array([p.held is not None for p in self.problem.preloads], dtype=bool)
+            right = np.zeros(self._size)
+            right[: self.variables.count] = self.variables.forces(condensed)
+            right[self._inner :] = np.where(held, 0.0, -along)
+            found = self._dense.solve(right)
+        found = np.asarray(from_root(self.comm, found))
+        return self.variables.displacements(found[: self.variables.count]), found[self._inner :]
+
     def adjoint(self) -> CondensedAdjoint:
         """Of the tangent that was set last; collective."""
         return CondensedAdjoint(self.problem, self._body, self.variables, self._dense, self._jumps)

@@ -16,6 +16,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.contact.snapshot import ContactMemory, recall, recall_pairing, remember
+from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.scene.scene import Steps
 from fenics_contact.solve.coulomb.friction_scale import follow_pressure
@@ -147,18 +148,18 @@ class LoadSteps:
         self.go_back()
         return solution
 
-    def go_on_from(self, step: AcceptedStep, time: float, worn: Sequence[Array]) -> None:
+    def go_on_from(self, step: AcceptedStep, time: float, worn: Sequence[Array] = ()) -> None:
         """Go on from a load step as at another pseudo-time, and worn otherwise; collective.
 
         Args:
             step: That was accepted.
             time: At which loads are about the same.
-            worn: Depths of each contact, (points,) (length).
+            worn: Depths of each contact, (points,) (length); by default what they are.
         """
         self.last = step
         self.go_back()
         self._move_on(step)
-        for contact, depth in zip(self.problem.contacts, worn, strict=True):
+        for contact, depth in zip(self.problem.contacts, worn, strict=bool(worn)):
             contact.wear.recall({"worn_depth": depth})
         self.last = AcceptedStep(
             unknowns=dataclasses.replace(step.unknowns, time=time),
@@ -166,6 +167,27 @@ class LoadSteps:
             solution=step.solution,
             before=None,
         )
+
+    def go_to_and_fro(self, step: AcceptedStep, cycles: Cycles, increments: int) -> None:
+        """Next, go on from a load step through cycles of the problem's ``drive``; collective.
+
+        Args:
+            step: That was accepted, at which all else rests.
+            cycles: That end as soon as their loop is closed; what comes before the first begins at
+                the step.
+            increments: Load steps of a cycle, which turns in the middle and at its end.
+        """
+        rest, repetition = step.unknowns.time, cycles.repetition
+        self.go_on_from(step, rest)
+        size = repetition.period / increments
+        count = round((cycles.begin - rest) / size) + cycles.number * increments
+        self._knots = [
+            cycles.begin + 0.5 * half * repetition.period for half in range(2 * cycles.number)
+        ]
+        self._cycles = CycleWatch(self.problem, cycles)
+        steps = Steps(times=tuple(rest + size * (number + 1) for number in range(count)))
+        self.pace = PaceOfCycles(FixedPace(steps), cycles)
+        self._failed_with = None
 
     def afresh(self, times: Sequence[float]) -> LoadSteps:
         """Other load steps over the same system, from the start; collective.

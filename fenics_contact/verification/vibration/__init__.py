@@ -1,0 +1,1 @@
+"""Natural frequencies, and what joints damp."""
