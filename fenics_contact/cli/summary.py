@@ -102,7 +102,9 @@ def print_model(
         console.print(one_line(line), markup=False, highlight=False, soft_wrap=True)
     if plan:
         console.print(plan, markup=False, highlight=False, soft_wrap=True)
-    console.print("The scene can be run: supports and contacts can hold the loads.")
+    held = "supports and contacts can hold the loads"
+    moves = "bodies move, whatever holds them"
+    console.print(f"The scene can be run: {held if scene.motion is None else moves}.")
 
 
 def _conditions(scene: Scene) -> list[str]:

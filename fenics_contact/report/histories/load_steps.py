@@ -185,6 +185,7 @@ def _energies(history: History, path: Path) -> Picture:
     """Work and where it went; below, what does not balance."""
     names = {
         "external_work": "work done, $W$",
+        "kinetic_energy": "kinetic energy, $T$",
         "strain_energy": "strain energy, $E$",
         "friction_work": "dissipated, $D$",
         "penalty_energy": "in springs of contacts, $E_p$",
@@ -204,7 +205,9 @@ def _energies(history: History, path: Path) -> Picture:
     if balances:
         line(panels[1], history.time, history.quantity("energy_defect"), "", 0)
         sprung = " - E_s" if "elastic_slip_energy" in known else ""
-        panels[1].set_ylabel(labelled(f"$W - E - E_p{sprung} - D$", "energy"))
+        brought, moving = ("T_0 + W", " - T") if "kinetic_energy" in known else ("W", "")
+        balance = f"${brought}{moving} - E - E_p{sprung} - D$"
+        panels[1].set_ylabel(labelled(balance, "energy"))
     for panel in panels:
         _legend(panel)
     figure.align_ylabels(panels)
