@@ -8,6 +8,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Damping, InputError, Run, Study
+from fenics_contact.cli.summary import _conditions as conditions
 from fenics_contact.common.errors import SceneError
 from fenics_contact.results.result_file import read_result
 from fenics_contact.simulation.output.run_folder import solve_and_write
@@ -70,6 +71,15 @@ def test_where_all_slides_through_no_loop_is_found_and_the_others_stay(study):
     found = study.vibration({"damping.amplitudes": [0.01, 10.0], "solver.max_iterations": 30})
     assert len(found.damping) == 1
     assert "Mode 1 was not driven to 10, nor beyond" in found.notes[0]
+
+
+def test_check_says_what_is_driven():
+    scene = dataclasses.replace(bar_scene(), damping=Damping((0.01, 0.02)))
+    lines = conditions(scene)
+    assert "Modes: the 1 lowest about the last state, contacts stuck" in lines
+    assert lines[-1] == (
+        "Damping: mode 1 driven to 2 amplitudes, from 0.01 to 0.02, 40 load steps a cycle"
+    )
 
 
 def test_several_values_are_answers_of_their_own_and_keep_the_body(study):
