@@ -12,8 +12,9 @@ from the middle of the contact, away from the trailing edge (D. Nowell, D. A. Hi
 Sci. 29 (1987) 355-365, with 2 in place of 4, as the cylinder is rigid). One gets 1.404 and .245,
 on cells of .07 mm. The loop is closed in the third cycle. At the trailing edge all criteria of
 fatigue are worst: by Smith, Watson and Topper a crack is to be expected there after some 10⁷
-cycles, and the safety factors of Crossland and Dang Van are .83 ± .03 and .75 ± .05 of the mesh.
-The scene file fretting.toml says the same.
+cycles, and the safety factors of Crossland and Dang Van are .8 and .7; the stress has a cusp there,
+which cells of .07 mm cut off, so that .2 or .3 of this are in doubt. The scene file fretting.toml
+says the same.
 
 Run it with ``python demos/demo_fretting.py`` or ``mpirun -n 2 python demos/demo_fretting.py``.
 """

@@ -26,6 +26,8 @@ from fenics_contact.scene.asked.fretting import Fretting
 # Values so near to the largest are as large: which of them is the worst place must not depend on
 # round-off.
 _AS_LARGE = 1e-9
+# Where each half of the size adds 1/√2 of what the one before did: all of them over the first.
+_ALL_HALVES = 1 / (np.sqrt(2) - 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,10 +37,12 @@ class _Found:
     Attributes:
         columns: Name → values at the places.
         planes: Normals of the critical planes, (places, 3).
+        moduli: Young's there, (places,) (stress).
     """
 
     columns: dict[str, Array]
     planes: Array
+    moduli: Array
 
 
 def evaluate_fretting(
@@ -84,7 +88,11 @@ def _evaluated(
     better, plainer = (
         _criteria(fretting, weights, samples, moduli) for weights in recovery.weights(chosen)
     )
-    bars = {name: _apart(better.columns[name], plainer.columns[name]) for name in better.columns}
+    around = recovery.neighbours(chosen)
+    bars = {
+        name: _largest_around(_apart(values, plainer.columns[name]), around)
+        for name, values in better.columns.items()
+    }
     names = [contact.label for contact in problem.contacts]
     of_contact = [cells.of_contact.get(node) for node in recovery.node[chosen].tolist()]
     places = FrettingPlaces(
@@ -101,7 +109,7 @@ def _evaluated(
         places=len(chosen),
         crossland_alpha=alphas[0],
         dang_van_alpha=alphas[1],
-        worst=_worst(places, plainer, fretting) if len(chosen) else {},
+        worst=_worst(places, better.moduli, around, fretting) if len(chosen) else {},
     )
     return record, places
 
@@ -112,6 +120,14 @@ def _apart(values: Array, others: Array) -> Array:
     apart = np.full(len(values), np.nan)
     apart[known] = np.abs(values[known] - others[known])
     return apart
+
+
+def _largest_around(values: Array, around: csr_matrix) -> Array:
+    """The largest at places in the cells around each: differences pass through 0 here and there."""
+    if len(values) == 0:
+        return values
+    found = np.fmax.reduceat(values[around.indices], around.indptr[:-1])
+    return np.where(np.isfinite(values), found, np.nan)
 
 
 def _chosen(recovery: Recovery, touched: Array, depth: float, size: float) -> Integers:
@@ -138,19 +154,25 @@ def _criteria(fretting: Fretting, weights: csr_matrix, samples: Array, moduli: A
     stress, strain = tensors(history[..., :6]), tensors(history[..., 6:])
     columns: dict[str, Array] = {}
     columns["swt"], planes = swt(stress, strain)
-    if fretting.life is not None:
-        line = fretting.life
-        life = StrainLife(
-            line.strength, line.strength_exponent, line.ductility, line.ductility_exponent
-        )
-        columns["life"] = life.cycles(columns["swt"], np.asarray(weights @ moduli))
+    at_places, line = np.asarray(weights @ moduli), _line(fretting)
+    if line is not None:
+        columns["life"] = line.cycles(columns["swt"], at_places)
     columns["shear_amplitude"] = criteria.deviator_amplitudes(stress)[0]
     columns["max_mean_stress"] = criteria.mean_stress(stress).max(axis=1)
     alphas = _alphas(fretting)
     if alphas[0] is not None and alphas[1] is not None:
         columns["crossland"] = criteria.crossland(stress, alphas[0])
         columns["dang_van"] = criteria.dang_van(stress, alphas[1])
-    return _Found(columns, planes)
+    return _Found(columns, planes, at_places)
+
+
+def _line(fretting: Fretting) -> StrainLife | None:
+    """That of lives, where the scene has its constants."""
+    asked = fretting.life
+    if asked is None:
+        return None
+    exponents = asked.strength_exponent, asked.ductility_exponent
+    return StrainLife(asked.strength, exponents[0], asked.ductility, exponents[1])
 
 
 def _alphas(fretting: Fretting) -> tuple[float | None, float | None]:
@@ -162,19 +184,29 @@ def _alphas(fretting: Fretting) -> tuple[float | None, float | None]:
     return criteria.crossland_alpha(*both), criteria.dang_van_alpha(*both)
 
 
-def _worst(places: FrettingPlaces, plainer: _Found, fretting: Fretting) -> dict[str, WorstPlace]:
-    """Where each criterion is largest; its bar is that of its place, or of the largest values."""
+def _worst(
+    places: FrettingPlaces, moduli: Array, around: csr_matrix, fretting: Fretting
+) -> dict[str, WorstPlace]:
+    """Where each criterion is largest.
+
+    At a smooth peak it hardly changes within two cells, of a contact's surface along that. At a
+    cusp, as stress has at the edge of a contact, errors fall with the root of the cell's size: that
+    change is taken for what half the size would add, and all further halves for 1/(√2 − 1) of it.
+    """
     found = {}
     for name in ("swt", "crossland", "dang_van"):
         values = places.values.get(name)
         if values is None:
             continue
         place = int(np.argmax(values >= values.max() - _AS_LARGE * np.abs(values).max()))
-        value, other = float(values[place]), float(plainer.columns[name].max())
-        bar = max(float(places.bars[name][place]), abs(value - other))
-        more = _of_swt(places, plainer, place) if name == "swt" else {}
-        if name != "swt" and fretting.limits is not None:
-            more = _of_limit(fretting.limits.torsion, value, bar)
+        beside = _beside(place, around, places.contact)
+        value = float(values[place])
+        change = _ALL_HALVES * (value - float(values[beside].min()))
+        bar = max(float(places.bars[name][place]), change)
+        more = _of_swt(places, float(moduli[place]), place, bar, _line(fretting))
+        if name != "swt":
+            limits = fretting.limits
+            more = {} if limits is None else _of_limit(limits.torsion, value, bar)
         found[name] = WorstPlace(
             value=value,
             errors=_by_mesh(bar),
@@ -186,16 +218,30 @@ def _worst(places: FrettingPlaces, plainer: _Found, fretting: Fretting) -> dict[
     return found
 
 
-def _of_swt(places: FrettingPlaces, plainer: _Found, place: int) -> dict[str, Any]:
+def _beside(place: int, around: csr_matrix, contact: list[str]) -> Integers:
+    """Places within two cells of one; of one on a contact's surface those that are on it, too."""
+    near = np.flatnonzero((around[[place]] @ around).toarray()[0])
+    if not contact[place]:
+        return near
+    return near[[contact[number] == contact[place] for number in near.tolist()]]
+
+
+def _of_swt(
+    places: FrettingPlaces, modulus: float, place: int, bar: float, line: StrainLife | None
+) -> dict[str, Any]:
     """What there is of the critical plane's criterion alone."""
     normal = places.planes[place]
     # Of a normal and its opposite the one whose largest component is > 0.
     normal = normal * np.sign(normal[np.abs(normal).argmax()])
     more: dict[str, Any] = {"plane": normal.tolist()}
-    life = places.values.get("life")
-    if life is not None and np.isfinite(life[place]):
-        bar = max(places.bars["life"][place], abs(life[place] - plainer.columns["life"].min()))
-        more |= {"life": float(life[place]), "life_errors": _by_mesh(float(bar))}
+    value = places.values["swt"][place]
+    if line is None or value <= 0:
+        return more
+    most, life, least = (
+        float(line.cycles(max(value + off, 0.0), modulus)) for off in (-bar, 0.0, bar)
+    )
+    if np.isfinite(life):
+        more |= {"life": life, "life_errors": _by_mesh(max(most - life, life - least))}
     return more
 
 

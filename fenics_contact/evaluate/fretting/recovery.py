@@ -60,6 +60,15 @@ class Recovery:
         plainer = [self._averaged(place) for place in chosen.tolist()]
         return _sparse(better, shape), _sparse(plainer, shape)
 
+    def neighbours(self, chosen: Integers) -> csr_matrix:
+        """Which of some places share a cell, each with itself, (chosen, chosen).
+
+        Args:
+            chosen: Numbers of the places.
+        """
+        cells = self._cells_of_place[chosen]
+        return csr_matrix(cells @ cells.T)
+
     def _around(self, place: int) -> Integers:
         """The cells of its body and material around a place."""
         matrix = self._cells_of_place

@@ -147,9 +147,7 @@ class StressRegion:
         law = self._problem.elastic.law
         if not isinstance(law, Isotropic):
             return np.full((len(self._cells), self._count), np.nan)
-        # Times 1 as a function of the place: of a constant alone the mesh would not be known.
-        one = 1 + 0 * ufl.SpatialCoordinate(self._mesh)[0]
-        expression = form_cache.expression(law.youngs_modulus * one, points)
+        expression = form_cache.expression(law.youngs_modulus, points)
         return np.asarray(expression.eval(self._mesh, self._cells)).reshape(-1, self._count)
 
     def _on_contacts(self) -> dict[int, int]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
+from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.units.dimensions import LENGTH, STRESS
 from fenics_contact.scene.values import Number, Positive, scene_class
 
@@ -106,7 +107,7 @@ def require_fretting(scene: Scene) -> None:
         return
     if not scene.contact:
         raise ValueError("fretting: the scene has no contact; give it one, or leave fretting out")
-    if fretting.begin > 0 and scene.cycles is not None:
+    if fretting.begin > 0 and cycles_of(scene) is not None:
         raise ValueError(
             f"fretting.begin = {fretting.begin:g}: is for scenes without cycles; of those the last "
             "one counts, so leave it out"

@@ -3,9 +3,12 @@
 import csv
 import dataclasses
 import json
+from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
@@ -30,11 +33,15 @@ from fenics_contact.analytic.fatigue import criteria
 from fenics_contact.analytic.fatigue.critical_plane import swt
 from fenics_contact.analytic.fatigue.lives import StrainLife
 from fenics_contact.common.arrays import Array
+from fenics_contact.evaluate.fretting.criteria_at_places import evaluate_fretting
 from fenics_contact.evaluate.fretting.recovery import Recovery
 from fenics_contact.evaluate.fretting.region import StressRegion
 from fenics_contact.simulation.output.run_folder import solve_and_write
 from fenics_contact.verification.boxes import Box, boxes
 
+of_rank_0 = pytest.mark.skipif(
+    MPI.COMM_WORLD.size > 1, reason="places are evaluated on rank 0 alone; one rank will do"
+)
 E, NU = 1000.0, 0.3
 PULL, PUSH = 3.0, 2.0
 # Pulled once as far as three times later, then to and fro, and pressed out of phase.
@@ -165,6 +172,7 @@ def cubic(places: Array) -> Array:
     return np.asarray(np.sin(1.3 * x) * np.exp(0.7 * y))
 
 
+@of_rank_0
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
 @pytest.mark.parametrize("degree", [1, 2])
 def test_recovery(cell: str, degree: int) -> None:
@@ -177,8 +185,7 @@ def test_recovery(cell: str, degree: int) -> None:
         scene = block(Fretting(depth=9.0), degree=degree)
         problem = Run(scene, body=body(cell, (number, number))).problem
         cells = StressRegion(problem, 9.0).cells
-        if cells is None:
-            return
+        assert cells is not None
         recovery = Recovery(cells, degree)
         better, plainer = recovery.weights(np.arange(len(recovery.node)))
         x, y = (cells.samples[..., axis].ravel() for axis in (0, 1))
@@ -192,6 +199,40 @@ def test_recovery(cell: str, degree: int) -> None:
     order = np.log2(errors[0][0] / errors[1][0])
     assert order > degree + 0.7
     assert errors[1][0] < 0.6 * errors[1][1]
+
+
+def peak(places: Array, root: bool) -> Array:
+    """1 at (1, 0), in the middle of the floor: a cusp with a root, or a smooth hill."""
+    away = np.hypot(places[..., 0] - 1, places[..., 1])
+    return np.asarray(1 - np.sqrt(away) if root else np.exp(-(away**2)))
+
+
+@of_rank_0
+@pytest.mark.parametrize("root", [True, False])
+def test_bars_of_peaks(root: bool) -> None:
+    """They hold at a cusp, and at smooth peaks, where they are of second order."""
+    bars = []
+    for number in (8, 16, 32):
+        asked = Fretting(depth=9.0, limits=LIMITS)
+        problem = Run(block(asked), body=body("quadrilateral", (number, number // 2))).problem
+        region = StressRegion(problem, 9.0)
+        samples = None
+        if region.cells is not None:
+            size = peak(region.cells.samples, root).ravel()
+            samples = np.zeros((2, len(size), 12))
+            samples[1, :, 0], samples[1, :, 6] = size, size / E
+        floor = problem.contacts[0].trace.coordinates
+        history = SimpleNamespace(region=region, samples=samples, states=2)
+        history.touched = partial(region.touched, [np.ones(len(floor), dtype=bool)])
+        found = evaluate_fretting(problem, asked, history)
+        assert found is not None
+        worst = found[0].worst["swt"]
+        bar, missed = worst.errors["mesh"], abs(worst.value - 1 / (2 * E))
+        assert worst.at == pytest.approx([1, 0, 0], abs=1.5 / number)
+        bars.append(bar)
+        assert missed <= bar
+        assert bar < 4 * missed or not root
+    assert np.log2(bars[0] / bars[2]) / 2 > (0 if root else 1.5)
 
 
 def test_files_and_words(tmp_path, capsys) -> None:
