@@ -84,6 +84,8 @@ def require_motion(scene: Scene) -> None:
         "accuracy": scene.accuracy is not None,
         "derivatives": scene.derivatives is not None,
         "fretting": scene.fretting is not None,
+        "modes": scene.modes is not None,
+        "damping": scene.damping is not None,
         "solver.branches": scene.solver.branches,
         "solver.stabilisation": scene.solver.stabilisation,
     }
