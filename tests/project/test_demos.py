@@ -35,6 +35,11 @@ LONG = {
         "mesh.curvature=8",
         "steps.times=[1, 1.5, 2, 3, 4, 6]",
     ],
+    "joint_damping": [
+        "mesh.0.parameters.cells_along=20",
+        "mesh.1.parameters.cells_along=20",
+        "damping.amplitudes=[0.05, 0.3]",
+    ],
 }
 # Another of their kind runs on two ranks: for them it is enough that the scene is the script's.
 ON_ONE_RANK = ("annulus", "incline")
@@ -379,3 +384,15 @@ def test_an_error_on_one_rank_alone_ends_the_others(tmp_path):
     done = start([script], 2)
     assert done.returncode == 5, done.stderr
     assert "the machine failed: out of memory: too much; " in done.stderr
+
+
+def test_layers_slip_more_the_further_they_bend(tmp_path):
+    """They begin as Euler's beam of both heights, and slip makes them softer."""
+    run_demo("joint_damping", tmp_path, *LONG["joint_damping"])
+    result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    beam = 3.516015 * sqrt(210e3 / 7.85e-9) * 10 / sqrt(12) / (2 * pi * 200**2)
+    assert result["modes"][0]["natural_frequency"] == pytest.approx(beam, rel=5e-3)
+    little, much = result["damping"]
+    assert little["natural_frequency"] == pytest.approx(beam, rel=5e-3)
+    assert little["damping_ratio"] < 1e-6 < 0.1 < much["damping_ratio"] < 0.3
+    assert 0.5 * beam < much["natural_frequency"] < 0.8 * beam
