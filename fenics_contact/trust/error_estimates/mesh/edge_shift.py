@@ -40,8 +40,9 @@ _MOST_TRACTION, _MOST_STRENGTH = 25.0, 10.0
 # Pieces of the surface that an edge passes through, to either side, and sizes on either side.
 _PIECES = 1.0
 _SIZES = 4
-# Of that, what an edge may move by; and how often a size is tried anew until it does not.
-_FAR, _TRIES = 1.5, 4
+# Of that, what an edge may move by to one side, as it moves less to the other one; and how often a
+# size is tried anew until it does not.
+_FAR, _TRIES = 3.0, 4
 # Of a piece: an edge that the loads move by less is taken to stand still; one that the first size
 # moves by less cannot move, as that of a punch.
 _STILL, _FIXED = 0.5, 1e-3

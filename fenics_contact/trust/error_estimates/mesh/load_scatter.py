@@ -5,15 +5,16 @@ Functions of the load where the load moves the edges, else of what does (``edge_
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 
 import numpy as np
 
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, stick_area
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.loading.load_paths import knots
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.mesh.edge_shift import (
     Edge,
     edges_inside,
@@ -66,7 +67,8 @@ def load_scatter(
         return dict.fromkeys(answer, 0.0)
     assert load_steps.last is not None
     turn = max((knot for knot in knots(problem.scene) if knot < last), default=0.0)
-    share = min(_SPAN, _PIECES * _piece_share(problem, load_steps.last.solution))
+    pairs = zip(problem.contacts, load_steps.last.solution.states, strict=True)
+    share = min(_SPAN, _PIECES * (piece_share(pairs) or 1.0))
     span = share * (last - max(turn, 0.0))
     edges = edges_inside(problem, load_steps.last.solution)
     rows = [(time, found) for time, found in recorded if time >= last - span]
@@ -129,18 +131,21 @@ def _about_polynomials(
     return scatter
 
 
-def _piece_share(problem: Problem, solution: Solution) -> float:
+def piece_share(pairs: Iterable[tuple[ContactSurface, ContactState]]) -> float:
     """What an edge's passing of a piece changes of the area in contact, or that sticks; collective.
 
-    The larger of both, of all contacts.
+    The larger of both, of all contacts; 0 without edges.
+
+    Args:
+        pairs: Contacts and what happens at them.
     """
     shares = [0.0]
-    for contact, state in zip(problem.contacts, solution.states, strict=True):
+    for contact, state in pairs:
         zones = Zones(contact, state)
         whole = (contact_area(zones), stick_area(zones))
         for area, cut in zip(whole, cut_areas(contact, state), strict=True):
             shares.append(cut / area if area > 0 else 0.0)
-    return max(shares) or 1.0
+    return max(shares)
 
 
 def _at(time: float) -> Change:

@@ -59,18 +59,23 @@ def single_point_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashabl
             set_gap(contact, gap)
 
 
+def touches_in_points(contact: ContactSurface, state: ContactState) -> bool:
+    """Whether it may open and no piece of it touches with all its ends; collective."""
+    if not contact.is_one_sided:
+        return False
+    whole = (state.status != OPEN)[contact.trace.pieces.points].all(axis=1)
+    return largest(contact.spaces.comm, whole.astype(float)) == 0
+
+
 def _local_depth(contact: ContactSurface, state: ContactState) -> float:
     """How far the surface gives way at single points that touch, the largest; collective.
 
     0 where a piece touches with all its ends, where nothing does, and where gaps cannot open.
     """
-    if not contact.is_one_sided:
+    if not touches_in_points(contact, state):
         return 0.0
     trace, spaces = contact.trace, contact.spaces
     closed = state.status != OPEN
-    whole = closed[trace.pieces.points].all(axis=1)
-    if largest(spaces.comm, whole.astype(float)) > 0:
-        return 0.0
     widths = trace.weights if spaces.components == 2 else np.sqrt(trace.weights)
     if spaces.kinematics == "axisymmetric":  # a ring of some width, on the axis a circle
         rings = 2 * np.pi * np.abs(trace.coordinates[:, 0])
