@@ -110,7 +110,7 @@ def mesh_errors(
     points = single_point_errors(load_steps, measure)
     if changes is None or scatter is None or curved is None or torn is None or points is None:
         return None, local
-    whole, drawn = changes
+    whole, at_random = changes
     for name, error in local.at_points().items():
         whole[name] += error
     for key, energy in _energies(recorded[-1][1], 0.5 * local.total**2).items():
@@ -126,7 +126,7 @@ def mesh_errors(
             continue
         independent = (
             _LOCAL[problem.spaces.degree] * whole[key],
-            _DRAWN * drawn[key],
+            _DRAWN * at_random[key],
             _SCATTER * scatter[key],
             at_contact,
         )
