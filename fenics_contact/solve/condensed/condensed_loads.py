@@ -36,21 +36,25 @@ class CondensedLoads:
         self._known = [*self._known[-_MOST + 1 :], (load, condensed)]
 
     def condense(self, load: Array) -> Array:
-        """The condensed load, on rank 0; collective."""
+        """The condensed load, on rank 0; collective.
+
+        Of one that is new only what the known ones leave of it is condensed, and known from then
+        on: so these are orthogonal to each other, and tell a combination to round-off even where
+        loads are nearly the same, as a large preload with what vibrates about it.
+        """
         shares = self._shares(load)
         left = load - sum(
             (share * known for share, (known, _) in zip(shares, self._known, strict=True)),
             np.zeros_like(load),
         )
-        if total(self._comm, np.abs(left).sum()) > _SAME * total(self._comm, np.abs(load).sum()):
-            self._known = [*self._known[-_MOST + 1 :], (load, self._bulk.condense(load))]
-            return self._known[-1][1]
-        return np.asarray(
-            sum(
-                (share * found for share, (_, found) in zip(shares, self._known, strict=True)),
-                np.zeros(self._bulk.count),
-            )
+        condensed = sum(
+            (share * found for share, (_, found) in zip(shares, self._known, strict=True)),
+            np.zeros(self._bulk.count),
         )
+        if total(self._comm, np.abs(left).sum()) > _SAME * total(self._comm, np.abs(load).sum()):
+            self.know(left, self._bulk.condense(left))
+            condensed = condensed + self._known[-1][1]
+        return np.asarray(condensed)
 
     def _shares(self, load: Array) -> Array:
         """Of the known loads in this one, by least squares; collective."""

@@ -1,0 +1,45 @@
+"""Loads whose condensed ones are combinations of a few: how many are condensed, and how well."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
+
+
+class Bulk:
+    """A linear map in place of a solve, which counts."""
+
+    comm, count = MPI.COMM_SELF, 7
+
+    def __init__(self):
+        self.matrix = np.random.default_rng(3).standard_normal((self.count, 60))
+        self.solves = 0
+
+    def condense(self, load):
+        self.solves += 1
+        return self.matrix @ load
+
+
+@pytest.mark.parametrize("size", [1e3, 1, 1e-3, 1e-6])
+def test_what_goes_to_and_fro_about_a_load_takes_two_solves(size):
+    """However small beside that load; to round-off of the load."""
+    bulk = Bulk()
+    loads = CondensedLoads(bulk)
+    preload, drive = np.random.default_rng(4).standard_normal((2, 60)) * [[1], [size]]
+    for share in (0.0, *np.sin(np.linspace(0.1, 20, 50))):
+        load = preload + share * drive
+        error = np.abs(loads.condense(load) - bulk.matrix @ load).max()
+        assert error < 1e-13 * np.linalg.norm(bulk.matrix) * np.linalg.norm(load)
+    assert bulk.solves == 2
+
+
+def test_many_loads_that_have_nothing_to_do_with_each_other_are_condensed_each():
+    bulk = Bulk()
+    loads = CondensedLoads(bulk)
+    for load in np.random.default_rng(5).standard_normal((20, 60)):
+        assert loads.condense(load) == pytest.approx(bulk.matrix @ load, rel=1e-10, abs=1e-10)
+    assert bulk.solves == 20
+    assert len(loads.known) <= 8
+    assert not loads.condense(np.zeros(60)).any()
+    assert bulk.solves == 20
