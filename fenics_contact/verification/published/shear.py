@@ -11,6 +11,7 @@ from math import sqrt
 
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.program import mesh_file
+from fenics_contact.results.records.record import Quantities
 from fenics_contact.scene.asked.derivatives import AskedDerivatives
 from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
 from fenics_contact.scene.material import Material
@@ -34,6 +35,11 @@ _QUICK_MESH = {"fine": 1.5, "size": 0.375, "extent": 10.0, "cells_outside": 3}
 def shift(share: float) -> float:
     """δ at a share Q/μP of the shear that makes all of the contact slip (length)."""
     return formulas.partial_slip_shift(HERTZ, _COEFFICIENT, share, _SHEAR_MODULUS, _POISSONS_RATIO)
+
+
+def shear_share(quantities: Quantities) -> float:
+    """Q/μP of a load step, of the half body."""
+    return float(2 * abs(quantities["friction_force"][0]) / (_COEFFICIENT * HERTZ.force))
 
 
 def loss(share: float) -> float:
@@ -75,8 +81,7 @@ def _mindlin(quick: bool) -> Iterator[Finding]:
     result = solved(sheared_scene(*shares, **(_QUICK_MESH if quick else _MESH)))
     for expected, step in zip(shares, result.steps[1:], strict=True):
         quantities = step["quantities"]
-        shear = 2 * abs(quantities["friction_force"][0])
-        share = shear / (_COEFFICIENT * HERTZ.force)
+        share = shear_share(quantities)
         at = f"Q = {share:.2f} μP"
         yield Finding(f"displacement, {at}", shift(expected), shift(share), 1e-2)
         ratio = sqrt(quantities["stick_area"] / quantities["contact_area"])
