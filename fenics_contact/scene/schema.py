@@ -75,7 +75,7 @@ def _describe(table: dict[str, Any], said: dict[str, str]) -> None:
         for limit in ("min", "max"):  # of one table, or a list of them
             if "anyOf" in key and f"{limit}Length" in key:
                 key[f"{limit}Items"] = key.pop(f"{limit}Length")
-        if "propertyNames" in key:  # which editors do not complete
+        if "enum" in key.get("propertyNames", {}):  # which editors do not complete
             entry = key.pop("additionalProperties")
             key["properties"] = dict.fromkeys(key.pop("propertyNames")["enum"], entry)
             key["additionalProperties"] = False

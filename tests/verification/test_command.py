@@ -379,14 +379,14 @@ def test_run_that_its_checks_refuse_is_a_finding_that_failed(capsys, monkeypatch
     solve = simulation.solve
 
     def wrong(*arguments):
-        *others, end, condense = arguments
+        *others, end, condense, drive = arguments
 
         def spoiled(history):
             for force in history.last.solution.friction_force:
                 force *= 0.9
             end(history)
 
-        return solve(*others, spoiled, condense)
+        return solve(*others, spoiled, condense, drive)
 
     monkeypatch.setattr(simulation, "solve", wrong)
     assert main(["verify", "slab", "--quick"]) == 4

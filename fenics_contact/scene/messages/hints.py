@@ -28,8 +28,11 @@ def of_key(location: Sequence[Any], value: object, table: type) -> str:
     key = str(location[-1])
     accepted = [known.name for known in keys_of(inner)]
     usual, elsewhere = meant_key(inner.__name__, key, value), _places_of(key)
+    plurals = [word for word in accepted if word.rstrip("s") == key.rstrip("s")]
     if usual:
         hint = f" (did you mean {usual}?)"
+    elif plurals:
+        hint = question(key, plurals)
     elif len(elsewhere) == 1:
         hint = f" ({elsewhere[0]})"
     else:

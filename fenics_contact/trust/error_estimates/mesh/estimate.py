@@ -8,9 +8,9 @@ it. A peak of the contact pressure lies between what the penalty makes of gaps a
 needs. Facets miss curved surfaces, which changes gaps (``geometry_errors``). And how large a
 contact is that touches in single points, no mesh as coarse tells (``single_points``).
 
-What the first three make is added up as independent errors are, by the sum of squares: one has no
-reason to come with the other. What facets miss, and what is known to a cell at the most, goes in
-full on top of that.
+What the last of these tells of an edge's or a peak's place is added to the others as an independent
+error is, by the sum of squares: the one has no reason to come with the other. All else goes in full
+on top of that, as of forces below a sphere both parts may have the same cause.
 """
 
 from __future__ import annotations
@@ -53,9 +53,8 @@ from fenics_contact.trust.error_estimates.solving_again import (
 # Of what local problems give, by degree: they see nothing beyond one degree more, which beside
 # corners is less of the error the higher that is.
 _LOCAL = {1: 1.75, 2: 2.0}
-_DRAWN = 1.0  # of what errors of such size do with signs at random: that they cancel is not sure
-_DRAWS = 2
-_SCATTER = 2.0  # of the scatter over loads, to be beyond most of it
+_DRAWS = 2  # of signs, lest cells' errors seem to cancel
+_SCATTER = 2.5  # of the scatter over loads, to be beyond most of it
 _PEAK = 2.5  # of the distance between the two pressures at their peaks
 _CURVED = 1.25  # of what facets miss of curved surfaces: what is left is of higher order
 # Of the pieces that an edge passes through, to which its place is found by the fields of a smooth
@@ -124,13 +123,9 @@ def mesh_errors(
         at_contact = at_contacts.get(key, 0.0)
         if at_contact is None:
             continue
-        independent = (
-            _LOCAL[problem.spaces.degree] * whole[key],
-            _DRAWN * at_random[key],
-            _SCATTER * scatter[key],
-            at_contact,
-        )
-        leading = float(np.linalg.norm(independent)) + _CURVED * curved[key]
+        of_cells = _LOCAL[problem.spaces.degree] * max(whole[key], at_random[key])
+        of_mesh = float(np.hypot(of_cells + _SCATTER * scatter[key], at_contact))
+        leading = of_mesh + _CURVED * curved[key]
         in_full = torn[key] + points[key] + pinned.get(key, 0.0) + unseen.get(key, 0.0)
         found[key] = doubt * leading + in_full
     return found, local
