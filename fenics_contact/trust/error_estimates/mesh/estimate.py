@@ -48,8 +48,8 @@ from fenics_contact.trust.error_estimates.solving_again import (
     differences,
 )
 
-# Weighed so that 95 % hold of all cases of ``fenics-contact verify --errors``, those that test
-# included, and as many of 60 scenes at random as before; tested on scenes drawn afterwards.
+# Weighed with all cases of ``fenics-contact verify --errors``, those that test included, and 60
+# scenes at random; tested on scenes drawn afterwards.
 # Of what local problems give, by degree: they see nothing beyond one degree more, which beside
 # corners is less of the error the higher that is.
 _LOCAL = {1: 1.75, 2: 2.0}
