@@ -44,10 +44,12 @@ def work(mass, spaces, u, v):
     """u · M v of two polynomials that the space has."""
     matrix = assemble_matrix(mass.consistent)
     matrix.assemble()
-    functions = [Function(spaces.displacement_space) for _ in range(2)]
-    for function, values in zip(functions, (u, v), strict=True):
+    vectors = matrix.createVecs()  # of its communicator: one of a function may be gone on one rank
+    for vector, values in zip(vectors, (u, v), strict=True):
+        function = Function(spaces.displacement_space)
         function.interpolate(values)
-    left, right = (function.x.petsc_vec for function in functions)
+        vector.array = function.x.array[: vector.local_size]
+    left, right = vectors
     return left.dot(matrix * right)
 
 
