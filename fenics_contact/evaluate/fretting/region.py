@@ -114,7 +114,8 @@ class StressRegion:
         place = form_cache.expression(ufl.SpatialCoordinate(self._mesh), points)
         places = np.asarray(place.eval(self._mesh, self._cells))
         samples = np.zeros((len(nodes), self._count, 3))
-        samples[..., : self._mesh.geometry.dim] = places.reshape(len(nodes), self._count, -1)
+        dimension = self._mesh.geometry.dim  # not -1: a rank may have no cells
+        samples[..., :dimension] = places.reshape(len(nodes), self._count, dimension)
         pieces = (numbers, spaces.coordinates[nodes], groups, parts, samples, self._moduli(points))
         found = gathered_on_root(problem.comm, (*pieces, self._on_contacts()))
         if found is None:

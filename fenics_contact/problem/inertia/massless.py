@@ -8,6 +8,7 @@ Eur. J. Mech. A 27 (2008) 918-932); along the contact the node keeps it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -92,7 +93,7 @@ class Neighbours:
         Args:
             given: Of each node, first axis nodes.
         """
-        flat = given.reshape(len(given), -1)
+        flat = given.reshape(len(given), math.prod(given.shape[1:]))
         share = flat / np.maximum(self._counts, 1.0)[:, None]  # of each node, for each of its cells
         gives = self._gives.astype(np.float64)
         in_cells = np.einsum("ck,ckj->cj", gives, share[self._cells])

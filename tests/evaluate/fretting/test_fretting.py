@@ -290,3 +290,27 @@ def test_check_says_what_will_be_looked_at(tmp_path, capsys) -> None:
     printed = capsys.readouterr().out
     assert "Fretting: SWT, Crossland, Dang Van, by the stress over " in printed
     assert "up to 0.5 from where contacts touch" in printed
+
+
+def test_a_rank_that_has_no_cells_near_a_contact_goes_along():
+    """A long strip with a small contact at its left end, on one rank or on two."""
+    strip = boxes((Box("strip", (0, 0), (16, 1), (64, 4)),))
+    ball = Obstacle("parabola", radius=2, position=(0.5, 0), indentation=0.02)
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(E, NU),
+        support=(Support("strip.y1", {"x": 0, "y": 0}),),
+        contact=(Contact("strip.y0", obstacle=ball),),
+        steps=Steps(2),
+        solver=SolverSettings(errors="none"),
+        fretting=Fretting(depth=0.3),
+    )
+    prepared = Run(scene, MPI.COMM_WORLD, strip)
+    owned = strip.mesh.topology.index_map(2).size_local
+    places = strip.mesh.geometry.x[strip.mesh.geometry.dofmap[:owned]]
+    far = len(places) > 0 and places[..., 0].min() > 2
+    if MPI.COMM_WORLD.size == 2:
+        assert MPI.COMM_WORLD.allreduce(int(far)) == 1
+    found = prepared.solve()
+    assert found.fretting is not None
+    assert found.fretting.worst["swt"].at[0] < 1.5
