@@ -49,7 +49,8 @@ def forces(result):
 
 
 def forces_of(found):
-    return np.array([found["normal_force"], *found["friction_force"]])
+    """Of a surface that wraps around there is no normal force: nan."""
+    return np.array([found["normal_force"], *found["friction_force"]], dtype=np.float64)
 
 
 def test_the_page_tells_of_every_scene():
