@@ -182,7 +182,6 @@ def print_result(result: Result, folder: Path) -> None:
         _print_checks(console, result.checks)
         _print_branches(console, result)
         _print_asked(console, result)
-        _print_fretting(console, result)
         _print_levels(console, result)
     console.print(one_line(result.verdict), markup=False, highlight=False)
     took = f"{result.timings['total']:.2f} s"
@@ -239,24 +238,14 @@ def _print_branches(console: Terminal, result: Result) -> None:
 
 
 def _print_asked(console: Terminal, result: Result) -> None:
-    """What quantities depend on, modes and damping, where the scene asks for it."""
-    tables = (derivative_rows, uncertainty_rows, mode_rows, damping_rows)
-    for rows in (of(result) for of in tables):
+    """What the scene asks for: derivatives, modes and damping, the worst places of fretting."""
+    tables = [of(result) for of in (derivative_rows, uncertainty_rows, mode_rows, damping_rows)]
+    for rows in (*tables, fretting_rows(result.fretting, result.units)):
         if rows:
             table = _table(*map(escape, rows[0]))
             for row in rows[1:]:
                 table.add_row(*map(escape, row))
             console.print(table)
-
-
-def _print_fretting(console: Terminal, result: Result) -> None:
-    """Where the history of stress is worst, by each criterion."""
-    rows = fretting_rows(result.fretting, result.units)
-    if rows:
-        table = _table(*map(escape, rows[0]))
-        for row in rows[1:]:
-            table.add_row(*map(escape, row))
-        console.print(table)
 
 
 def _print_levels(console: Terminal, result: Result) -> None:

@@ -79,9 +79,9 @@ def ratios(cells, reference):
 def test_bars_hold_wherever_the_edge_is_in_its_cell(reference):
     every = []
     for cells in (5, 6, 12):
-        every += ratios(cells, reference).values()
-    assert np.mean(np.array(every) > 1) > 0.9, every
-    assert min(every) > 0.8, every
+        found = ratios(cells, reference)
+        assert min(found.values()) > 1, (cells, found)
+        every += found.values()
     assert np.median(every) < 4
 
 
