@@ -32,7 +32,8 @@ from fenics_contact import Body, Contact, Scene, SolverSettings, Steps, load_sce
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import Path as LoadPath
-from fenics_contact.simulation.scene_run import Run, mesh_of
+from fenics_contact.simulation.scene_mesh import mesh_of
+from fenics_contact.simulation.scene_run import Run
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.solved_derivatives import solved_scene
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors

@@ -10,18 +10,14 @@ from functools import partial
 from mpi4py import MPI
 
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common.errors import InputError, NotConvergedError, StoppedError
+from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.failures import failing_together
 from fenics_contact.common.timings import Timings
-from fenics_contact.evaluate.energy_balance import EnergyBook
 from fenics_contact.evaluate.fretting.criteria_at_places import evaluate_fretting
 from fenics_contact.evaluate.fretting.history import StressHistory
 from fenics_contact.evaluate.moving_forces import MovingForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.evaluate.quantities import (
-    contact_points,
-)
-from fenics_contact.mesh.loading import load_body
+from fenics_contact.evaluate.quantities import contact_points
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.existence.condition import FreeMotion, require_equilibrium
 from fenics_contact.problem.problem import Problem
@@ -31,7 +27,7 @@ from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, Seconds
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
-from fenics_contact.results.result import Check, Result
+from fenics_contact.results.result import Result
 from fenics_contact.results.words.cycles import cycle_words
 from fenics_contact.results.words.fretting import fretting_words
 from fenics_contact.scene.loading.load_paths import cycles_of
@@ -39,25 +35,21 @@ from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
 from fenics_contact.scene.units.table import names_of
 from fenics_contact.simulation import verdict
-from fenics_contact.simulation.asked_derivatives.asked import asked_derivatives, keys_asked_of
-from fenics_contact.simulation.asked_derivatives.uncertainty import uncertainties
+from fenics_contact.simulation.asked_derivatives.asked import keys_asked_of
+from fenics_contact.simulation.asked_of_answer import AskedOfAnswer
 from fenics_contact.simulation.description import model_of, record_of, units_of
-from fenics_contact.simulation.restart.state_file import Beside, SavedRun, StateFile
+from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
+from fenics_contact.simulation.scene_mesh import mesh_of
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies.kept_body import KeptBody
-from fenics_contact.simulation.vibration.vibration import Vibration, damping_scenes, vibration_of
+from fenics_contact.simulation.vibration.vibration import Vibration, damping_scenes
+from fenics_contact.simulation.way_through import AtEnd, EndOfRun, Onlookers, WayThrough
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
-from fenics_contact.simulation.worn.cycles_of_run import CyclesOfRun
 from fenics_contact.simulation.worn.worn_cycle import WornCycle, one_cycle
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
-from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice, choose_solver
-from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget
-from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
-from fenics_contact.trust.uniqueness.other_answers import OtherAnswers, look_around
 
 logger = logging.getLogger(__name__)
 
@@ -74,13 +66,10 @@ class Run:
         problem: The model: spaces, energies, forms.
         free_motion: Rigid motions that the supports leave to friction.
         choice: The solver, and how much memory it is to need.
-        others: What is known of other answers of the last step.
-        budget: Estimated errors of its quantities.
+        end: What is known once the last load step is solved.
         vibration: Modes that the scene asks for, with their shapes, once they are found.
-        last: What a further step would start from, once all are solved.
         at_end: Called with the load steps at their end, and with the errors of cells where these
             were estimated; collective.
-        stress_history: Near the contacts, where the scene asks for fretting.
         timings: Seconds so far.
 
     Args:
@@ -115,13 +104,9 @@ class Run:
     ) -> None:
         self._kept = kept
         self.scene, self.own_mesh = scene, body is not None
-        self.last: Unknowns | None = None
+        self.end = EndOfRun()
         self.vibration: Vibration | None = None
-        self.others = OtherAnswers()
-        self.budget = ErrorBudget()
-        self.at_end: Callable[[LoadSteps, LocalErrors | None], None] | None = None
-        self.stress_history: StressHistory | None = None
-        self._announce: Announce = _say_nothing
+        self.at_end: AtEnd | None = None
         self.timings = Timings()
         with failing_together(comm):
             self._make_ready(scene, comm, body)
@@ -169,9 +154,9 @@ class Run:
         return self._history.steps
 
     @property
-    def book(self) -> EnergyBook:
-        """Work and energies along them."""
-        return self._history.book
+    def stress_history(self) -> StressHistory | None:
+        """Stress near the contacts along them, where the scene asks for fretting."""
+        return self._history.stress
 
     @property
     def model(self) -> Model:
@@ -204,87 +189,27 @@ class Run:
         Raises:
             MachineError: The machine failed: memory, a file.
         """
+        lines = partial(_log_step, names_of(self.scene))
+        told = announce or (lines if self.scene.load_steps.several else _say_nothing)
+        onlookers = Onlookers(told, accepted, stopped, self.at_end)
         with failing_together(self.problem.comm):
-            return self._solve(state, saved, stopped, announce, accepted, guess)
+            if state is not None:
+                state.make_folder()
+            parts = (self.scene, self._history, self.timings, onlookers)
+            return self._solve(WayThrough(*parts, state, saved, guess), saved)
 
-    def _solve(
-        self,
-        state: StateFile | None,
-        saved: SavedRun | None,
-        stopped: Callable[[], bool] | None,
-        announce: Announce | None,
-        accepted: Callable[[], None] | None,
-        guess: Unknowns | None,
-    ) -> Result:
+    def _solve(self, way: WayThrough, saved: SavedRun | None) -> Result:
         """As ``solve``."""
-        if state is not None:
-            state.make_folder()
-        history = self._history
+        history, asked = self._history, self.scene.fretting
         history.begin([] if saved is None else saved.steps)
         with self.timings.phase("output"):
-            asked = self.scene.fretting
-            self.stress_history = None if asked is None else StressHistory(self.problem, asked)
-        self.others = OtherAnswers()
-        self.budget = ErrorBudget()
-        self._checks: dict[str, Check] = {}
-        lines = partial(_log_step, names_of(self.scene))
-        self._announce = announce or (lines if self.scene.load_steps.several else _say_nothing)
-
-        begun: list[LoadSteps] = []  # not the run's own: it refers to it, and would not be freed
-
-        def begin(load_steps: LoadSteps) -> None:
-            begun.append(load_steps)
-            repeats = load_steps.newton.system.repeats_cheaply and cycles is None
-            if self.scene.solver.errors != "none" and repeats:
-                load_steps.ends = {}
-            load_steps.guess = guess
-            if saved is not None and cycles is not None:
-                history.resume(cycles.resume(load_steps, saved), saved.energy)
-            elif saved is not None:
-                solution = load_steps.resume(saved.last, saved.pace, saved.forces)
-                history.resume(solution, saved.energy)
-                if self.stress_history is not None:
-                    self.stress_history.resume()
-
-        def record(time: float, solution: Solution) -> None:
-            history.add(time, solution)
-            if self.stress_history is not None:
-                with self.timings.phase("output"):
-                    self.stress_history.add(time, solution)
-            tell()
-
-        def tell() -> None:
-            self._announce(len(history.steps), history.steps[-1])
-            if accepted is not None:
-                accepted()
-
-        def keep(load_steps: LoadSteps, beside: Beside | None = None) -> None:
-            if state is not None:
-                with self.timings.phase("output"):
-                    state.save(load_steps, history.steps, history.book.sums, beside)
-
-        def end(load_steps: LoadSteps) -> None:
-            self.last = None if load_steps.last is None else load_steps.last.unknowns
-            self._checks = history.checks()  # before other answers move the contacts about
-            with self.timings.phase("output"):
-                self.others = look_around(load_steps)
-            with self.timings.phase("errors"):
-                judge = error_budget if cycles is None else cycles.budget
-                self.budget = judge(load_steps, history.steps)
-                if self.at_end is not None:
-                    self.at_end(load_steps, self.budget.local)
-
-        cycles: CyclesOfRun | None = None
-        drive: Callable[[LoadSteps], Solution] = LoadSteps.solve
-        if isinstance(history, CycleHistory):
-            cycles = CyclesOfRun(self.scene, history, tell, keep)
-            drive = cycles.drive
+            history.stress = None if asked is None else StressHistory(self.problem, asked)
+        self.end = EndOfRun()
         try:
             condense = None if self._kept is None else self._kept.condense
-            calls = (begin, keep, stopped, end, condense)
-            solve(self.problem, self.timings, record, self.choice, *calls, drive)
+            way.take(self.problem, self.choice, condense, self.end)
         except NotConvergedError as error:
-            return self._unconverged(error, begun[0].tried, begun[0].spent)
+            return self._unconverged(error, way.tried, way.spent)
         except StoppedError:
             return self._interrupted()
         result = self._evaluate()
@@ -296,15 +221,9 @@ class Run:
         Args:
             result: Of this run, that converged.
         """
-        for phase, is_asked, found in (
-            ("derivatives", self.scene.derivatives is not None, self._with_derivatives),
-            ("vibration", self.scene.modes is not None, self._with_vibration),
-        ):
-            if is_asked:
-                with self.timings.phase(phase):
-                    result = found(result)
-                seconds = Seconds(**self.timings.summary(self.problem.comm))
-                result = dataclasses.replace(result, timings=seconds)
+        asked = AskedOfAnswer(self.scene, self._keys, self._kept_body)
+        result = asked.add_to(result, self.timings, self.problem.comm)
+        self.vibration = asked.vibration
         return result
 
     def _kept_body(self) -> KeptBody:
@@ -312,30 +231,6 @@ class Run:
         if self._kept is not None:
             return self._kept
         return KeptBody(self.scene, self.problem.body, Timings(), KnownFactors())
-
-    def _with_derivatives(self, result: Result) -> Result:
-        try:
-            found = asked_derivatives(self._kept_body(), self.scene, self._keys)
-        except NotConvergedError as error:
-            logger.warning("no derivatives: %s", error)
-            return result
-        result = dataclasses.replace(result, derivatives=found)
-        return dataclasses.replace(result, uncertainty=uncertainties(self.scene, result))
-
-    def _with_vibration(self, result: Result) -> Result:
-        try:
-            found = vibration_of(self._kept_body(), self.scene)
-        except NotConvergedError as error:
-            words = f"No modes: {str(error).removeprefix('modes: ')}."
-            logger.warning("%s", words)
-            return dataclasses.replace(result, verdict=f"{result.verdict} {words}")
-        self.vibration = found
-        return dataclasses.replace(
-            result,
-            modes=list(found.modes),
-            damping=list(found.damping),
-            verdict=" ".join([result.verdict, *found.notes]),
-        )
 
     def contacts(self, quantities: Sequence[Quantities] | None = None) -> list[ContactRecord]:
         """``contacts`` of ``result.json``.
@@ -347,9 +242,9 @@ class Run:
         return [
             dataclasses.replace(
                 record_of(contact),
-                uniqueness_limit=self.others.limit(contact.label),
+                uniqueness_limit=self.end.others.limit(contact.label),
                 quantities=found,
-                errors=self.budget.of_contact(number),
+                errors=self.end.budget.of_contact(number),
             )
             for number, (contact, found) in enumerate(
                 zip(self.problem.contacts, quantities, strict=True)
@@ -358,40 +253,38 @@ class Run:
 
     def _evaluate(self) -> Result:
         """Of the last load step; collective."""
-        problem, solution = self.problem, self.solution
+        problem, solution, history = self.problem, self.solution, self._history
         assert solution is not None
+        quantities, open_share = history.steps[-1].quantities, history.book.open_share
         with self.timings.phase("output"):
-            quantities = self.steps[-1].quantities
-            checks = self._checks or self._history.checks()
+            checks = self.end.checks or history.checks()
             points = contact_points(problem, solution)
-            stress, asked = self.stress_history, self.scene.fretting
+            stress, asked = history.stress, self.scene.fretting
             found = stress and asked and evaluate_fretting(problem, asked, stress)
             fretting, places = found or (None, None)
-        contacts = self.contacts(self._history.by_contact)
-        far = self.scene.half_space
-        cycles = cycles_record(
-            self.steps, contacts, cycles_of(self.scene), () if far is None else (far.label,)
-        )
+        contacts = self.contacts(history.by_contact)
+        far = () if self.scene.half_space is None else (self.scene.half_space.label,)
+        cycles = cycles_record(history.steps, contacts, cycles_of(self.scene), far)
         return Result(
             title=self.scene.title,
             converged=True,
-            verdict=verdict.of_answer(problem, solution, self.steps, checks, self.book.open_share)
+            verdict=verdict.of_answer(problem, solution, history.steps, checks, open_share)
             + cycle_words(cycles)
             + fretting_words(self.scene.fretting, fretting)
-            + self.others.words(),
+            + self.end.others.words(),
             model=self.model,
             contacts=contacts,
-            supports=self.budget.of_supports(self._history.supports),
-            reactions=self.budget.of_reactions(self._history.supports),
-            preloads=self.budget.of_preloads(self._history.preloads),
+            supports=self.end.budget.of_supports(history.supports),
+            reactions=self.end.budget.of_reactions(history.supports),
+            preloads=self.end.budget.of_preloads(history.preloads),
             quantities=quantities,
-            steps=self.steps,
+            steps=history.steps,
             cycles=cycles,
             fretting=fretting,
             checks=checks,
-            branches=self.others.branches,
-            errors=self.budget.quantities,
-            error_notes=self.budget.notes,
+            branches=self.end.others.branches,
+            errors=self.end.budget.quantities,
+            error_notes=self.end.budget.notes,
             timings=Seconds(**self.timings.summary(problem.comm)),
             versions=compat.versions(),
             units=units_of(self.scene, quantities),
@@ -447,19 +340,6 @@ class Run:
     def _interrupted(self) -> Result:
         words = "Interrupted" + ("." if self.solution else " before any load step was done.")
         return dataclasses.replace(self._stopped_short(words, self.steps), interrupted=True)
-
-
-def mesh_of(scene: Scene, comm: MPI.Comm, timings: Timings) -> Body:
-    """The mesh that a scene names; collective.
-
-    Raises:
-        InputError: It names none, or one that cannot be used.
-    """
-    if not scene.mesh:
-        raise InputError("mesh: the scene names no mesh and no body was passed")
-    with timings.phase("mesh"):
-        curved = scene.accuracy is not None and scene.discretisation.degree > 1
-        return load_body(scene.mesh, scene.dimension, comm, curved=curved, preloads=scene.preload)
 
 
 def _log_step(units: UnitNames | None, number: int, step: StepRecord) -> None:

@@ -8,6 +8,7 @@ from typing import Any, Generic, TypeVar
 
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBook
+from fenics_contact.evaluate.fretting.history import StressHistory
 from fenics_contact.evaluate.momentum_book import MomentumBook
 from fenics_contact.evaluate.moving_forces import MovingForces
 from fenics_contact.evaluate.needed_forces import NeededForces
@@ -42,6 +43,7 @@ class StepHistory(Generic[_Forces]):
         steps: What came out of each.
         book: Work and energies along them.
         momenta: Impulses along them, where bodies move.
+        stress: That near contacts along them, where somebody asks for it.
         solution: Nodal values of this rank of the last one, None before there is one.
         forces: Nodal forces that the bulk needs there.
         by_contact: Quantities of each contact there.
@@ -54,6 +56,7 @@ class StepHistory(Generic[_Forces]):
     ) -> None:
         self._problem, self._timings, self._forces_of = problem, timings, forces_of
         self.steps: list[StepRecord] = []
+        self.stress: StressHistory | None = None
         self.solution: Solution | None = None
 
     def begin(self, steps: Sequence[StepRecord]) -> None:
@@ -72,6 +75,8 @@ class StepHistory(Generic[_Forces]):
         """
         self._measure(solution)
         self.book.resume(energy, self.forces)
+        if self.stress is not None:
+            self.stress.resume()
 
     def add(self, time: float, solution: Solution) -> None:
         """Keep what came out of a load step, before slip is counted anew; collective.
@@ -111,6 +116,9 @@ class StepHistory(Generic[_Forces]):
                 cycle=solution.cycle,
             )
         )
+        if self.stress is not None:
+            with self._timings.phase("output"):
+                self.stress.add(time, solution)
 
     def pass_by(self, time: float, solution: Solution) -> None:
         """The same of a load step that nobody asks about; collective.

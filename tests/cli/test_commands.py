@@ -233,7 +233,7 @@ def test_failure_to_converge_exits_3_with_the_history_and_no_numbers(folder, cap
 
 def test_failed_check_exits_4(folder, monkeypatch):
     """Friction forces off by a tenth, as a faulty law would give them."""
-    from fenics_contact.simulation import scene_run as module
+    from fenics_contact.simulation import way_through as module
 
     solve = module.solve
 

@@ -374,9 +374,9 @@ def test_wrong_solution_fails(monkeypatch):
 
 
 def test_run_that_its_checks_refuse_is_a_finding_that_failed(capsys, monkeypatch):
-    from fenics_contact.simulation import scene_run as simulation
+    from fenics_contact.simulation import way_through
 
-    solve = simulation.solve
+    solve = way_through.solve
 
     def wrong(*arguments):
         *others, end, condense, drive = arguments
@@ -388,7 +388,7 @@ def test_run_that_its_checks_refuse_is_a_finding_that_failed(capsys, monkeypatch
 
         return solve(*others, spoiled, condense, drive)
 
-    monkeypatch.setattr(simulation, "solve", wrong)
+    monkeypatch.setattr(way_through, "solve", wrong)
     assert main(["verify", "slab", "--quick"]) == 4
     assert "do not trust it" in COMM.bcast(capsys.readouterr().out)
 

@@ -117,13 +117,13 @@ class AdaptiveRun:
                 return self._interrupted(last)
             except FenicsContactError as error:
                 return self._with_levels(last, f"the next mesh failed: {error}")
-            if not run.scene.load_steps.several and self.run.last is not None:
-                guess = moved_over(self.run.problem, run.problem, self.run.last)
+            if not run.scene.load_steps.several and self.run.end.last is not None:
+                guess = moved_over(self.run.problem, run.problem, self.run.end.last)
 
     def _note(self, run: Run, result: Result, errors: Errors) -> None:
         for phase, seconds in result.timings.items():
             self._seconds[phase] = self._seconds.get(phase, 0.0) + seconds
-        local, energy = run.budget.local, result.quantities["strain_energy"]
+        local, energy = run.end.budget.local, result.quantities["strain_energy"]
         self.levels.append(
             LevelRecord(
                 dofs=result.model.dofs,
@@ -147,7 +147,7 @@ class AdaptiveRun:
     def _unbounded(self, result: Result) -> str:
         """Why some of what is asked for does not converge, or nothing."""
         keys = measured_keys(result, self.asked, self.run.scene.names)
-        found = [why for key, why in self.run.budget.unbounded.items() if key in keys.values()]
+        found = [why for key, why in self.run.end.budget.unbounded.items() if key in keys.values()]
         away = [key for key in keys.values() if self._history.runs_away(key)]
         return found[0] if found else said(away, result) if away else ""
 
@@ -193,7 +193,7 @@ class AdaptiveRun:
         for name, sources in unknown.items():
             if not sources:
                 return f"the answer has no {in_words(name)}"
-            if self.run.budget.local is None or sources != ["mesh"]:
+            if self.run.end.budget.local is None or sources != ["mesh"]:
                 return f"the error of {name} by {' and '.join(sources)} could not be estimated"
         last = [level.errors for level in self.levels[-_PATIENCE:]]
         for name in unknown:

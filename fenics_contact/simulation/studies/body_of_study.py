@@ -11,7 +11,7 @@ from fenics_contact.body.description import BodyDescription
 from fenics_contact.common.timings import Timings
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.scene_run import mesh_of
+from fenics_contact.simulation.scene_mesh import mesh_of
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 

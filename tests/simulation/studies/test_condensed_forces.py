@@ -33,7 +33,7 @@ def solved(name):
     dofs = study._body.kept.condensed.dofs
     displacement = study.run.solution.displacement
     position = dofs.gathered(displacement.reshape(-1))[dofs.is_free]
-    return study, position, study.run.last.scalars
+    return study, position, study.run.end.last.scalars
 
 
 def inside(study, position, scalars):

@@ -95,7 +95,7 @@ def test_four_times_the_steps_have_a_quarter_of_the_error():
 def test_no_other_factorisation_is_made():
     prepared = Run(with_solver(dragged(Steps(number=4)), errors="all"), COMM, BODY)
     assert prepared.solve().model["bulk_factorisations"] == 1
-    assert prepared.budget.quantities["normal_force"]["step"] > 0
+    assert prepared.end.budget.quantities["normal_force"]["step"] > 0
 
 
 def test_bodies_that_slide_far_remember_without_friction():

@@ -1,0 +1,180 @@
+"""A run's way through its load steps: what is counted, kept and told at each, and at their end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from fenics_contact.common.timings import Timings
+from fenics_contact.problem.problem import Problem
+from fenics_contact.results.load_history import Announce
+from fenics_contact.results.records.steps import StepRecord
+from fenics_contact.results.result import Check
+from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.restart.state_file import Beside, SavedRun, StateFile
+from fenics_contact.simulation.step_history import StepHistory
+from fenics_contact.simulation.worn.cycle_history import CycleHistory
+from fenics_contact.simulation.worn.cycles_of_run import CyclesOfRun
+from fenics_contact.solve.load_steps.accepted_step import Unknowns
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.solve.load_steps.solve import solve
+from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.solver_choice import Condense, SolverChoice
+from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget
+from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
+from fenics_contact.trust.uniqueness.other_answers import OtherAnswers, look_around
+
+AtEnd = Callable[[LoadSteps, LocalErrors | None], None]
+_Judge = Callable[[LoadSteps, Sequence[StepRecord]], ErrorBudget]
+
+
+@dataclass
+class EndOfRun:
+    """What is known once the last load step is solved.
+
+    Attributes:
+        last: What a further step would start from.
+        others: Of other answers of that step.
+        budget: Estimated errors of its quantities.
+        checks: Of the physics.
+    """
+
+    last: Unknowns | None = None
+    others: OtherAnswers = field(default_factory=OtherAnswers)
+    budget: ErrorBudget = field(default_factory=ErrorBudget)
+    checks: dict[str, Check] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Onlookers:
+    """Who is told on the way, and who may end it.
+
+    Attributes:
+        announce: Called with number and record of every accepted step.
+        accepted: Called when a load step has been added to the history; collective.
+        stopped: Whether this rank was asked to stop; then the last accepted step counts.
+        at_end: Called with the load steps at their end, and with the errors of cells where these
+            were estimated; collective.
+    """
+
+    announce: Announce
+    accepted: Callable[[], None] | None = None
+    stopped: Callable[[], bool] | None = None
+    at_end: AtEnd | None = None
+
+
+class WayThrough:
+    """Takes a model through its load steps, once; collective.
+
+    Args:
+        scene: What is solved; where cycles are passed over, its model is of one of them.
+        history: To which they are added.
+        timings: To which what it takes is counted.
+        onlookers: Who is told.
+        state: Where to keep the state of every accepted load step.
+        saved: The state of another run, to go on from.
+        guess: Where the first load step is thought to end.
+
+    Attributes:
+        tried: Pseudo-time of the load step that was begun last.
+        spent: Iterations spent on it.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        history: StepHistory[Any],
+        timings: Timings,
+        onlookers: Onlookers,
+        state: StateFile | None = None,
+        saved: SavedRun | None = None,
+        guess: Unknowns | None = None,
+    ) -> None:
+        self._scene, self._history, self._timings = scene, history, timings
+        self._onlookers = onlookers
+        self._state, self._saved, self._guess = state, saved, guess
+        self._cycles: CyclesOfRun | None = None
+        self._end = EndOfRun()
+        self.tried, self.spent = 0.0, 0
+
+    def take(
+        self, problem: Problem, choice: SolverChoice, condense: Condense | None, end: EndOfRun
+    ) -> None:
+        """Solve step by step.
+
+        Args:
+            problem: The model.
+            choice: How it is solved.
+            condense: Gives the system of a body that is kept.
+            end: To which all is written that is known at the end.
+
+        Raises:
+            NotConvergedError: A load step has no answer.
+            StoppedError: Somebody asked to stop.
+        """
+        self._end = end
+        drive: Callable[[LoadSteps], Solution] = LoadSteps.solve
+        if isinstance(self._history, CycleHistory):
+            self._cycles = CyclesOfRun(self._scene, self._history, self._tell, self._keep)
+            drive = self._cycles.drive
+        # Not this object's own: load steps refer to it, and would not be freed at once.
+        begun: list[LoadSteps] = []
+
+        def begin(load_steps: LoadSteps) -> None:
+            begun.append(load_steps)
+            self._begin(load_steps)
+
+        stopped = self._onlookers.stopped
+        calls = (begin, self._keep, stopped, self._finish, condense)
+        try:
+            solve(problem, self._timings, self._record, choice, *calls, drive)
+        finally:
+            if begun:
+                self.tried, self.spent = begun[0].tried, begun[0].spent
+
+    def _begin(self, load_steps: LoadSteps) -> None:
+        """Before the first step, which may be one to resume from."""
+        repeats = load_steps.newton.system.repeats_cheaply and self._cycles is None
+        if self._scene.solver.errors != "none" and repeats:
+            load_steps.ends = {}
+        load_steps.guess = self._guess
+        saved = self._saved
+        if saved is None:
+            return
+        if self._cycles is not None:
+            solution = self._cycles.resume(load_steps, saved)
+        else:
+            solution = load_steps.resume(saved.last, saved.pace, saved.forces)
+        self._history.resume(solution, saved.energy)
+
+    def _record(self, time: float, solution: Solution) -> None:
+        """Of a load step that was accepted."""
+        self._history.add(time, solution)
+        self._tell()
+
+    def _tell(self) -> None:
+        steps = self._history.steps
+        self._onlookers.announce(len(steps), steps[-1])
+        if self._onlookers.accepted is not None:
+            self._onlookers.accepted()
+
+    def _keep(self, load_steps: LoadSteps, beside: Beside | None = None) -> None:
+        """The state of a load step that can be gone back to."""
+        if self._state is not None:
+            with self._timings.phase("output"):
+                history = self._history
+                self._state.save(load_steps, history.steps, history.book.sums, beside)
+
+    def _finish(self, load_steps: LoadSteps) -> None:
+        """After the last step, while the system can still be solved."""
+        end, history = self._end, self._history
+        end.last = None if load_steps.last is None else load_steps.last.unknowns
+        end.checks = history.checks()  # before other answers move the contacts about
+        with self._timings.phase("output"):
+            end.others = look_around(load_steps)
+        with self._timings.phase("errors"):
+            judge: _Judge = error_budget if self._cycles is None else self._cycles.budget
+            end.budget = judge(load_steps, history.steps)
+            if self._onlookers.at_end is not None:
+                self._onlookers.at_end(load_steps, end.budget.local)
