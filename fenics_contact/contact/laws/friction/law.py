@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Words
+from fenics_contact.contact.laws.friction.gradient import FrictionGradient
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.normal.law import NormalLaw
@@ -18,24 +18,6 @@ from fenics_contact.results.point_arrays import PointArray
 from fenics_contact.scene.values import Value
 
 Mode = Literal["law", "coupled", "status", "held", "off"]
-
-
-@dataclass(frozen=True, eq=False)
-class FrictionGradient:
-    """Derivatives of a quantity in what a law along a contact works on, at the points.
-
-    Attributes:
-        slip: In the slip since the start, (points, components).
-        reference: In the slip that counts as none, likewise.
-        pressure: In the pressure that the bound follows, (points,).
-        fields: In each parameter of the law by name, the arrays of its rule's state among them,
-            (points,).
-    """
-
-    slip: Array
-    reference: Array
-    pressure: Array
-    fields: Mapping[str, Array]
 
 
 class FrictionLaw(ContactLaw):
