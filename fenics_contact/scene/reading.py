@@ -7,8 +7,9 @@ import dataclasses
 import re
 import tomllib
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -16,6 +17,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.wording.suggestions import nearest_file
 from fenics_contact.scene.messages import sentence, written
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.values import as_list
 
 _SMALLEST, _LARGEST = 1e-100, 1e100  # sizes of numbers that a scene may hold
 _DEEPEST = 20  # tables and lists within each other; a scene has half as many
@@ -210,7 +212,9 @@ def _override(data: dict[str, Any], setting: str, option: str) -> None:
     except ValueError:
         raise InputError(f"{option} {setting}: write it as table.key=value") from None
     target: Any = data
-    for name in tables:
+    for number, name in enumerate(tables):
+        if number == 1 and name == "0" and isinstance(target, dict) and tables[0] in _lists():
+            continue  # the only one, whose table stands alone
         if isinstance(target, list):
             target = _entry(target, name, setting, option)
         elif isinstance(target, dict):
@@ -224,6 +228,17 @@ def _override(data: dict[str, Any], setting: str, option: str) -> None:
         target[key] = value
     else:
         raise InputError(f"{option} {setting}: '{path.strip()}' is not a key of the scene")
+
+
+@cache
+def _lists() -> frozenset[str]:
+    """Keys of a scene under which a table may stand alone for a list of one."""
+    hints = get_type_hints(Scene, include_extras=True)
+    return frozenset(
+        key
+        for key, hint in hints.items()
+        if any(getattr(one, "func", None) is as_list for one in getattr(hint, "__metadata__", ()))
+    )
 
 
 def value_of(text: str) -> Any:

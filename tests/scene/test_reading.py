@@ -159,11 +159,19 @@ def test_overrides_replace_and_add_values(folder):
         assert load_scene(path, [f"{key}=1e-2"]).accuracy.of == {"top.normal_force": 0.01}
 
 
+@pytest.mark.parametrize("key", ["material.youngs_modulus", "material.0.youngs_modulus"])
+def test_a_table_that_stands_alone_may_be_counted(folder, key):
+    """As results write it, which name keys of tables that may be several by number."""
+    assert load_scene(write(folder, GOOD), [f"{key}=7"]).material[0].youngs_modulus == 7
+
+
 @pytest.mark.parametrize(
     "setting",
     [
         "nonsense",
         "=3",
+        "material.1.youngs_modulus=7",
+        "discretisation.0.degree=1",
         "contact.7.pressure=1",
         "contact.x.pressure=1",
         "contact.².pressure=1",

@@ -7,20 +7,24 @@ from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.uncertainty import Uncertainty
 from fenics_contact.results.words.rounding import UNKNOWN, bar_in_words, rounded
 
-_HEAD = ["derivative of", "in", "value", "±", "of the discrete answer", ""]
+_HEAD = ["derivative of, by", "value", "±", "discrete", ""]
 
 
 def derivative_rows(result: Outcome) -> list[list[str]]:
     """A table of all derivatives, its head first; empty where none were asked for.
 
+    Each quantity has a row, and below it one for each number that it is derived by: both names
+    beside each other would be wider than a terminal.
+
     Args:
         result: The result.
     """
-    rows = [
-        [name, key, *_mean(found), _discrete(found), "one-sided" if found.one_sided else ""]
-        for name, by_key in result.derivatives.items()
-        for key, found in by_key.items()
-    ]
+    rows = []
+    for name, by_key in result.derivatives.items():
+        rows.append([name.replace("_", " "), *[""] * (len(_HEAD) - 1)])
+        for key, found in by_key.items():
+            side = "one-sided" if found.one_sided else ""
+            rows.append([f"  {key}", *_mean(found), _discrete(found), side])
     return [_HEAD, *rows] if rows else []
 
 

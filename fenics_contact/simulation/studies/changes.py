@@ -86,9 +86,11 @@ def _changed(part: Any, tree: dict[str, Any] | _Value, key: str) -> Any:
             said = ", ".join(_under(key, name) for name in tree)
             raise InputError(f"change of {said}: {error}") from None
     if isinstance(part, tuple):
+        if len(part) == 1 and dataclasses.is_dataclass(part[0]) and not any(map(_counts, tree)):
+            return (_changed(part[0], tree, key),)  # a list of one table may be written as that
         entries = list(part)
         for name, below in tree.items():
-            if not (name.isascii() and name.isdigit()) or int(name) >= len(part):
+            if not _counts(name) or int(name) >= len(part):
                 raise InputError(
                     f"change of {_under(key, name)}: '{name}' must be a number from 0 to "
                     f"{len(part) - 1}"
@@ -99,6 +101,11 @@ def _changed(part: Any, tree: dict[str, Any] | _Value, key: str) -> Any:
         below = part or {}
         return {**below, **{n: _changed(below.get(n), t, _under(key, n)) for n, t in tree.items()}}
     raise InputError(f"change of {_under(key, next(iter(tree)))}: '{key}' is not a table")
+
+
+def _counts(name: str) -> bool:
+    """Whether it is the number of an entry of a list."""
+    return name.isascii() and name.isdigit()
 
 
 def _under(key: str, name: str) -> str:

@@ -296,6 +296,7 @@ load.1.traction.0 = 0.3
     assert slope["discrete"] == pytest.approx(-1.0, rel=1e-8)
     printed = capsys.readouterr().out
     assert "derivative of" in printed and "by tolerances" in printed
+    assert "  load.1.traction.0 " in printed  # in full, however narrow the terminal
     assert main(["report", "out", "--quiet"]) == 0
     page = (tmp_path / "out" / "report.html").read_text()
     assert "friction_force_x: which number moves it most" in page

@@ -136,12 +136,17 @@ def test_the_body_is_made_anew_only_where_it_is_another(caplog):
     assert study.factorisations == 2
 
 
+@pytest.mark.parametrize("key", ["material.youngs_modulus", "material.0.youngs_modulus"])
+def test_a_table_that_stands_alone_may_be_counted(key):
+    assert Study(ON_A_FLOOR, COMM, square()).changed({key: 7}).material[0].youngs_modulus == 7
+
+
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
         ({"contact.0.friction": 1}, "change of contact.0.friction: there is no such key"),
         ({"contact.1.pressure": 1}, "contact.1: '1' must be a number from 0 to 0"),
-        ({"contact.x.pressure": 1}, "contact.x: 'x' must be a number from 0 to 0"),
+        ({"contact.x.pressure": 1}, "contact.x: there is no such key"),
         ({MU: -1}, "change of contact.0.friction_coefficient: Contact: "),
         ({"title.0": 1}, "change of title.0: 'title' is not a table"),
         ({"contact.0": ON_A_FLOOR.contact[0], MU: 1}, "another change is of a part of it"),
