@@ -7,7 +7,7 @@ from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.uncertainty import Uncertainty
 from fenics_contact.results.words.rounding import UNKNOWN, bar_in_words, rounded
 
-_HEAD = ["derivative of, by", "value", "±", "discrete", ""]
+_HEAD = ["derivative of, by", "value", "±", "discrete"]
 
 
 def derivative_rows(result: Outcome) -> list[list[str]]:
@@ -19,13 +19,11 @@ def derivative_rows(result: Outcome) -> list[list[str]]:
     Args:
         result: The result.
     """
-    rows = []
+    rows = [_HEAD]
     for name, by_key in result.derivatives.items():
-        rows.append([name.replace("_", " "), *[""] * (len(_HEAD) - 1)])
-        for key, found in by_key.items():
-            side = "one-sided" if found.one_sided else ""
-            rows.append([f"  {key}", *_mean(found), _discrete(found), side])
-    return [_HEAD, *rows] if rows else []
+        rows.append([name.replace("_", " "), "", "", ""])
+        rows += [[f"  {key}", *_mean(found), _discrete(found)] for key, found in by_key.items()]
+    return rows if len(rows) > 1 else []
 
 
 def _mean(found: Derivative) -> tuple[str, str]:
@@ -36,7 +34,9 @@ def _mean(found: Derivative) -> tuple[str, str]:
 
 
 def _discrete(found: Derivative) -> str:
-    return UNKNOWN if found.discrete is None else f"{found.discrete:.6g}"
+    if found.discrete is None:
+        return UNKNOWN
+    return f"{found.discrete:.6g}" + (" one-sided" if found.one_sided else "")
 
 
 def uncertainty_rows(result: Outcome) -> list[list[str]]:
