@@ -29,12 +29,11 @@ if TYPE_CHECKING:
     from fenics_contact.mesh.tagged_mesh import Body, Group
     from fenics_contact.results.contact_points import ContactPoints
     from fenics_contact.results.result import Check, Result
-    from fenics_contact.scene.accuracy import Accuracy
+    from fenics_contact.scene.asked.accuracy import Accuracy
     from fenics_contact.scene.asked.derivatives import AskedDerivatives
     from fenics_contact.scene.asked.fretting import FatigueLimits, Fretting, StrainLifeLine
     from fenics_contact.scene.asked.vibration import Damping, Modes
-    from fenics_contact.scene.conditions import Load, Point, Preload, Support
-    from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
+    from fenics_contact.scene.contact import Contact
     from fenics_contact.scene.laws.friction_laws import (
         ComplianceFriction,
         CoulombFriction,
@@ -51,16 +50,18 @@ if TYPE_CHECKING:
         OwnNormalLaw,
         PressureFormula,
     )
+    from fenics_contact.scene.laws.wear import Wear
+    from fenics_contact.scene.loading.conditions import Load, Point, Preload, Support
     from fenics_contact.scene.loading.cycles import Cycles
     from fenics_contact.scene.loading.jumps import Jumps
     from fenics_contact.scene.loading.motion import Motion
     from fenics_contact.scene.material import Material
+    from fenics_contact.scene.obstacle import HalfSpace, Obstacle
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
     from fenics_contact.scene.steps import SolverSettings, Steps
     from fenics_contact.scene.units.table import Units
     from fenics_contact.scene.values import Path, Profile
-    from fenics_contact.scene.wear import Wear
     from fenics_contact.simulation.adaptive.levels import run
     from fenics_contact.simulation.asked_derivatives.objective import Objective
     from fenics_contact.simulation.fits.fit import Fit, fit
@@ -152,16 +153,18 @@ _MODULES = {
     "mesh.tagged_mesh": ("Body", "Group"),
     "results.contact_points": ("ContactPoints",),
     "results.result": ("Check", "Result"),
-    "scene.scene": ("Discretisation", "MeshSource", "Scene"),
-    "scene.conditions": ("Load", "Point", "Preload", "Support"),
-    "scene.accuracy": ("Accuracy",),
+    "scene.scene": ("Discretisation", "Scene"),
+    "scene.mesh_source": ("MeshSource",),
+    "scene.loading.conditions": ("Load", "Point", "Preload", "Support"),
+    "scene.asked.accuracy": ("Accuracy",),
     "scene.loading.cycles": ("Cycles",),
     "scene.loading.jumps": ("Jumps",),
     "scene.loading.motion": ("Motion",),
     "scene.asked.derivatives": ("AskedDerivatives",),
     "scene.asked.fretting": ("FatigueLimits", "Fretting", "StrainLifeLine"),
     "scene.asked.vibration": ("Damping", "Modes"),
-    "scene.contact": ("Contact", "HalfSpace", "Obstacle"),
+    "scene.contact": ("Contact",),
+    "scene.obstacle": ("HalfSpace", "Obstacle"),
     "scene.laws.friction_laws": (
         "ComplianceFriction",
         "CoulombFriction",
@@ -179,7 +182,7 @@ _MODULES = {
     "scene.steps": ("SolverSettings", "Steps"),
     "scene.units.table": ("Units",),
     "scene.values": ("Path", "Profile"),
-    "scene.wear": ("Wear",),
+    "scene.laws.wear": ("Wear",),
     "simulation.asked_derivatives.objective": ("Objective",),
     "simulation.fits.fit": ("Fit", "fit"),
     "simulation.fits.measured": ("Measured",),

@@ -16,7 +16,7 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import AnyIntegers, Array, Flags
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, smallest, total
-from fenics_contact.scene.conditions import Point
+from fenics_contact.scene.loading.conditions import Point
 
 # Reference coordinates beyond a cell's by no more are inside: round-off of points on its boundary.
 _OUTSIDE = 1e-6

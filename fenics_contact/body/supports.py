@@ -13,7 +13,7 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, of_every_rank, raise_together
-from fenics_contact.scene.conditions import Support
+from fenics_contact.scene.loading.conditions import Support
 from fenics_contact.scene.loading.load_paths import KeyedPath, knots
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import AXES, RAMP, AxisName, Value

@@ -6,8 +6,9 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
-from fenics_contact.scene.contact import Contact, Obstacle
+from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.load_paths import KeyedPath
+from fenics_contact.scene.obstacle import Obstacle
 
 
 class ContactPaths:

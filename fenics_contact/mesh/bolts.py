@@ -9,7 +9,7 @@ from typing import Any
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.wording.suggestions import question
 from fenics_contact.mesh.geometry.file_kinds import MeshFile
-from fenics_contact.scene.conditions import Preload
+from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.scene import MeshSource
 
 

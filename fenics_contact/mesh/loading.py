@@ -33,7 +33,7 @@ from fenics_contact.mesh.geometry.file_kinds import (
 )
 from fenics_contact.mesh.size_field import SizeField
 from fenics_contact.mesh.tagged_mesh import Body
-from fenics_contact.scene.conditions import Preload
+from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.scene import MeshSource
 
 logger = logging.getLogger(__name__)

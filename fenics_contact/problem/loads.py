@@ -20,7 +20,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.curved_sides import CurvedSides
 from fenics_contact.problem.sampled_values import sampled
-from fenics_contact.scene.conditions import Load
+from fenics_contact.scene.loading.conditions import Load
 from fenics_contact.scene.loading.load_paths import KeyedPath
 from fenics_contact.scene.values import Value
 

@@ -18,7 +18,7 @@ from typing import ClassVar
 from fenics_contact.body.parts.preloaded_part import PreloadForces
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.scene.conditions import Preload
+from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.loading.load_paths import KeyedPath
 
 # Of a pseudo-time, by which one is later than another.

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from fenics_contact.results.records.contacts import ContactRecord, SupportRecord
 from fenics_contact.results.records.record import Quantities
-from fenics_contact.scene.contact import Contact, Obstacle
+from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws.normal_laws import NormalLawTable
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.reference import measured_by as measured_by_key
 
 # Of a quantity: a number, or the components of a vector.

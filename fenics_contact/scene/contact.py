@@ -9,17 +9,16 @@ from pydantic import Field
 
 from fenics_contact.scene.laws.friction_laws import AnyFrictionLaw
 from fenics_contact.scene.laws.normal_laws import AnyNormalLaw
+from fenics_contact.scene.laws.wear import Wear
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.units.dimensions import (
     COMPLIANCE,
-    FORCE,
     LENGTH,
-    PLACE,
     STIFFNESS,
     STRESS,
 )
 from fenics_contact.scene.values import (
     CONSTANT,
-    PER_AXIS,
     RAMP,
     LoadPath,
     Number,
@@ -29,123 +28,8 @@ from fenics_contact.scene.values import (
     Value,
     scene_class,
 )
-from fenics_contact.scene.wear import Wear
 
-Direction = Annotated[tuple[Number, ...], PER_AXIS]
-Place = Annotated[tuple[Annotated[Number, PLACE], ...], PER_AXIS]
-Motion = Annotated[tuple[Annotated[Number, LENGTH], ...], PER_AXIS]
 Kind = Literal["prescribed", "unilateral", "winkler", "bonded"]
-Shape = Literal[
-    "plane", "parabola", "paraboloid", "cylinder", "sphere", "flat punch", "annular punch"
-]
-
-
-@scene_class
-class Obstacle:
-    """A rigid obstacle: its shape, where it stands, and what drives it.
-
-    Without a shape and a gap it touches the contact surface everywhere.
-
-    >>> Obstacle(shape="sphere", radius=8, force=4144.2).indentation is None  # it is found
-    True
-    >>> Obstacle(shape="plane", normal=(0.3, 1), position=(0, 0)).path(0.5)  # a ramp by default
-    0.5
-    """
-
-    shape: Annotated[
-        Shape | None,
-        Field(
-            description="`paraboloid` and `sphere` in axisymmetric and 3D models, `parabola` and "
-            "`cylinder` in plane and 3D ones; a `flat punch` ends at its radius"
-        ),
-    ] = None
-    radius: Annotated[
-        Positive | None,
-        LENGTH,
-        Field(
-            description="of a sphere or cylinder, of curvature at the apex of a parabola or "
-            "paraboloid, or outer radius (half width in plane models) of a punch"
-        ),
-    ] = None
-    inner_radius: Annotated[Positive | None, LENGTH, Field(description="of an annular punch")] = (
-        None
-    )
-    gap: Annotated[
-        Value | None,
-        LENGTH,
-        Field(
-            description="instead of a shape: gap along the surface's normal, negative where they "
-            "overlap; in Python a function of x that returns UFL"
-        ),
-    ] = None
-    position: Annotated[
-        Place | None,
-        Field(
-            description="apex, a point of a plane, or where a gap's force acts on a half-space; "
-            "by default the origin"
-        ),
-    ] = None
-    normal: Annotated[
-        Direction | None,
-        Field(
-            description="outward normal at the apex, of any length; slanting for a tilted "
-            "obstacle; by default against that of a flat contact surface"
-        ),
-    ] = None
-    along: Annotated[
-        Direction | None,
-        Field(description="direction of the straight lines of a 3D parabola or cylinder"),
-    ] = None
-    direction: Annotated[
-        Direction | None,
-        Field(description="in which it is driven, of any length; by default its normal"),
-    ] = None
-    indentation: Annotated[
-        Number | None,
-        LENGTH,
-        Field(description="how far it is driven; by default 0, unless by a force"),
-    ] = None
-    force: Annotated[
-        Annotated[Number, Field(ge=0)] | None,
-        FORCE,
-        Field(description="drives it instead; on the part that is modelled"),
-    ] = None
-    displacement: Annotated[
-        Motion | None,
-        Field(
-            description="how far it moves besides, one entry an axis; along a half-space "
-            "in plane strain relative to what lies straight below, at the far end of the mesh"
-        ),
-    ] = None
-    path: Annotated[LoadPath, Field(description="of indentation or force over the load steps")] = (
-        RAMP
-    )
-    displacement_path: Annotated[
-        LoadPath, Field(description="of the displacement over the load steps")
-    ] = RAMP
-
-    def __post_init__(self) -> None:
-        if self.shape is not None and self.gap is not None:
-            raise ValueError("give either a shape or a gap")
-        if self.force is not None and self.indentation is not None:
-            raise ValueError("give either an indentation or a force")
-        if self.shape is None and self.gap is None and self.position is not None:
-            raise ValueError("position: only a shape or a gap has one")
-        if self.along is not None and self.shape not in ("parabola", "cylinder"):
-            raise ValueError("along: only a 3D parabola or cylinder has such a direction")
-        needs_radius = self.shape not in (None, "plane")
-        if needs_radius and self.radius is None:
-            raise ValueError(f"radius is missing for the shape '{self.shape}'")
-        if not needs_radius and self.radius is not None:
-            raise ValueError("radius: only a curved shape or a punch has one")
-        if (self.shape == "annular punch") != (self.inner_radius is not None):
-            raise ValueError("inner_radius belongs to the shape 'annular punch', and only there")
-        if self.radius and self.inner_radius and self.inner_radius >= self.radius:
-            raise ValueError(f"inner_radius = {self.inner_radius:g} must be less than the radius")
-        for key in ("normal", "along", "direction"):
-            vector = getattr(self, key)
-            if vector is not None and not any(vector):
-                raise ValueError(f"{key} must not be a zero vector")
 
 
 @scene_class
@@ -367,22 +251,3 @@ _NOT_IN = {
     "friction_law": ("bonded", "bonded contact sticks, it has none"),
 }
 _DEFAULTS = {field.name: field.default for field in dataclasses.fields(Contact)}
-
-
-@scene_class
-class HalfSpace:
-    """Makes the body a piece of a half-space.
-
-    On its outer boundary the displacement is that of the half-space under the forces that
-    the contacts carry, into it (Boussinesq) and along its surface (Cerruti).
-    """
-
-    on: Annotated[
-        tuple[Text, ...],
-        Field(min_length=1, description="physical groups of the outer boundary, inside the body"),
-    ]
-
-    @property
-    def label(self) -> str:
-        """Name in results, as that of a support."""
-        return ", ".join(self.on)

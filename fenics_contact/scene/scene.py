@@ -6,116 +6,43 @@ scene file (``fenics_contact.scene.reading``). Units are the user's, consistent.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
-from fenics_contact.scene.accuracy import Accuracy, Share, as_accuracy
+from fenics_contact.scene.asked.accuracy import Accuracy, Share, as_accuracy
 from fenics_contact.scene.asked.derivatives import AskedDerivatives
-from fenics_contact.scene.asked.fretting import Fretting, require_fretting
+from fenics_contact.scene.asked.fretting import Fretting
 from fenics_contact.scene.asked.tolerances import as_tolerances
-from fenics_contact.scene.asked.vibration import Damping, Modes, require_vibration
-from fenics_contact.scene.conditions import Load, Point, Preload, Support
-from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
+from fenics_contact.scene.asked.vibration import Damping, Modes
+from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.fit import require_fit
+from fenics_contact.scene.loading.conditions import Load, Point, Preload, Support
 from fenics_contact.scene.loading.cycles import Cycles
-from fenics_contact.scene.loading.jumps import require_wear
-from fenics_contact.scene.loading.load_paths import load_steps_of, require_cycles
-from fenics_contact.scene.loading.motion import Motion, require_motion
+from fenics_contact.scene.loading.load_paths import load_steps_of
+from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.material import Material
-from fenics_contact.scene.quantity_names import VECTORS, QuantityNames
+from fenics_contact.scene.mesh_source import MeshSource as MeshSource
+from fenics_contact.scene.obstacle import HalfSpace
+from fenics_contact.scene.quantity_names import QuantityNames
 from fenics_contact.scene.steps import SolverSettings as SolverSettings
 from fenics_contact.scene.steps import Steps as Steps
-from fenics_contact.scene.units.dimensions import LENGTH, LENGTH_OR_NUMBER
+from fenics_contact.scene.units.dimensions import LENGTH
 from fenics_contact.scene.units.table import Units, convert_texts
 from fenics_contact.scene.values import (
-    AXES,
     HasUnits,
     Integer,
     Kinematics,
-    Number,
     Positive,
     Text,
     Value,
     as_list,
-    profiles_of,
     scene_class,
 )
 
-_SAME_TIME = 1e-9
 _MOST = 1000  # meshes, supports, loads …, each of which takes up to a hundredth of a second
-
-
-@scene_class
-class MeshSource:
-    """Where the mesh of a body comes from.
-
-    >>> MeshSource("slab.geo", cell="quadrilateral", parameters={"cells_along": 16}).order
-    1
-    """
-
-    file: Annotated[
-        Text,
-        Field(
-            description="Gmsh geometry (`.geo`), CAD file (`.step`, `.stp`, `.brep`) or mesh: "
-            "`.msh`, `.inp` (Abaqus, CalculiX), `.bdf` (Nastran), `.med` (Salome), `.vtu`, "
-            "`.xdmf`; relative to the scene file"
-        ),
-    ]
-    parameters: Annotated[
-        Mapping[str, Annotated[Number, LENGTH_OR_NUMBER]],
-        Field(
-            description="values for the `DefineConstant` names of a `.geo` file; those with a "
-            "unit are lengths"
-        ),
-    ] = Field(default_factory=dict)
-    cell: Annotated[
-        Literal["as meshed", "triangle", "quadrilateral"],
-        Field(description="shape of the cells made from a geometry"),
-    ] = "as meshed"
-    order: Annotated[
-        Integer, Field(ge=1, le=2, description="order of the cells' geometry made from a geometry")
-    ] = 1
-    size: Annotated[
-        Positive | None,
-        LENGTH,
-        Field(description="largest cell made from a geometry; by default Gmsh's choice"),
-    ] = None
-    sizes: Annotated[
-        Mapping[str, Annotated[Positive, LENGTH]],
-        Field(
-            description="largest cell of single bodies of a geometry, in place of `size`: name → "
-            "size, such as `{ bolt = 1.5, plate = 3 }`"
-        ),
-    ] = Field(default_factory=dict)
-    curvature: Annotated[
-        Annotated[Integer, Field(ge=3)] | None,
-        Field(description="cells along a full circle made from a geometry, for finer holes"),
-    ] = None
-    time_limit: Annotated[
-        Positive,
-        Field(description="seconds that meshing or reading the file may take, each time"),
-    ] = 600.0
-    groups: Annotated[
-        Mapping[str, tuple[Integer, ...]],
-        Field(
-            description="boundary groups named here: name → Gmsh's numbers of surfaces (3D) or "
-            "curves (2D), such as `{ fixed = [3, 4] }`"
-        ),
-    ] = Field(default_factory=dict)
-    name: Annotated[
-        str,
-        Field(
-            description="of all its cells; where there are several meshes each needs one, and its "
-            "groups are called `name.group`"
-        ),
-    ] = ""
-
-    def __post_init__(self) -> None:
-        if "." in self.name:
-            raise ValueError(f"name = '{self.name}' must not contain a '.'")
 
 
 @scene_class
@@ -267,56 +194,7 @@ class Scene(HasUnits):
         convert_texts(self, self.units, self.is_per_unit_thickness)
 
     def __post_init__(self) -> None:
-        dimension = self.dimension
-        for number, support in enumerate(self.support):
-            for axis in support.displacement:
-                if AXES.index(axis) >= dimension:
-                    raise ValueError(
-                        f"support[{number}].displacement.{axis}: a {self.kinematics} model has "
-                        f"only the axes {', '.join(AXES[:dimension])}"
-                    )
-        for number, load in enumerate(self.load):
-            for key in ("traction", "body_force"):
-                vector = getattr(load, key)
-                if vector is not None and len(vector) != dimension:
-                    raise ValueError(
-                        f"load[{number}].{key} has {len(vector)} entries; "
-                        f"a {self.kinematics} model needs {dimension}"
-                    )
-        if self.thickness is not None and self.kinematics != "plane stress":
-            raise ValueError(f"thickness is for plane stress, not for {self.kinematics}")
-        if isinstance(self.thickness, float | int) and self.thickness <= 0:
-            raise ValueError(f"thickness = {self.thickness:g} must be greater than 0")
-        if dimension == 2 and any(profile.along == "z" for profile in profiles_of(self)):
-            raise ValueError(f"a profile along z: a {self.kinematics} model has only x and y")
-        for number, contact in enumerate(self.contact):
-            _require_axes(contact.obstacle, dimension, f"contact[{number}].obstacle")
-            if contact.friction_law is not None:
-                contact.friction_law.require_model(self.kinematics, f"contact[{number}]")
-        if self.half_space is not None and (self.load or self.preload):
-            what = "load" if self.load else "preload"
-            raise ValueError(f"half_space: only the contacts' forces reach it, so leave out {what}")
-        for number, preload in enumerate(self.preload):
-            _require_bolt(self, preload, f"preload[{number}]")
-        if self.half_space is not None and self.kinematics == "plane stress":
-            raise ValueError("half_space is for plane strain, axisymmetric and 3D models")
-        if len(self.mesh) > 1:
-            _require_names(self.mesh)
-        for number, point in enumerate(self.point):
-            if len(point.at) != dimension:
-                raise ValueError(
-                    f"point[{number}].at has {len(point.at)} entries; "
-                    f"a {self.kinematics} model needs {dimension}"
-                )
-        _require_distinct("points", [point.name for point in self.point])
-        _require_distinct("contacts", [contact.label for contact in self.contact])
-        _require_distinct("preloads", [preload.label for preload in self.preload])
-        _require_known(self)
-        require_cycles(self)
-        require_motion(self)
-        require_wear(self)
-        require_fretting(self)
-        require_vibration(self)
+        require_fit(self)
 
     @cached_property
     def load_steps(self) -> Steps:
@@ -359,78 +237,3 @@ class Scene(HasUnits):
             preloads=tuple(preload.label for preload in self.preload),
             dimension=self.dimension,
         )
-
-
-def _require_bolt(scene: Scene, preload: Preload, key: str) -> None:
-    """Its axis fits the model, and a load step ends where it is locked."""
-    axis, steps, locked = preload.axis, scene.steps, preload.locked_from
-    if len(axis) != scene.dimension:
-        raise ValueError(
-            f"{key}.axis has {len(axis)} entries; a {scene.kinematics} model needs "
-            f"{scene.dimension}"
-        )
-    if preload.between is not None and not scene.mesh:
-        raise ValueError(
-            f"{key}.between: only a body of a CAD file can be cut; of a mesh, preload a group of "
-            "its cells"
-        )
-    if scene.kinematics == "axisymmetric" and axis[0] != 0:
-        raise ValueError(f"{key}.axis: must be along y, the axis of revolution")
-    if locked is None:
-        return
-    if scene.cycles is None and locked > steps.last * (1 + _SAME_TIME):
-        raise ValueError(
-            f"{key}.locked_from = {locked:g}: the last load step ends at {steps.last:g}"
-        )
-    ends = steps.all_times if scene.cycles is None else (*steps.all_times, scene.cycles.begin)
-    if not steps.automatic and locked < ends[0] * (1 - _SAME_TIME):
-        raise ValueError(
-            f"{key}.locked_from = {locked:g}: lies before the end of the first load step, "
-            f"{ends[0]:g}, so that no force has tightened it yet"
-        )
-    if not steps.automatic and min(abs(locked - end) for end in ends) > _SAME_TIME * locked:
-        raise ValueError(
-            f"{key}.locked_from = {locked:g}: no load step ends there; add it to steps.times"
-        )
-
-
-def _require_known(scene: Scene) -> None:
-    """Every quantity that an accuracy or derivatives are asked of is one of the scene."""
-    if scene.tolerances and scene.derivatives is None:
-        raise ValueError(
-            "tolerances: say in [derivatives] of which quantities, such as of = ['normal_force']"
-        )
-    asked = [("accuracy", name) for name in (() if scene.accuracy is None else scene.accuracy.of)]
-    derivatives = scene.derivatives
-    asked += [("derivatives.of", name) for name in (() if derivatives is None else derivatives.of)]
-    for key, name in asked:
-        try:
-            found = scene.names.find(name)
-        except ValueError as error:
-            raise ValueError(f"{key}: {error}") from None
-        is_vector = found.quantity in VECTORS or found.quantity.startswith("displacement_")
-        if key != "accuracy" and is_vector and found.axis is None:
-            raise ValueError(f"{key}: '{name}' is a vector; ask for its components, as {name}_x")
-
-
-def _require_names(meshes: tuple[MeshSource, ...]) -> None:
-    """Several meshes are told apart by their names."""
-    for number, mesh in enumerate(meshes):
-        if not mesh.name:
-            raise ValueError(f"mesh[{number}].name is missing: each of several meshes needs one")
-    _require_distinct("meshes", [mesh.name for mesh in meshes])
-
-
-def _require_distinct(things: str, names: Sequence[str]) -> None:
-    """Things of one kind are told apart by their names."""
-    name, count = Counter(names).most_common(1)[0] if names else ("", 0)
-    if count > 1:
-        raise ValueError(f"two {things} are called '{name}': give each its own name")
-
-
-def _require_axes(obstacle: Obstacle | None, dimension: int, key: str) -> None:
-    """Vectors of an obstacle have one entry an axis."""
-    for name in ("position", "normal", "along", "direction", "displacement"):
-        vector = getattr(obstacle, name, None)
-        if vector is not None and len(vector) != dimension:
-            raise ValueError(f"{key}.{name} has {len(vector)} entries; it needs {dimension}")

@@ -13,7 +13,7 @@ from fenics_contact.common.parallel import gather_rows, raise_together, smallest
 from fenics_contact.contact.kinematics.jump import ContactKinematics
 from fenics_contact.contact.kinematics.rigid_obstacle import RigidObstacle
 from fenics_contact.contact.surface.trace import Trace
-from fenics_contact.scene.contact import Obstacle
+from fenics_contact.scene.obstacle import Obstacle
 
 
 class ObstacleKinematics(ContactKinematics):

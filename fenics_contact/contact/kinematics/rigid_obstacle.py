@@ -15,7 +15,7 @@ import ufl
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
-from fenics_contact.scene.contact import Obstacle
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.values import Kinematics, Profile
 
 _SHAPES = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from fenics_contact.scene.accuracy import flat_names
+from fenics_contact.scene.asked.accuracy import flat_names
 
 
 def as_tolerances(value: Any) -> Any:

@@ -30,7 +30,7 @@ from fenics_contact.results.accuracy_messages import (
 from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Seconds
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.result import Result
-from fenics_contact.scene.accuracy import Accuracy
+from fenics_contact.scene.asked.accuracy import Accuracy
 from fenics_contact.scene.quantity_names import in_words
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.adaptive.goals import GoalFinder

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from fenics_contact.common.errors import InputError
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.result import Result
-from fenics_contact.scene.accuracy import Accuracy
+from fenics_contact.scene.asked.accuracy import Accuracy
 from fenics_contact.scene.quantity_names import OF_CONTACTS, OF_ONE_CONTACT
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.scene_run import Run

@@ -22,7 +22,7 @@ from fenics_contact.contact.point_gradients import GivenChange
 from fenics_contact.problem.loads import given_loads
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import Indentation, Resultant
-from fenics_contact.scene.contact import Obstacle
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.values import Value
 from fenics_contact.simulation.sensitivities.values import found_in, unit_of, value_under
 

@@ -6,9 +6,10 @@ import dataclasses
 
 import numpy as np
 
-from fenics_contact.scene.conditions import Point, Support
-from fenics_contact.scene.contact import Contact, Obstacle
+from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.loading.conditions import Point, Support
 from fenics_contact.scene.material import Material
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Discretisation, MeshSource, Scene, Steps
 from fenics_contact.verification.block_pair import pair_scene, with_contact
 from fenics_contact.verification.error_bars.case import (

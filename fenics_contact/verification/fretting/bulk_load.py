@@ -22,9 +22,10 @@ from fenics_contact.evaluate.fretting.recovery import Recovery
 from fenics_contact.evaluate.fretting.region import tensors
 from fenics_contact.results.result import Result
 from fenics_contact.scene.asked.fretting import Fretting
-from fenics_contact.scene.conditions import Load, Support
-from fenics_contact.scene.contact import Contact, Obstacle
+from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.material import Material
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path
 from fenics_contact.simulation.scene_run import Run

@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.asked.fretting import FatigueLimits, Fretting, StrainLifeLine
-from fenics_contact.scene.conditions import Load
 from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.loading.conditions import Load
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene, SolverSettings, Steps

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import gamma, pi, sqrt
 
-from fenics_contact.scene.contact import Obstacle
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.verification.case import Case, Finding, of_quantity, solved
 from fenics_contact.verification.laws.stiff_block import LENGTH, block_of, stiff_block, stiff_pad
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from fenics_contact.mesh.tagged_mesh import Body
-from fenics_contact.scene.conditions import Support
 from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.loading.conditions import Support
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import AXES

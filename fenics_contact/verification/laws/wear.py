@@ -8,14 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from fenics_contact.scene.conditions import Support
-from fenics_contact.scene.contact import Contact, Obstacle
+from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.laws.wear import Wear
+from fenics_contact.scene.loading.conditions import Support
 from fenics_contact.scene.loading.jumps import Jumps
 from fenics_contact.scene.material import Material
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.steps import SolverSettings, Steps
 from fenics_contact.scene.values import CONSTANT, Path
-from fenics_contact.scene.wear import Wear
 from fenics_contact.simulation.studies.study import Study
 from fenics_contact.simulation.worn.worn_cycle import WornCycle
 from fenics_contact.verification.boxes import Box, boxes

@@ -11,8 +11,8 @@ import numpy as np
 
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
-from fenics_contact.scene.conditions import Point, Support
 from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.loading.conditions import Point, Support
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Discretisation, Scene

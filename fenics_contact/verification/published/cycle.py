@@ -10,7 +10,7 @@ from scipy.integrate import trapezoid
 
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.results.result import Result
-from fenics_contact.scene.contact import Obstacle
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path
 from fenics_contact.verification.case import Case, Finding, solved

@@ -15,8 +15,8 @@ import numpy as np
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.program import mesh_file
 from fenics_contact.results.result import Result
-from fenics_contact.scene.conditions import Support
 from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.loading.conditions import Support
 from fenics_contact.scene.scene import Discretisation, MeshSource, Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path
 from fenics_contact.verification.case import Case, Finding, of_quantity, solved

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.program import mesh_file
-from fenics_contact.scene.conditions import Load, Support
-from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
+from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.loading.conditions import Load, Support
+from fenics_contact.scene.obstacle import HalfSpace, Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene
 from fenics_contact.verification.case import Case, Finding, of_quantity, solved
 from fenics_contact.verification.published.point import JOHNSON, MATERIAL, MODULUS, RADIUS

@@ -11,8 +11,8 @@ from fenics_contact.analytic import contact as formulas
 from fenics_contact.analytic.nonlocal_slip import averaged, sheared_traction
 from fenics_contact.common.arrays import Array
 from fenics_contact.results.result import Result
-from fenics_contact.scene.conditions import Support
 from fenics_contact.scene.laws.friction_laws import NonlocalFriction
+from fenics_contact.scene.loading.conditions import Support
 from fenics_contact.scene.scene import Scene
 from fenics_contact.verification.case import Case, Finding, solved
 from fenics_contact.verification.published.hertz_pair import (

@@ -19,8 +19,8 @@ from fenics_contact.analytic.airy import AiryField
 from fenics_contact.common import form_cache
 from fenics_contact.common.parallel import total
 from fenics_contact.mesh.loading import load_body
-from fenics_contact.scene.conditions import Support
 from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.loading.conditions import Support
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Discretisation, Scene
 from fenics_contact.simulation.scene_run import Run

@@ -7,7 +7,8 @@ from typing import Literal
 
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.program import mesh_file
-from fenics_contact.scene.contact import Contact, HalfSpace, Obstacle
+from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.obstacle import HalfSpace, Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene
 from fenics_contact.verification.case import Case, Finding, solved
 from fenics_contact.verification.published.point import MATERIAL, MODULUS

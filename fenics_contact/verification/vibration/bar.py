@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.asked.vibration import Damping, Modes
-from fenics_contact.scene.conditions import Support
 from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.loading.conditions import Support
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.steps import SolverSettings

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from fenics_contact.scene.asked.vibration import Modes
-from fenics_contact.scene.conditions import Load, Support
+from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.steps import SolverSettings

@@ -19,7 +19,7 @@ from fenics_contact import (
     load_scene,
     run,
 )
-from fenics_contact.scene.contact import Obstacle
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.values import Profile
 from fenics_contact.trust.convergence.displacement_jumps import displacement_jumps
 from fenics_contact.trust.convergence.level_history import LevelHistory

@@ -8,7 +8,8 @@ from functools import partial
 from mpi4py import MPI
 
 from fenics_contact.mesh.tagged_mesh import Body
-from fenics_contact.scene.contact import Contact, Obstacle
+from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Scene
 from fenics_contact.verification.case import Finding
 from fenics_contact.verification.hard.bodies import box

@@ -11,8 +11,9 @@ import numpy as np
 
 from fenics_contact.common.parallel import smallest
 from fenics_contact.results.result import Result
-from fenics_contact.scene.conditions import Load
-from fenics_contact.scene.contact import Contact, Obstacle
+from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.loading.conditions import Load
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Scene, Steps
 from fenics_contact.scene.values import Path
 from fenics_contact.verification.case import Finding

@@ -29,7 +29,7 @@ from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
 from fenics_contact.evaluate.quantities import contact_quantities
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.problem.curved_sides import CurvedSides
-from fenics_contact.scene.contact import Obstacle
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
