@@ -8,27 +8,24 @@ compiled once.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
-from dolfinx import fem
 
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.probe_points import DisplacementPoints
 from fenics_contact.body.supports import AppliedSupport, Supports
-from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.surface.supports import SurfaceSupports
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.problem.discrete_body import DiscreteBody
+from fenics_contact.problem.drive import Drive
 from fenics_contact.problem.far_field import FarField
 from fenics_contact.problem.inertia.inertia import Inertia
-from fenics_contact.problem.loads import GivenLoad, given_loads
+from fenics_contact.problem.loads import given_loads
 from fenics_contact.problem.scalar_unknowns import (
     Indentation,
     PreloadState,
@@ -37,45 +34,9 @@ from fenics_contact.problem.scalar_unknowns import (
     Shortening,
 )
 from fenics_contact.problem.shared_reactions import SharedReactions
+from fenics_contact.problem.terms import Term, terms_of
 from fenics_contact.results.point_arrays import of_several_contacts
 from fenics_contact.scene.scene import Scene
-
-
-@dataclass(frozen=True, eq=False)
-class Term:
-    """One energy term: its name, and what compiles its forms where they are not yet."""
-
-    name: str
-    compiled: Callable[[], tuple[fem.Form, ...]] = tuple
-
-    @property
-    def forms(self) -> tuple[fem.Form, ...]:
-        """The forms compiled for it; collective."""
-        return self.compiled()
-
-    @property
-    def integrals(self) -> list[str]:
-        """Kind of integral of each compiled form, such as ``exterior_facet``."""
-        return [kind for form in self.forms for kind in compat.integral_types(form)]
-
-
-@dataclass(frozen=True, eq=False)
-class Drive:
-    """Forces to and fro about a state.
-
-    Attributes:
-        nodal: Largest of them, (nodes, components) (force).
-        rest: Pseudo-time at which all load paths of the scene rest.
-        share: Factor over the pseudo-time since then.
-    """
-
-    nodal: Array
-    rest: float
-    share: Callable[[float], float]
-
-    def at(self, time: float) -> Array:
-        """The forces at a pseudo-time."""
-        return self.nodal * self.share(time - self.rest)
 
 
 class Problem:
@@ -365,18 +326,7 @@ class Problem:
     @property
     def terms(self) -> list[Term]:
         """The energy terms modelled."""
-        terms = [Term(self.elastic.name, lambda: self.elastic.forms)]
-        terms += [Term(load.name, partial(_form_of, load)) for load in self.loads]
-        terms += [Term(f"preload of {preload.scene.label}") for preload in self.preloads]
-        for contact in self.contacts:
-            law = contact.normal
-            if law.loads_at_points:
-                terms.append(Term(law.name, partial(_forms_of_loads, law)))
-        for contact in self.contacts:
-            terms += [Term(term.name, partial(getattr, term, "forms")) for term in contact.terms]
-            if contact.floats:
-                terms.append(Term(f"force on the obstacle at {contact.label}"))
-        return terms
+        return terms_of(self.elastic, self.loads, self.preloads, self.contacts)
 
     def _assemble_pressures(self) -> list[tuple[Array, Callable[[float], float]]]:
         """Nodal forces of every contact pressure that is given, with their paths."""
@@ -385,11 +335,3 @@ class Problem:
             for contact in self.contacts
             for force, path in contact.given_forces()
         ]
-
-
-def _form_of(load: GivenLoad) -> tuple[fem.Form, ...]:
-    return (load.form,)
-
-
-def _forms_of_loads(law: NormalLaw) -> tuple[fem.Form, ...]:
-    return tuple(form for form, _ in law.loads)

@@ -8,7 +8,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
-from fenics_contact.problem.problem import Drive
+from fenics_contact.problem.drive import Drive
 from fenics_contact.results.records.vibration import DampingRecord
 from fenics_contact.scene.asked.vibration import Damping
 from fenics_contact.scene.loading.cycles import Cycles

@@ -1,9 +1,4 @@
-"""The load steps of a scene, one after the other; a step that is rejected leaves no trace.
-
-The state kept is that of the last accepted step as it was solved. That its slip counts no more,
-and that two bodies are paired where they stand now, comes before the next try: so whoever goes
-back, in this run or in another one, goes back to the same.
-"""
+"""The load steps of a scene, one after the other; a step that is rejected leaves no trace."""
 
 from __future__ import annotations
 
@@ -15,11 +10,10 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError, StoppedError
-from fenics_contact.contact.snapshot import ContactMemory, recall, recall_pairing, remember
+from fenics_contact.contact.snapshot import ContactMemory, remember
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.scene.scene import Steps
-from fenics_contact.solve.coulomb.friction_scale import follow_pressure
 from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.accepted_step import (
     AcceptedStep,
@@ -28,10 +22,11 @@ from fenics_contact.solve.load_steps.accepted_step import (
     contact_change,
 )
 from fenics_contact.solve.load_steps.cycle_watch import CycleWatch
+from fenics_contact.solve.load_steps.resting_place import RestingPlace
 from fenics_contact.solve.load_steps.step_control import FixedPace, Pace, PaceOfCycles, pace_of
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.solve.newton.tightening import let_go, tighten
+from fenics_contact.solve.newton.tightening import let_go
 
 logger = logging.getLogger(__name__)
 
@@ -39,12 +34,10 @@ logger = logging.getLogger(__name__)
 _SAME_END = 1e-4
 
 
-class LoadSteps:
+class LoadSteps(RestingPlace):
     """All load steps of a problem.
 
     Attributes:
-        newton: Newton's method on the problem.
-        last: The last accepted step, None before there is one.
         pace: Which step comes next.
         tried: Pseudo-time of the step that was tried last.
         spent: Newton steps of tries since the last accepted step, which were all rejected.
@@ -69,18 +62,14 @@ class LoadSteps:
         accepted: Callable[[float, Solution], None] | None = None,
         kept: Callable[[LoadSteps], None] | None = None,
     ) -> None:
-        self.newton = newton
-        self.problem = newton.problem
-        self.last: AcceptedStep | None = None
+        super().__init__(newton)
         scene = self.problem.scene
         self._knots = knots(scene)
         self.pace: Pace | PaceOfCycles = pace_of(scene, self._knots)
         cycles = cycles_of(scene)
         self._cycles = None if cycles is None else CycleWatch(self.problem, cycles)
         self.accepted, self._kept = accepted, kept
-        self._untouched = [remember(contact) for contact in self.problem.contacts]
         self._first: list[ContactMemory] = []
-        self._has_moved_on = False
         self._failed_with: float | None = None
         self.tried = 0.0
         self.spent = 0
@@ -89,11 +78,6 @@ class LoadSteps:
         self.warm_steps = 0
         self.finds_body = True
         self.ends: dict[float, StepEnd] | None = None
-
-    @property
-    def time(self) -> float:
-        """Pseudo-time of the last accepted step."""
-        return self.last.unknowns.time if self.last else 0.0
 
     def solve(self) -> Solution:
         """Take the steps that are left; collective.
@@ -294,39 +278,6 @@ class LoadSteps:
         found = solve_step(self.newton)
         return solve_step(self.newton) if let_go(self.newton, found) else found
 
-    def _begin(self, time: float, predicted: Unknowns | None) -> None:
-        """Bring all to a pseudo-time; collective."""
-        newton, problem = self.newton, self.problem
-        if self.last is None:
-            problem.reach(np.zeros(len(problem.unknowns)))
-            problem.set_time(time)
-            newton.begin.anew()
-            if predicted is not None:
-                self._place(predicted)
-                newton.begin.from_last_step()
-            tighten(newton, None)
-            return
-        self._move_on(self.last)
-        problem.reach(self.last.unknowns.scalars)
-        problem.set_time(time)
-        if predicted is not None:
-            self._place(predicted)
-            if newton.begin.is_out_of_touch():  # an obstacle that turns leaves the straight line
-                self._place(self.last.unknowns)
-        newton.begin.from_last_step()
-        tighten(newton, self.last.solution)
-
-    def _move_on(self, last: AcceptedStep) -> None:
-        """From the last step as it was solved to the beginning of the next one; collective."""
-        if self._has_moved_on:
-            return
-        for contact in self.problem.contacts:
-            contact.accept()
-            # A guess of what the next step needs.
-            follow_pressure(contact, last.solution.imbalance_limit)
-        self.newton.begin.pair_anew(last.solution)
-        self._has_moved_on = True
-
     def _prediction(self, time: float) -> Unknowns | None:
         """Where the last two steps lead to, if no load path turns on the way.
 
@@ -369,33 +320,3 @@ class LoadSteps:
         self.spent = 0
         if self.accepted is not None:
             self.accepted(time, found)
-
-    def go_back(self) -> None:
-        """To the last accepted step as it was solved, or to none; collective."""
-        problem = self.problem
-        self._has_moved_on = False
-        if self.last is None:
-            self._recall(self._untouched)
-            return
-        unknowns = self.last.unknowns
-        problem.reach(unknowns.scalars)
-        problem.set_time(unknowns.time)
-        self._recall(self.last.contacts)
-        self._place(unknowns)
-        problem.displacement.x.array[:] = unknowns.displacement.reshape(-1)
-        for contact in problem.contacts:  # also of those that exert no forces
-            contact.kinematics.move(contact.kinematics.relative(unknowns.displacement))
-
-    def _recall(self, memories: list[ContactMemory]) -> None:
-        """Take the contacts back to what is kept of them, and their pairing; collective."""
-        pairs = list(zip(self.problem.contacts, memories, strict=True))
-        if any([recall_pairing(contact, memory) for contact, memory in pairs]):
-            self.newton.begin.follow_pairing()
-        for contact, memory in pairs:
-            recall(contact, memory)
-
-    def _place(self, unknowns: Unknowns) -> None:
-        mixed = self.problem.elastic.mixed
-        if mixed is not None:
-            mixed.mean_stress.x.array[:] = unknowns.mean_stress
-        self.newton.begin.at(unknowns.position_in(self.newton.system), unknowns.scalars)
