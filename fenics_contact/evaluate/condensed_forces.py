@@ -82,8 +82,8 @@ class CondensedForces(NeededForces):
         far = 2 + len(self._resultants)
         acting = columns[0] - columns[1] - self._resultants @ columns[2:far]
         acting -= self._shortenings @ columns[far:]
-        schur, position = self._body.bulk.schur, self._state.contacts
-        needed = None if schur is None else schur @ position - acting
+        found = self._body.bulk_forces(self._state.contacts)
+        needed = None if found is None else found - acting
         needed = np.asarray(from_root(self.problem.comm, needed))
         found = self._body.dofs.placed(needed, less=self.contacts.reshape(-1))
         return found.reshape(self.load.shape)

@@ -118,6 +118,7 @@ class CondensedBody:
         self._of_schur: OfSchur | None = None
         self._of_jumps: tuple[list[Projection], OfSchur] | None = None
         self._far: list[tuple[Array, FarLoad]] = []
+        self._given_up: tuple[OfSchur, ContactVariables] | None = None
 
     def far_load(self, column: Array | None, places: Integers) -> FarLoad:
         """What a unit of a scalar does to the bulk through displacements that it prescribes.
@@ -167,10 +168,25 @@ class CondensedBody:
         """How often K was factorised."""
         return self.bulk.factorisations
 
-    def take_schur(self) -> Array | None:
-        """S on rank 0, None on others; it is large, and not kept here from then on."""
-        found, self.bulk.schur = self.bulk.schur, None
+    def give_up(self, variables: ContactVariables) -> OfSchur | None:
+        """As of ``of_unknowns``; S itself, which is large, is not kept from then on."""
+        schur, self.bulk.schur = self.bulk.schur, None
+        if schur is None:
+            return None
+        found = OfSchur(variables.stiffness(schur))
+        self._given_up = found, variables
         return found
+
+    def bulk_forces(self, position: Array) -> Array | None:
+        """S x of displacements of the free contact dofs, on rank 0, None on others (force).
+
+        Args:
+            position: The displacements (length).
+        """
+        if self._given_up is None:
+            return None if self.bulk.schur is None else self.bulk.schur @ position
+        of_schur, variables = self._given_up
+        return variables.nodal_forces(of_schur.matrix @ variables.unknowns(position))
 
     def serves(self, constrained: Integers, sides: Sequence[ContactSides]) -> bool:
         """Whether contacts on such surfaces of the body, so held, may act; collective.

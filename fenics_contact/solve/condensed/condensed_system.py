@@ -44,6 +44,7 @@ class CondensedSystem(System):
     Q y are the unknowns y, and the derived jumps after them.
 
     Attributes:
+        body: The body condensed.
         stiffness: That of each rank's cells.
         dofs: The contact dofs.
         variables: What stands for them as unknowns.
@@ -67,20 +68,20 @@ class CondensedSystem(System):
             self._surfaces = [SurfaceMatrix(c) if c.terms else None for c in problem.contacts]
         self._root = self.comm.rank == 0
         self._is_own = body is None  # then it ends with the system
-        self._body = body or CondensedBody(
+        self.body = body or CondensedBody(
             problem.discrete,
             problem.constrained,
             acting_sides(problem),
             timings,
             stiffening=None if problem.inertia is None else problem.inertia.stiffening,
         )
-        self.stiffness, self.held = self._body.stiffness, self._body.held
-        self.dofs, self._preloads = self._body.dofs, self._body.preloads
+        self.stiffness, self.held = self.body.stiffness, self.body.held
+        self.dofs, self._preloads = self.body.dofs, self.body.preloads
         self.factorisations = 1
         self._driving = [u for u in problem.unknowns if isinstance(u, ContactScalar)]
         far_field = problem.far_field
         places = np.zeros(0, dtype=np.int64) if far_field is None else far_field.dofs
-        self._far = [self._body.far_load(unknown.column, places) for unknown in self._driving]
+        self._far = [self.body.far_load(unknown.column, places) for unknown in self._driving]
         self._inner = len(self.dofs.free) + len(self._driving)  # all but the shortenings
         self._size = len(self.dofs.free) + self.scalars
         if self._size > _MANY:
@@ -132,9 +133,10 @@ class CondensedSystem(System):
     def _schur(self) -> OfSchur | None:
         """S between the unknowns, on rank 0; that of a body of its own is given up with it."""
         if not self._is_own:
-            return self._body.of_unknowns(self.variables)
-        can_change = self.problem.can_pair_anew
-        schur = self._body.bulk.schur if can_change else self._body.take_schur()
+            return self.body.of_unknowns(self.variables)
+        if not self.problem.can_pair_anew:
+            return self.body.give_up(self.variables)
+        schur = self.body.bulk.schur
         return None if schur is None else OfSchur(self.variables.stiffness(schur))
 
     def _create_vectors(self) -> None:
@@ -177,7 +179,7 @@ class CondensedSystem(System):
     def destroy(self) -> None:
         """Free PETSc's objects, but those of a body that is kept."""
         if self._is_own:
-            self._body.destroy()
+            self.body.destroy()
         for thing in (self.tangent, self.state, self.residual):
             thing.destroy()
 
@@ -204,7 +206,7 @@ class CondensedSystem(System):
             return super().at_contacts(find_body)
         components = self.problem.spaces.components
         found = self.dofs.placed(self.position()).reshape(-1, components)
-        return found + self._body.loads_at.supported(self.problem.prescribed, components)
+        return found + self.body.loads_at.supported(self.problem.prescribed, components)
 
     def begin(self, displacement: Array) -> None:
         """Start a solve from nodal displacements (nodes, components); collective."""
@@ -222,7 +224,7 @@ class CondensedSystem(System):
 
     def follow_loads(self) -> None:
         """Loads and supports at their present values; collective."""
-        present = self._body.loads_at.at(self.problem.load, self.problem.prescribed)
+        present = self.body.loads_at.at(self.problem.load, self.problem.prescribed)
         if present is self._present:
             return
         self._present = present
@@ -343,7 +345,7 @@ class CondensedSystem(System):
 
     def adjoint(self) -> CondensedAdjoint:
         """Of the tangent that was set last; collective."""
-        return CondensedAdjoint(self.problem, self._body, self.variables, self._dense, self._jumps)
+        return CondensedAdjoint(self.problem, self.body, self.variables, self._dense, self._jumps)
 
     def imbalance(self) -> float:
         """1-norm of the last residual (force); collective."""
@@ -383,7 +385,7 @@ class CondensedSystem(System):
 
     def _expanded(self, load: Array, at_contacts: Array) -> BodyAnswer:
         """Displacement and K u at the nodes; the functions follow; collective."""
-        found = self._body.bulk.expand(load, at_contacts)
+        found = self.body.bulk.expand(load, at_contacts)
         self.stiffness.set_functions(found)
         components = self.problem.spaces.components
         internal = self.stiffness.forces(found)

@@ -239,6 +239,13 @@ class ContactVariables:
         """Tᵀ f."""
         return np.asarray(self._transformed(forces.copy()[None])[0])
 
+    def nodal_forces(self, forces: Array) -> Array:
+        """T⁻ᵀ f: forces on the displacements, of those on the unknowns."""
+        found = forces.copy()
+        for block in self._transform:
+            found[block.masters] -= block.projection.transposed(found[block.slaves])
+        return found
+
     def displacements(self, unknowns: Array) -> Array:
         """T y."""
         found = unknowns.copy()

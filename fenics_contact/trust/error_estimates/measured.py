@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping
 from typing import Any
 
+from fenics_contact.evaluate.condensed_forces import CondensedForces
+from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import (
     contact_quantities,
@@ -16,44 +18,68 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.results.quantities import QUANTITIES, QuantityValue, reactions_by_name
 from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
 from fenics_contact.scene.quantity_names import OF_PRELOADS, OfPreload, Reaction
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
+
+# Rows of a body at the most: with more it takes less to find what is inside it in each answer.
+_MOST_ROWS = 24
 
 
 class Measured:
     """Quantities of a solution, called in its state.
 
-    Of a contact by its number and the name, of supports by a ``Reaction``.
+    Of a contact by its number and the name, of supports by a ``Reaction``. Without what is inside
+    a body that is condensed, where that is found for nobody else and few numbers are asked of it.
     """
 
     def __init__(self, load_steps: LoadSteps) -> None:
         assert load_steps.last is not None
-        self._problem = load_steps.problem
+        self._problem, self._system = load_steps.problem, load_steps.newton.system
         self._answer = load_steps.last.solution
         self._of_answer: dict[Hashable, QuantityValue] = {}
 
     def __call__(self, solution: Solution) -> dict[Hashable, QuantityValue]:
         """Of a solution; collective."""
         if solution is not self._answer:
-            return measured(self._problem, solution)
+            return measured(self._problem, solution, self._forces(solution))
         if not self._of_answer:
-            self._of_answer = measured(self._problem, solution)
+            self._of_answer = measured(self._problem, solution, self._forces(solution))
         return self._of_answer
 
+    def _forces(self, solution: Solution) -> NeededForces:
+        """What the bulk needs in the present state; collective."""
+        problem, system = self._problem, self._system
+        follows = problem.elastic.mixed is not None or problem.preloads
+        if follows or not isinstance(system, CondensedSystem) or _rows(problem) > _MOST_ROWS:
+            return BulkForces(problem, solution)
+        scalars = system.scalar_values(system.state)
+        return CondensedForces(problem, solution, system.body, system.position(), scalars)
 
-def measured(problem: Problem, solution: Solution) -> dict[Hashable, QuantityValue]:
+
+def _rows(problem: Problem) -> int:
+    """How many numbers are asked of the inside of a body, at the most."""
+    spaces = problem.spaces
+    supported = len(problem.applied_supports) * spaces.parts.count
+    return spaces.components * (supported + len(problem.points.places))
+
+
+def measured(
+    problem: Problem, solution: Solution, forces: NeededForces | None = None
+) -> dict[Hashable, QuantityValue]:
     """Quantities of a solution in whose state a problem is, by ``Measured``'s keys; collective.
 
     Args:
         problem: The model.
         solution: The solution.
+        forces: What the bulk needs in it; by default by what is inside.
     """
-    forces = BulkForces(problem, solution)
+    forces = forces or BulkForces(problem, solution)
     supports = support_records(forces)
     contacts = [contact_quantities(problem, solution, i) for i in range(len(problem.contacts))]
     every = global_quantities(forces, contacts)
     found: dict[Hashable, QuantityValue] = _known(every)
-    found.update(problem.points.quantities(solution.displacement))
+    found.update(forces.at_points())
     for number, of_contact in enumerate(contacts):
         found |= {(number, name): value for name, value in _known(of_contact).items()}
     return found | _reactions(supports) | _preloads(preload_records(problem, solution))

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import ufl
@@ -21,7 +22,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, ContactState
-from fenics_contact.evaluate.contact_areas import cut_areas
+from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, stick_area
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
@@ -118,7 +119,7 @@ def shifted_answers(
     """
     assert load_steps.last is not None
     answer = measure(load_steps.last.solution)
-    shift = _scaled(load_steps, measure, edges)
+    shift = _scaled(load_steps, edges)
     if shift is None:
         return []
     even = np.arange(1, _SIZES + 1) / _SIZES
@@ -144,7 +145,7 @@ def _to_a_side(
     return rows
 
 
-def _scaled(load_steps: LoadSteps, measure: Measure, edges: Sequence[Edge]) -> _Shift | None:
+def _scaled(load_steps: LoadSteps, edges: Sequence[Edge]) -> _Shift | None:
     """A shift that moves some edge of each kind by a piece, and the others less; collective."""
     assert load_steps.last is not None
     problem, solution = load_steps.problem, load_steps.last.solution
@@ -157,14 +158,14 @@ def _scaled(load_steps: LoadSteps, measure: Measure, edges: Sequence[Edge]) -> _
         (touching, _Shift(_spreading(problem, solution, touching), 0.0), _MOST_TRACTION),
         (sticking, _Shift(none, _FIRST), _MOST_STRENGTH),
     ):
-        scaled = _by_a_piece(load_steps, measure, chosen, first, most) if chosen else None
+        scaled = _by_a_piece(load_steps, chosen, first, most) if chosen else None
         if scaled is not None:
             found = scaled if found is None else found.plus(scaled)
     return found
 
 
 def _by_a_piece(
-    load_steps: LoadSteps, measure: Measure, edges: Sequence[Edge], first: _Shift, most: float
+    load_steps: LoadSteps, edges: Sequence[Edge], first: _Shift, most: float
 ) -> _Shift | None:
     """A shift of one kind that moves no edge by much more than a piece to either side; collective.
 
@@ -175,10 +176,11 @@ def _by_a_piece(
         None where the first size has no answer, or moves no edge.
     """
     assert load_steps.last is not None
-    answer = measure(load_steps.last.solution)
+    areas = partial(_areas, load_steps.problem)
+    answer = areas(load_steps.last.solution)
 
     def moved_by(size: float) -> float:
-        tried = last_step_again(load_steps, measure, _by(first.times(size), load_steps.time))
+        tried = last_step_again(load_steps, areas, _by(first.times(size), load_steps.time))
         return max(edge.moved(tried, answer) for edge in edges) if tried else 0.0
 
     moved = moved_by(1.0)
@@ -191,6 +193,17 @@ def _by_a_piece(
             break
         size *= _PIECES / moved
     return first.times(size)
+
+
+def _areas(problem: Problem, solution: Solution) -> Quantities:
+    """Areas that tell where edges are; collective."""
+    found: dict[Hashable, float] = {}
+    for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
+        zones = Zones(contact, state)
+        closed = contact_area(zones)
+        found[number, "contact_area"] = closed
+        found[number, "stick_area"] = min(stick_area(zones), closed)
+    return found
 
 
 def _spreading(problem: Problem, solution: Solution, edges: Sequence[Edge]) -> Array:
