@@ -53,7 +53,7 @@ class DrivenMode:
         self._load_steps = LoadSteps(newton, self._add)
         self._load_steps.finds_body = False
         share = body.stiffness.share
-        self._row = body.rows.maker.make(Functional(forces=share(mode.forces)))
+        (self._row,) = body.rows.maker.make([Functional(forces=share(mode.forces))])
         self._of_drive = self._work_of(share(mode.forces))
         self._of_shortenings = np.array(
             [

@@ -6,6 +6,8 @@ the dofs that touch. That is the shortest way where few of them do.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 from scipy.linalg import cho_factor, lapack
 from scipy.sparse import csr_matrix
@@ -85,6 +87,26 @@ class ComplianceSolver:
         if self._added[: self._constant.count].any():
             return None
         return self._inverse[np.ix_(self.compliant, self.compliant)]
+
+    def between(
+        self,
+        relative_to: Callable[[Integers], Array],
+        across: csr_matrix,
+        ways: Sequence[csr_matrix],
+    ) -> tuple[Array, list[Array]] | None:
+        """How far forces along rows move the first rows, as ``CondensedSystem.compliances``.
+
+        Args:
+            relative_to: Gives jumps of a contact over ``compliant``.
+            across: Takes rows out of these jumps.
+            ways: Take others.
+        """
+        compliance = self.compliance
+        if compliance is None:
+            return None
+        unknowns = relative_to(self.compliant)
+        moved = (across @ unknowns) @ compliance
+        return moved @ (across @ unknowns).T, [moved @ (way @ unknowns).T for way in ways]
 
     def factorise(self, added: Entries) -> None:
         """Take the entries of W, between all of Q y; those at the same place add up."""

@@ -26,7 +26,7 @@ from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.preload_border import CondensedPreloads
 from fenics_contact.solve.condensed.present_loads import LoadsOfBody
 from fenics_contact.solve.condensed.rows.body_rows import BodyRows
-from fenics_contact.solve.condensed.rows.row import RowMaker
+from fenics_contact.solve.condensed.rows.row import Functional, RowMaker
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 
 # Columns of half-spaces that are kept: an obstacle that moves along the surface makes others.
@@ -140,6 +140,19 @@ class CondensedBody:
             if column is not None:
                 self._far = [*self._far[-_MOST_FAR + 1 :], (column, found)]
         return found
+
+    def foresee(self, loads: Sequence[Array]) -> None:
+        """Find what loads do that are going to act, together: it takes hardly longer than of one.
+
+        Condensed onto the contacts, and what is linear in it; collective.
+
+        Args:
+            loads: At the nodes of this rank, (nodes, components) each (force).
+        """
+        stiffness = self.stiffness
+        none = np.zeros_like(loads[0])
+        self.loads.foresee(np.array([stiffness.load(one, none, self.held) for one in loads]))
+        self.rows.given.foresee([Functional(forces=stiffness.share(one)) for one in loads])
 
     @property
     def of_schur(self) -> OfSchur | None:

@@ -43,18 +43,28 @@ class CondensedLoads:
         loads are nearly the same, as a large preload with what vibrates about it.
         """
         shares = self._shares(load)
-        left = load - sum(
-            (share * known for share, (known, _) in zip(shares, self._known, strict=True)),
-            np.zeros_like(load),
-        )
-        condensed = sum(
-            (share * found for share, (_, found) in zip(shares, self._known, strict=True)),
-            np.zeros(self._bulk.count),
-        )
+        left = load - self._combined(shares, 0)
+        condensed = np.zeros(self._bulk.count) + self._combined(shares, 1)
         if total(self._comm, np.abs(left).sum()) > _SAME * total(self._comm, np.abs(load).sum()):
             self.know(left, self._bulk.condense(left))
             condensed = condensed + self._known[-1][1]
-        return np.asarray(condensed)
+        return condensed
+
+    def foresee(self, loads: Array) -> None:
+        """Condense loads that are going to be asked for, with one solve; collective.
+
+        Args:
+            loads: As of ``condense``, (loads, unknowns).
+        """
+        for load, condensed in zip(loads, self._bulk.condense(loads), strict=True):
+            shares = self._shares(load)
+            left = load - self._combined(shares, 0)
+            self.know(left, condensed - self._combined(shares, 1))
+
+    def _combined(self, shares: Array, part: int) -> Array | float:
+        """Of the known loads, or of what they are condensed."""
+        pairs = zip(shares, self._known, strict=True)
+        return sum((share * known[part] for share, known in pairs), 0.0)
 
     def _shares(self, load: Array) -> Array:
         """Of the known loads in this one, by least squares; collective."""

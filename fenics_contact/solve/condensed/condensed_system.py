@@ -7,6 +7,7 @@ asks for the displacement of the body.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import ClassVar
 
@@ -168,13 +169,9 @@ class CondensedSystem(System):
             ranks that have no part of the tangent.
         """
         jump = self._jumps[number]
-        solver = None if self._dense is None else self._dense.compliance
-        compliance = None if solver is None else solver.compliance
-        if jump is None or solver is None or compliance is None:
+        if jump is None or self._dense is None:
             return None
-        unknowns = jump.relative_to(solver.compliant)
-        moved = (across @ unknowns) @ compliance
-        return moved @ (across @ unknowns).T, [moved @ (way @ unknowns).T for way in ways]
+        return self._dense.compliance.between(jump.relative_to, across, ways)
 
     def destroy(self) -> None:
         """Free PETSc's objects, but those of a body that is kept."""
@@ -239,6 +236,10 @@ class CondensedSystem(System):
         """Those that were followed last."""
         assert self._present is not None
         return self._present
+
+    def foresee(self, loads: Sequence[Array]) -> None:
+        """Solve for what several loads do inside the body together; collective."""
+        self.body.foresee(loads)
 
     def follow_supports(self) -> None:
         """Bring supports and loads to their present values; collective."""

@@ -128,6 +128,13 @@ class System(ABC):
     def prepare(self, snes: PETSc.SNES) -> None:
         """Set whatever the linear solver needs beside its options."""
 
+    def foresee(self, loads: Sequence[Array]) -> None:  # noqa: B027  (most have nothing to prepare)
+        """Prepare for answers under loads beside those that there are; collective.
+
+        Args:
+            loads: At the nodes of this rank, (nodes, components) each (force).
+        """
+
     @property
     def forces(self) -> float:
         """What an imbalance is small against (force); collective.

@@ -18,7 +18,7 @@ class Bulk:
 
     def condense(self, load):
         self.solves += 1
-        return self.matrix @ load
+        return load @ self.matrix.T
 
 
 @pytest.mark.parametrize("size", [1e3, 1, 1e-3, 1e-6])
@@ -43,3 +43,17 @@ def test_many_loads_that_have_nothing_to_do_with_each_other_are_condensed_each()
     assert len(loads.known) <= 8
     assert not loads.condense(np.zeros(60)).any()
     assert bulk.solves == 20
+
+
+def test_loads_that_are_foreseen_take_one_solve_together():
+    """Also those that hardly differ from one that was known, and sums with it."""
+    bulk = Bulk()
+    loads = CondensedLoads(bulk)
+    known, *others = np.random.default_rng(6).standard_normal((4, 60))
+    loads.condense(known)
+    others[0] = known + 1e-6 * others[0]
+    loads.foresee(np.array(others))
+    assert bulk.solves == 2
+    for load in (*others, known + others[1], known - 2 * others[2]):
+        assert loads.condense(load) == pytest.approx(bulk.matrix @ load, rel=1e-9, abs=1e-9)
+    assert bulk.solves == 2

@@ -162,3 +162,21 @@ def test_equal_blocks_share_a_factor_and_give_what_a_block_alone_gives():
     if COMM.size == 1:
         assert other._body.factors.made == 2
     other.close()
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_several_right_hand_sides_are_solved_as_one_by_one(count):
+    """By parts that share a factor, of which each keeps some unknowns."""
+    rng = np.random.default_rng(2)
+    matrix = csr_matrix(np.diag(np.full(12, 8.0)) + np.eye(12, k=2) + np.eye(12, k=-2))
+    parts = Parts([matrix] * count, [0.0, 3.0][:count])
+    size = 12 * count
+    factor = RankFactor(parts, np.zeros(size, dtype=bool), np.arange(0, size, 5), None)
+    right = rng.standard_normal((3, size))
+    together = factor.solve(right)
+    assert together == pytest.approx(np.array([factor.solve(one) for one in right]), rel=1e-13)
+    left = right - factor.times(together)
+    inside = np.delete(np.arange(size), np.arange(0, size, 5))
+    assert np.abs(left[:, inside]).max() < 1e-12
+    assert factor.solve(np.zeros((0, size))).shape == (0, size)
+    factor.destroy()

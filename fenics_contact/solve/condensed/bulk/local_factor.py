@@ -85,14 +85,36 @@ class LocalFactor:
         return bool((np.abs(mine.data - matrix.data) <= _SAME * rows * size[mine.indices]).all())
 
     def solve(self, right: Array) -> Array:
-        """K_II⁻¹ f_I at all unknowns, 0 at those that are kept."""
+        """K_II⁻¹ f_I at all unknowns, 0 at those that are kept.
+
+        Args:
+            right: f, (unknowns,) or several at once, (…, unknowns), which takes hardly longer.
+        """
         if self._preconditioner is None:
-            return np.zeros(len(right))
-        with self._right as array:
-            array[:] = right
-        self._preconditioner.apply(self._right, self._solved)
-        found = np.array(self._solved.array_r)
-        found[self._kept] = 0.0
+            return np.zeros_like(right)
+        if right.ndim == 1:
+            with self._right as array:
+                array[:] = right
+            self._preconditioner.apply(self._right, self._solved)
+            found = np.array(self._solved.array_r)
+        else:
+            found = self._solve_several(right)
+        found[..., self._kept] = 0.0
+        return found
+
+    def _solve_several(self, right: Array) -> Array:
+        if not len(right):
+            return np.zeros_like(right)
+        columns = np.asfortranarray(right.T)  # as PETSc has them
+        given = PETSc.Mat().createDense(columns.shape, array=columns, comm=PETSc.COMM_SELF)
+        solved = PETSc.Mat().createDense(columns.shape, comm=PETSc.COMM_SELF)
+        for matrix in (given, solved):
+            matrix.setUp()
+            matrix.assemble()
+        self._preconditioner.matApply(given, solved)
+        found = np.array(solved.getDenseArray().T)
+        for matrix in (given, solved):
+            matrix.destroy()
         return found
 
     def destroy(self) -> None:

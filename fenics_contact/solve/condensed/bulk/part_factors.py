@@ -119,17 +119,17 @@ class RankFactor:
                 factor.schur = np.zeros((0, 0))
 
     def times(self, values: Array) -> Array:
-        """K x, without what is held."""
-        found = np.zeros(len(values))
+        """K x, without what is held, of one x or several, (…, unknowns)."""
+        found = np.zeros_like(values)
         for part, matrix in zip(self._parts, self._matrices, strict=True):
-            found[part] = matrix @ values[part]
+            found[..., part] = (matrix @ values[..., part].T).T
         return found
 
     def solve(self, right: Array) -> Array:
-        """K_II⁻¹ f_I at all unknowns, 0 at those that are kept."""
-        found = np.zeros(len(right))
+        """K_II⁻¹ f_I at all unknowns, 0 at those that are kept; of several f, (…, unknowns)."""
+        found = np.zeros_like(right)
         for part, factor in zip(self._parts, self._factors, strict=True):
-            found[part] = factor.solve(right[part])
+            found[..., part] = factor.solve(right[..., part])
         return found
 
     def destroy(self) -> None:

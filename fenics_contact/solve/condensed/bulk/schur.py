@@ -94,39 +94,41 @@ class CondensedBulk:
         """f_C − K_CI K_II⁻¹ f_I, on rank 0; collective.
 
         Args:
-            load: This rank's share of the forces on its unknowns; values where held.
+            load: This rank's share of the forces on its unknowns; values where held. Or several at
+                once, (…, unknowns).
         """
         solved = self._inside.solve(load)
-        left = (load - self._inside.times(solved))[self._kept]
+        left = (load - self._inside.times(solved))[..., self._kept]
         parts = gathered_on_root(self.comm, left)
-        self._load = np.zeros(self._size)
+        self._load = np.zeros((*load.shape[:-1], self._size))
         for places, part in zip(self._places, parts or (), strict=False):
-            self._load[places] += part
-        contact, between = self._load[: self.count], self._load[self.count :]
+            self._load[..., places] += part
+        contact, between = self._load[..., : self.count], self._load[..., self.count :]
         if parts is None:
-            return np.zeros(self.count)
-        return np.asarray(contact - self._carried.T @ between)
+            return np.zeros_like(contact)
+        return np.asarray(contact - between @ self._carried)
 
     def expand(self, load: Array, x: Array) -> Array:
         """This rank's unknowns where the contact dofs are x (on rank 0); collective.
 
         Args:
-            load: As given to ``condense`` (length where held).
-            x: Displacements of the contact dofs; used on rank 0.
+            load: As given to ``condense`` (length where held); or several at once, (…, unknowns).
+            x: Displacements of the contact dofs, likewise; used on rank 0.
         """
         if self._size > self.count:
             self.condense(load)
-        values = np.zeros(self._size)
+        values = np.zeros((*load.shape[:-1], self._size))
         if self.comm.rank == 0:
-            values[: self.count] = x
+            values[..., : self.count] = x
             if self._between is not None:
-                loads = self._load[self.count :]
-                values[self.count :] = lu_solve(self._between, loads) - self._carried @ x
+                loads = self._load[..., self.count :]
+                solved = lu_solve(self._between, loads.T) - self._carried @ x.T
+                values[..., self.count :] = solved.T
         values = from_root(self.comm, values)
-        kept = np.zeros(len(load))
-        kept[self._kept] = values[self._places[self.comm.rank]]
+        kept = np.zeros_like(load)
+        kept[..., self._kept] = values[..., self._places[self.comm.rank]]
         found = self._inside.solve(load - self._inside.times(kept))
-        found[self._kept] = kept[self._kept]
+        found[..., self._kept] = kept[..., self._kept]
         return found
 
     def destroy(self) -> None:

@@ -49,10 +49,10 @@ class RowGroup:
             state: Of the answer.
         """
         if self.made.keys() != wanted.keys() or self._stack is None:
-            self.made = {
-                key: self.made.get(key) or self._maker.make(functional())
-                for key, functional in wanted.items()
-            }
+            missing = [key for key in wanted if key not in self.made]
+            rows = self._maker.make([wanted[key]() for key in missing])
+            every = self.made | dict(zip(missing, rows, strict=True))
+            self.made = {key: every[key] for key in wanted}
             self._stack = RowStack(self._maker, list(self.made.values()))
         return dict(zip(self.made, self._stack.values(state).tolist(), strict=True))
 
@@ -96,7 +96,7 @@ class GivenRows:
             if shares is None:
                 shares = self._combination(of)
             if shares is None:
-                self.know(of, self._maker.make(of))
+                self.know(of, *self._maker.make([of]))
                 shares = np.zeros(len(self._known))
                 shares[-1] = 1.0
             found.append(shares)
@@ -105,6 +105,16 @@ class GivenRows:
         for number, shares in enumerate(found):
             whole[number, : len(shares)] = shares
         return whole
+
+    def foresee(self, wanted: Sequence[Functional]) -> None:
+        """Make the rows of functionals that are going to be asked for, together; collective.
+
+        Args:
+            wanted: Likewise.
+        """
+        if len(self._known) + len(wanted) <= _MOST_GIVEN:
+            for of, row in zip(wanted, self._maker.make(wanted), strict=True):
+                self.know(of, row)
 
     def values(self, shares: Array, state: GivenState) -> Array:
         """Of functionals in a state, (functionals,); collective.

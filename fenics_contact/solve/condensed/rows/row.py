@@ -97,21 +97,33 @@ class RowMaker:
         self._at_contacts = np.flatnonzero(np.isin(stiffness.numbers, dofs.free) & ~held)
         self._places = np.searchsorted(dofs.free, stiffness.numbers[self._at_contacts])
 
-    def make(self, of: Functional) -> Row:
-        """The row of a functional; collective.
+    def make(self, wanted: Sequence[Functional]) -> list[Row]:
+        """The rows of functionals, with one solve for all of them; collective.
 
         Args:
-            of: The functional.
+            wanted: The functionals.
         """
-        matrix = self.stiffness.matrix
+        if not wanted:
+            return []
+        loads = np.array([self._load(of) for of in wanted])
+        every = self._bulk.expand(loads, np.zeros((len(wanted), self.count)))
+        return [self._row(of, found) for of, found in zip(wanted, every, strict=True)]
+
+    def _load(self, of: Functional) -> Array:
+        """What the adjoint state is under, and its displacements of what is held."""
         load = np.zeros(len(self.held))
-        forces = np.zeros_like(load) if of.forces is None else of.forces
         if of.held is not None:
-            load -= matrix @ np.where(self.held, of.held, 0.0)
-        load -= forces
+            load -= self.stiffness.matrix @ np.where(self.held, of.held, 0.0)
+        if of.forces is not None:
+            load -= of.forces
         load[self.held] = 0.0 if of.held is None else of.held[self.held]
-        found = self._bulk.expand(load, np.zeros(self.count))
-        share = matrix @ found + forces
+        return load
+
+    def _row(self, of: Functional, found: Array) -> Row:
+        """That of an adjoint state; collective."""
+        share = self.stiffness.matrix @ found
+        if of.forces is not None:
+            share += of.forces
         at_contacts = np.zeros(self.count)
         at_contacts[self._places] = share[self._at_contacts]
         return Row(total(self.stiffness.comm, at_contacts), share[self.held], found)

@@ -162,8 +162,9 @@ def _changes(
 ) -> tuple[dict[Hashable, float], dict[Hashable, float]] | None:
     """What the local errors change, and what such errors would with signs at random; collective."""
     found = []
-    for draw in (None, *range(_DRAWS)):
-        forces, along = local.forces(draw)
+    every = [local.forces(draw) for draw in (None, *range(_DRAWS))]
+    load_steps.newton.system.foresee([forces for forces, _ in every])
+    for draw, (forces, along) in zip((None, *range(_DRAWS)), every, strict=True):
         disturb = partial(_disturb, forces, along, load_steps.time)
         way = again if draw is None else drawn
         change = differences(way.answer, way.changed(disturb))

@@ -37,6 +37,8 @@ from fenics_contact.trust.error_estimates.mesh.mean_stress_errors import MeanStr
 # count. Stresses of bubbles on triangles and tetrahedra are of the degree of the body's
 # displacements, for whose products its own rule is.
 _MORE = 2
+# Cells whose matrices are sorted together.
+_AT_ONCE = 1000
 # Waves along the axes, much shorter than cells are: their signs are as if drawn.
 _WAVES = (71234.567, 53219.871, 61731.319)
 
@@ -267,9 +269,10 @@ class LocalErrors:
         count, size = self._space.dofmap.list.shape[1], self._space.dofmap.index_map_bs
         blocks = fem.assemble_matrix(form).to_scipy().data
         blocks = blocks.reshape(-1, count, count, size, size)[: self._cells]
-        return np.asarray(
-            blocks.transpose(0, 1, 3, 2, 4).reshape(self._cells, count * size, count * size)
-        )
+        for begin in range(0, self._cells, _AT_ONCE):  # in place: memory that is new is slow
+            part = slice(begin, begin + _AT_ONCE)
+            blocks[part] = blocks[part].transpose(0, 1, 3, 2, 4).reshape(blocks[part].shape)
+        return np.asarray(blocks.reshape(self._cells, count * size, count * size))
 
     def _assembled(self, form: CompiledForm) -> Array:
         """A linear form on the bubbles of this rank's cells, (cells, dofs); collective."""
