@@ -13,6 +13,7 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.failures import failing_together
 from fenics_contact.common.timings import Timings
+from fenics_contact.evaluate.energy_balance import EnergyBook
 from fenics_contact.evaluate.fretting.criteria_at_places import evaluate_fretting
 from fenics_contact.evaluate.fretting.history import StressHistory
 from fenics_contact.evaluate.moving_forces import MovingForces
@@ -22,7 +23,7 @@ from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.existence.condition import FreeMotion, require_equilibrium
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.cycle_losses import cycles_record
-from fenics_contact.results.load_history import Announce, step_line
+from fenics_contact.results.load_history import Announce
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, Seconds
 from fenics_contact.results.records.record import Quantities
@@ -32,8 +33,6 @@ from fenics_contact.results.words.cycles import cycle_words
 from fenics_contact.results.words.fretting import fretting_words
 from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.units.names import UnitNames
-from fenics_contact.scene.units.table import names_of
 from fenics_contact.simulation import verdict
 from fenics_contact.simulation.asked_derivatives.asked import keys_asked_of
 from fenics_contact.simulation.asked_of_answer import AskedOfAnswer
@@ -43,7 +42,7 @@ from fenics_contact.simulation.scene_mesh import mesh_of
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.vibration.vibration import Vibration, damping_scenes
-from fenics_contact.simulation.way_through import AtEnd, EndOfRun, Onlookers, WayThrough
+from fenics_contact.simulation.way_through import AtEnd, EndOfRun, Onlookers, WayThrough, by_default
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.worn_cycle import WornCycle, one_cycle
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
@@ -154,6 +153,11 @@ class Run:
         return self._history.steps
 
     @property
+    def book(self) -> EnergyBook:
+        """Work and energies along them."""
+        return self._history.book
+
+    @property
     def stress_history(self) -> StressHistory | None:
         """Stress near the contacts along them, where the scene asks for fretting."""
         return self._history.stress
@@ -189,8 +193,7 @@ class Run:
         Raises:
             MachineError: The machine failed: memory, a file.
         """
-        lines = partial(_log_step, names_of(self.scene))
-        told = announce or (lines if self.scene.load_steps.several else _say_nothing)
+        told = announce or by_default(self.scene)
         onlookers = Onlookers(told, accepted, stopped, self.at_end)
         with failing_together(self.problem.comm):
             if state is not None:
@@ -340,11 +343,3 @@ class Run:
     def _interrupted(self) -> Result:
         words = "Interrupted" + ("." if self.solution else " before any load step was done.")
         return dataclasses.replace(self._stopped_short(words, self.steps), interrupted=True)
-
-
-def _log_step(units: UnitNames | None, number: int, step: StepRecord) -> None:
-    logger.info(step_line(number, step, units))
-
-
-def _say_nothing(number: int, step: StepRecord) -> None:
-    """Of a run of a single step, its result says it all."""

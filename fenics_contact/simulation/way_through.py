@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.load_history import Announce
+from fenics_contact.results.load_history import Announce, step_line
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.table import names_of
 from fenics_contact.simulation.restart.state_file import Beside, SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
@@ -24,6 +28,8 @@ from fenics_contact.solve.solver_choice import Condense, SolverChoice
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 from fenics_contact.trust.uniqueness.other_answers import OtherAnswers, look_around
+
+logger = logging.getLogger(__name__)
 
 AtEnd = Callable[[LoadSteps, LocalErrors | None], None]
 _Judge = Callable[[LoadSteps, Sequence[StepRecord]], ErrorBudget]
@@ -178,3 +184,20 @@ class WayThrough:
             end.budget = judge(load_steps, history.steps)
             if self._onlookers.at_end is not None:
                 self._onlookers.at_end(load_steps, end.budget.local)
+
+
+def by_default(scene: Scene) -> Announce:
+    """What says that a load step is done: a line in the log; of a run of one its result says all.
+
+    Args:
+        scene: That is solved.
+    """
+    return partial(_log_step, names_of(scene)) if scene.load_steps.several else _say_nothing
+
+
+def _log_step(units: UnitNames | None, number: int, step: StepRecord) -> None:
+    logger.info(step_line(number, step, units))
+
+
+def _say_nothing(number: int, step: StepRecord) -> None:
+    """Of a run of a single step, its result says it all."""

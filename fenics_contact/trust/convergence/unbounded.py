@@ -6,10 +6,11 @@ from collections.abc import Hashable, Mapping
 
 import numpy as np
 
-from fenics_contact.common.arrays import Array
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.quantities import QuantityValue
 from fenics_contact.scene.quantity_names import Reaction
+from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.convergence.body_corners import Corner, singular_corners
 from fenics_contact.trust.convergence.displacement_jumps import Jump, displacement_jumps
 
 Row = dict[str, float | None]
@@ -18,6 +19,8 @@ Row = dict[str, float | None]
 _RESULTANTS = ("normal_force", "pressure_integral", "contact_force", "friction_force")
 _PEAKS = ("max_contact_pressure", "max_penetration", "penalty_energy")
 _ENERGIES = ("strain_energy", "external_work")
+# What has no bound at corners of bodies that are pressed, where forces and energies have one.
+_AT_CORNERS = ("max_contact_pressure", "max_penetration")
 # Over itself, below which a resultant is what loads make it, an area that of the whole surface: no
 # mesh changes it.
 _GIVEN = 1e-6
@@ -28,13 +31,14 @@ class Unbounded:
 
     Args:
         problem: In the state of the answer.
-        displacement: Of the answer, at the body's nodes of this rank (length).
+        solution: The answer.
         time: Its pseudo-time.
     """
 
-    def __init__(self, problem: Problem, displacement: Array, time: float) -> None:
+    def __init__(self, problem: Problem, solution: Solution, time: float) -> None:
         self._problem = problem
-        self._jumps = displacement_jumps(problem, displacement, time)
+        self._jumps = displacement_jumps(problem, solution.displacement, time)
+        self._corners = singular_corners(problem, solution.states)
 
     def strip(
         self, rows: Mapping[Hashable, Row], answer: Mapping[Hashable, QuantityValue]
@@ -61,6 +65,12 @@ class Unbounded:
                 for key in keys:
                     found[key] = rows[key] | {"mesh": None, "total": None}
                     why.setdefault(key, sentence)
+        for corner in self._corners:
+            for key in rows:
+                number, name = key if isinstance(key, tuple) else (corner.contact, key)
+                if number == corner.contact and name in _AT_CORNERS and key not in why:
+                    found[key] = rows[key] | {"mesh": None, "total": None}
+                    why[key] = self._of_corner(corner)
         return found, why
 
     def _is_of(self, jump: Jump, key: Hashable) -> bool:
@@ -117,6 +127,16 @@ class Unbounded:
             f"{_listed(names)} {verb} not converge: at ({place}) {_listed(own)} {ask} by "
             f"{jump.size:.3g}, so that stress has no bound there, and finer cells give ever larger "
             "numbers."
+        )
+
+    def _of_corner(self, corner: Corner) -> str:
+        label = self._problem.contacts[corner.contact].label
+        place = ", ".join(f"{x + 0.0:.4g}" for x in np.round(corner.place, 12))
+        friction = " under friction" if corner.rubs else ""
+        return (
+            f"The largest pressure at the contact '{label}' does not converge: at ({place}) it "
+            f"reaches a corner of the body of {corner.angle:.3g}°, where stress has no bound"
+            f"{friction}, and finer cells give ever larger numbers. Forces and areas do converge."
         )
 
     def _words(self, key: Hashable) -> str:

@@ -109,8 +109,8 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
     answer = measure(load_steps.last.solution)
     estimates = Estimates(load_steps, measure, steps)
     found, notes = estimates.all()
-    last = load_steps.last.unknowns
-    unbounded = Unbounded(problem, last.displacement, last.time)
+    last = load_steps.last
+    unbounded = Unbounded(problem, last.solution, last.unknowns.time)
     rows, why = unbounded.strip({key: _row(key, found) for key in answer}, answer)
     notes += dict.fromkeys(why.values())
     every = {key: row for key, row in rows.items() if isinstance(key, str)}
