@@ -20,7 +20,11 @@ from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, RigidMotion
 from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.result import Check, Result
-from fenics_contact.results.words.derivatives import derivative_rows, uncertainty_rows
+from fenics_contact.results.words.derivatives import (
+    derivative_rows,
+    notes_on_derivatives,
+    uncertainty_rows,
+)
 from fenics_contact.results.words.fretting import fretting_plan, fretting_rows
 from fenics_contact.results.words.headlines import headlines
 from fenics_contact.results.words.short_forms import (
@@ -246,6 +250,8 @@ def _print_asked(console: Terminal, result: Result) -> None:
             for row in rows[1:]:
                 table.add_row(*map(escape, row))
             console.print(table)
+    for note in notes_on_derivatives(result):
+        console.print(one_line(note), markup=False, highlight=False, soft_wrap=True)
 
 
 def _print_levels(console: Terminal, result: Result) -> None:

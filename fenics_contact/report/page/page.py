@@ -18,7 +18,11 @@ from fenics_contact.report.page.templates import render
 from fenics_contact.results.accuracy_messages import level_rows
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.results.words.cycles import cycle_rows, cycle_words
-from fenics_contact.results.words.derivatives import derivative_rows, uncertainty_rows
+from fenics_contact.results.words.derivatives import (
+    derivative_rows,
+    notes_on_derivatives,
+    uncertainty_rows,
+)
 from fenics_contact.results.words.fretting import fretting_rows
 from fenics_contact.results.words.headlines import headlines
 from fenics_contact.results.words.tables import branch_rows
@@ -118,6 +122,7 @@ def page(content: Content) -> str:
         modes=mode_rows(result),
         damping=damping_rows(result),
         derivatives=derivative_rows(result),
+        notes_on_derivatives=notes_on_derivatives(result),
         uncertainties=uncertainty_rows(result),
         last_imbalances=", ".join(imbalances) or "none",
         ranks=result.model.ranks,

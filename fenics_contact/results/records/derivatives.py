@@ -14,12 +14,15 @@ class Derivative(Record):
     Attributes:
         value: Of a parabola fitted to slopes in a window, of areas their mean, in which the edges
             of contact and of stick move by about a cell; null where there is none.
-        spread: How far derivatives of single answers in the window lie from it.
+        spread: How far derivatives of single answers in the window lie from it; null without a
+            window as wide as a cell.
         discrete: Exact derivative of the discrete answer, automatic parameters held; null of areas
             and radii.
         normalised: The value times the number over the quantity: percent of the one for a percent
             of the other; null where one of them is 0.
         one_sided: Whether points just touch, or just slip, so that the discrete answer has a kink.
+        of_single_answers: Whether edges move by less than a cell even where the number changes by
+            a quarter, so that ``value`` is that of single answers, with their jumps.
     """
 
     value: float | None
@@ -27,6 +30,7 @@ class Derivative(Record):
     discrete: float | None
     normalised: float | None = None
     one_sided: bool
+    of_single_answers: bool = False
 
 
 # Quantity → key of the scene → derivative.

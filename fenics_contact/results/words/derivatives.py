@@ -26,6 +26,28 @@ def derivative_rows(result: Outcome) -> list[list[str]]:
     return rows if len(rows) > 1 else []
 
 
+def notes_on_derivatives(result: Outcome) -> list[str]:
+    """What is to be known of the derivatives, in sentences.
+
+    Args:
+        result: The result.
+    """
+    found = [
+        key
+        for by_key in result.derivatives.values()
+        for key, one in by_key.items()
+        if one.of_single_answers
+    ]
+    if not found:
+        return []
+    keys = ", ".join(dict.fromkeys(found))
+    return [
+        f"Cells are too large for means by {keys}: a change of the number by a quarter moves no "
+        "edge of contact or of stick by a cell, so the values are those of single answers, which "
+        "may jump from cell to cell. A finer mesh gives means."
+    ]
+
+
 def _mean(found: Derivative) -> tuple[str, str]:
     """Value and spread in as many figures as are sure."""
     if found.value is None:

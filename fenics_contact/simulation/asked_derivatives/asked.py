@@ -93,8 +93,9 @@ def _derivative(
     """
     value = spread = None
     if mean is not None:
-        value, spread = mean
-        spread = spread if discrete is None else max(spread, abs(discrete - value))
+        value = mean.value
+    if mean is not None and not mean.of_single_answers:
+        spread = max(mean.spread, 0.0 if discrete is None else abs(discrete - mean.value))
     best = discrete if value is None else value
     return Derivative(
         value=value,
@@ -102,4 +103,5 @@ def _derivative(
         discrete=discrete,
         normalised=None if best is None or not ratio else best * ratio,
         one_sided=one_sided,
+        of_single_answers=mean is not None and mean.of_single_answers,
     )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from typing import NamedTuple
 
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.common.arrays import Array
@@ -35,8 +36,21 @@ from fenics_contact.simulation.studies.solved_derivatives import (
     solved_derivatives,
 )
 
-# A mean derivative, and how far derivatives of single answers lie from it.
-Mean = tuple[float, float]
+
+class Mean(NamedTuple):
+    """A mean derivative.
+
+    Attributes:
+        value: The derivative.
+        spread: How far derivatives of single answers lie from it.
+        of_single_answers: Whether its window is narrower than a cell.
+    """
+
+    value: float
+    spread: float
+    of_single_answers: bool
+
+
 # A number smaller than this share of what its changes are measured by counts as 0.
 _NOTHING = 1e-3
 # Cells that an edge moves by, from end to end of a window that is as wide as one.
@@ -99,12 +113,15 @@ class Means:
         known = {name: found for name, found in values.items() if None not in found}
         first, *_, last = (answer for answer in answers if answer is not None)
         return {
-            name: self._in(window, name)([value for value in found if value is not None])
+            name: Mean(
+                *self._in(window, name)([value for value in found if value is not None]),
+                window.is_narrow,
+            )
             for name, found in known.items()
             if self._is_averaged(name, first, last)
         }
 
-    def _in(self, window: Window, name: str) -> Callable[[list[float]], Mean]:
+    def _in(self, window: Window, name: str) -> Callable[[list[float]], tuple[float, float]]:
         """How a derivative follows from answers in a window: areas jump there."""
         is_area = edges_of(self._scene.names.find(name).quantity) is not None
         return window.mean if is_area else window.slope
@@ -170,7 +187,10 @@ class Means:
         if not samples or window is None:
             return {}
         return {
-            key: {name: window.at_middle([s[name][key] for s in samples]) for name in names}
+            key: {
+                name: Mean(*window.at_middle([s[name][key] for s in samples]), window.is_narrow)
+                for name in names
+            }
             for key in keys
         }
 

@@ -27,6 +27,9 @@ _FIRST, _LOOKS = 0.02, 12
 # Cells that the faster edge is to move by, in a look that tells how fast.
 _FEWEST, _MOST = 0.7, 3.0
 
+# Cells that an edge moves by in the widest window, from which it moves at all.
+_MOVES = 0.05
+
 # Answer at a place, None where there is none; collective.
 Answers = Callable[[float], WindowAnswer | None]
 # Cells that each edge moves between two answers; collective.
@@ -40,14 +43,22 @@ class Window:
     Attributes:
         places: Increasing, the number itself in the middle, (intervals + 1,).
         shares: Of each interval, 1 in all, (intervals,).
+        is_narrow: Whether it is narrower than a cell, though edges move: a wider one would change
+            the number by too much.
     """
 
     places: Array
     shares: Array
+    is_narrow: bool = False
 
     @classmethod
     def of_boxes(
-        cls, middle: float, first: float, second: float, intervals: int = INTERVALS
+        cls,
+        middle: float,
+        first: float,
+        second: float,
+        intervals: int = INTERVALS,
+        is_narrow: bool = False,
     ) -> Window:
         """The window of two boxes.
 
@@ -56,12 +67,13 @@ class Window:
             first: Width of one box.
             second: Width of the other.
             intervals: Between its answers.
+            is_narrow: As the attribute.
         """
         half, a, b = (first + second) / 2, first / 2, second / 2
         offsets = np.linspace(-half, half, intervals + 1)
         ramps = [np.maximum(offsets + s, 0.0) ** 2 / 2 for s in (a + b, a - b, b - a, -a - b)]
         below = (ramps[0] - ramps[1] - ramps[2] + ramps[3]) / (4 * a * b)
-        return cls(middle + offsets, np.diff(below))
+        return cls(middle + offsets, np.diff(below), is_narrow)
 
     @property
     def middles(self) -> Array:
@@ -151,7 +163,10 @@ def find_window(
     if cells is None:
         return None
     boxes = sorted(2 * half / found for found in cells if found > 0)
-    boxes = [box for box in boxes if box <= 2 * widest] or [min(widest, _STILL * size)]
+    moves = bool(boxes) and boxes[0] < 2 * widest / _MOVES
+    boxes = [box for box in boxes if box <= 2 * widest]
+    is_narrow = moves and not boxes
+    boxes = boxes or [min(widest, _STILL * size)]
     first = min(boxes[0], widest)
     second = boxes[-1] if (first + boxes[-1]) / 2 <= widest else first
-    return Window.of_boxes(middle, first, second, intervals)
+    return Window.of_boxes(middle, first, second, intervals, is_narrow)

@@ -20,6 +20,7 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.problem.problem import Problem
+from fenics_contact.results.words.derivatives import notes_on_derivatives
 from fenics_contact.scene.asked.derivatives import AskedDerivatives
 from fenics_contact.simulation.asked_derivatives.windows import Window
 from fenics_contact.simulation.scene_run import Run
@@ -128,7 +129,21 @@ def test_friction_under_a_given_shift_follows_the_coefficient():
         for w in (step, 2 * step)
     )
     expected = float((8 * nearest - next_ones)[0]) / (12 * step)
-    assert result.derivatives["friction_force_x"][MU].value == pytest.approx(expected, rel=0.02)
+    found = result.derivatives["friction_force_x"][MU]
+    assert found.value == pytest.approx(expected, rel=0.02) and not found.of_single_answers
+
+
+def test_where_no_window_is_wide_enough_it_is_said():
+    """Of cells so large that a quarter of the coefficient moves the edge of stick by less."""
+    scene, body, *_ = cylinder(0.008, 20)
+    result = run(asking(scene, ("friction_force_x", "stick_area"), (MU,)), body=body)
+    found = result.derivatives["friction_force_x"][MU]
+    assert found.of_single_answers and found.spread is None
+    assert found.value == pytest.approx(found.discrete, rel=1e-3)
+    assert abs(found.value / 0.70 - 1) > 0.2  # that of 120 cells, as the test before has it
+    assert result.derivatives["stick_area"][MU].value is None
+    (said,) = notes_on_derivatives(result)
+    assert f"Cells are too large for means by {MU}" in said
 
 
 def test_the_half_width_that_sticks_follows_the_coefficient_as_cattaneo_has_it():
@@ -286,7 +301,9 @@ load.1.traction.0 = 0.3
     assert main(["run", "own.toml", "--out", "out"]) == 0
     result = json.loads((tmp_path / "out" / "result.json").read_text())
     slope = result["derivatives"]["friction_force_x"]["load.1.traction.0"]
-    assert set(slope) == {"value", "spread", "discrete", "normalised", "one_sided"}
+    names = {"value", "spread", "discrete", "normalised", "one_sided", "of_single_answers"}
+    assert set(slope) == names
+    assert slope["of_single_answers"]  # the edge of stick moves by less than a cell
     assert slope["normalised"] == pytest.approx(1.0, rel=1e-6)
     unsure = result["uncertainty"]["friction_force_x"]
     assert unsure["data"] == pytest.approx(0.3, rel=1e-6)  # the pressure has no part in it
