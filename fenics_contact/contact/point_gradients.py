@@ -31,6 +31,8 @@ class AnswerGradient:
         brought_up: In how far the obstacle was brought up, beside what that does to the gap.
         indentation: In how far an obstacle is driven, beside what that does to the jump.
         interference: In the interference, beside what that does to the gap.
+        direction: In that along which an obstacle is driven, beside what that does to jump, gap and
+            how far it was brought up, (components,), of all ranks.
         state: In arrays that the law along the contact keeps, as a load step leaves them, by name.
     """
 
@@ -43,6 +45,7 @@ class AnswerGradient:
     brought_up: float = 0.0
     indentation: float = 0.0
     interference: float = 0.0
+    direction: Array = field(default_factory=lambda: np.zeros(3))
     state: Mapping[str, Array] = field(default_factory=dict)
 
     @classmethod
@@ -52,7 +55,8 @@ class AnswerGradient:
         vectors = [np.zeros_like(contact.trace.normals) for _ in range(3)]
         pressure, depth, energy = scalars
         friction, slip, jump = vectors
-        return cls(pressure, friction, slip, depth, energy, jump)
+        turned = np.zeros(contact.trace.normals.shape[1])
+        return cls(pressure, friction, slip, depth, energy, jump, direction=turned)
 
     def traction(self, contact: ContactSurface) -> Array:
         """Its part in the traction that follows the jump, (points, components)."""
@@ -85,6 +89,7 @@ class GivenGradient:
         brought_up: As of ``AnswerGradient``.
         indentation: Likewise.
         interference: Likewise.
+        direction: Likewise.
     """
 
     jump: Array
@@ -97,6 +102,7 @@ class GivenGradient:
     brought_up: float
     indentation: float
     interference: float
+    direction: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +118,7 @@ class GivenChange:
         brought_up: How far the obstacle was brought up.
         indentation: How far it is driven, where no force drives it.
         interference: The interference.
+        direction: That along which the obstacle is driven, (components,).
     """
 
     motion: Array | None = None
@@ -122,6 +129,7 @@ class GivenChange:
     brought_up: float = 0.0
     indentation: float = 0.0
     interference: float = 0.0
+    direction: Array | None = None
 
 
 def pulled_back(contact: ContactSurface, answers: AnswerGradient) -> GivenGradient:
@@ -162,6 +170,7 @@ def pulled_back(contact: ContactSurface, answers: AnswerGradient) -> GivenGradie
         brought_up=answers.brought_up,
         indentation=answers.indentation,
         interference=answers.interference,
+        direction=answers.direction,
     )
 
 
@@ -185,9 +194,11 @@ def along(contact: ContactSurface, gradient: GivenGradient, change: GivenChange)
         *((gradient.across[name], values) for name, values in change.across.items()),
         *((gradient.along[name], values) for name, values in change.along.items()),
     ]
-    found += sum(float(of[owned] @ by[owned]) for of, by in pairs if by is not None)
+    found += sum(float(np.sum(of[owned] * by[owned])) for of, by in pairs if by is not None)
     if contact.spaces.comm.rank == 0:
         found += gradient.brought_up * change.brought_up
         found += gradient.indentation * change.indentation
         found += gradient.interference * change.interference
+        if change.direction is not None:
+            found += float(np.sum(gradient.direction * change.direction))
     return found

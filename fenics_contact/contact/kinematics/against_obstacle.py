@@ -90,14 +90,17 @@ class ObstacleKinematics(ContactKinematics):
         moved[:, : normals.shape[1]] -= aside
         return self._obstacle.gap(moved, normals, self._spaces.position)
 
-    def gap_slopes(self, name: str, axis: int) -> Array:
+    def gap_slopes(self, name: str, axis: int, at_first: bool = False) -> Array:
         """Derivatives of the gap in a number of the obstacle, by a complex step, (points,).
 
         Args:
-            name: ``radius``, ``position`` or ``displacement``.
-            axis: Of the latter two.
+            name: ``radius``, ``position``, ``displacement`` or a direction.
+            axis: Of all but the first.
+            at_first: Where the obstacle stood before it moved.
         """
         obstacle, moved = self._obstacle, copy.copy(self)
+        if at_first:
+            moved.displacement = np.zeros_like(self.displacement)
 
         def gap(value: complex) -> Array:
             if name == "displacement":
@@ -110,11 +113,29 @@ class ObstacleKinematics(ContactKinematics):
         present = self.displacement[axis] if name == "displacement" else obstacle.number(name, axis)
         return np.where(self._left_out, 0.0, slope(gap, present))
 
+    def direction_slopes(self, name: str, axis: int) -> Array:
+        """Derivatives of ``direction`` in a component of what the scene gives, (components,).
+
+        Args:
+            name: Of a direction of the obstacle.
+            axis: The component.
+        """
+        obstacle = self._obstacle
+
+        def direction(value: complex) -> Array:
+            return obstacle.with_number(name, axis, value).direction
+
+        return slope(direction, obstacle.number(name, axis))
+
+    def keeps_right_angle(self, name: str, axis: int) -> bool:
+        """Whether the lines of a cylinder stay at a right angle to the normal as one turns."""
+        return self._obstacle.keeps_right_angle(name, axis)
+
     def brought_up_slope(self, of_gap: Array) -> float:
         """By how much more the obstacle was brought up, of gaps that change; collective.
 
         Args:
-            of_gap: Their derivatives before it was brought up, (points,).
+            of_gap: Their derivatives before it was brought up or moved, (points,).
         """
         gap = self._obstacle.gap(self.trace.coordinates, self.trace.normals, self._spaces.position)
         ahead = np.isfinite(gap) & (self.facing > 0) & ~self._left_out

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import ufl
@@ -23,6 +24,8 @@ _SHAPES = {
     "plane stress": ("plane", "parabola", "cylinder", "flat punch"),
     "axisymmetric": ("plane", "paraboloid", "sphere", "flat punch", "annular punch"),
 }
+# Directions that a scene gives, as lists.
+DIRECTIONS = ("normal", "along", "direction")
 # Normals that all point one way to this accuracy are those of a flat surface.
 _FLAT = 1e-6
 # A point counts as opposite the edge of a punch within this share of its radius.
@@ -57,14 +60,14 @@ class RigidObstacle:
         self._require_shape()
         says = (obstacle.shape, obstacle.normal, obstacle.direction)
         self.has_axis = any(key is not None for key in says)
-        given = self._unit(obstacle.normal)
+        given = _unit(obstacle.normal)
         self._normal: Array = self._facing(surface_normals) if given is None else given
-        self._along = self._unit(obstacle.along)
+        self._along = _unit(obstacle.along)
         if self._along is not None and abs(self._along @ self._normal) > _FLAT:
             raise InputError(f"{key}.along: must be at a right angle to the normal")
         self._apex = _three(obstacle.position or (0.0,))
         self._radius = obstacle.radius
-        direction = self._unit(obstacle.direction)
+        direction = _unit(obstacle.direction)
         direction = self._normal if direction is None else direction
         self.direction: Array = direction[: surface_normals.shape[1]]
         self._require_axis()
@@ -75,25 +78,45 @@ class RigidObstacle:
         return float(np.linalg.norm(self._apex)) + (self._obstacle.radius or 0.0)
 
     def number(self, name: str, axis: int) -> float:
-        """Its radius, or a coordinate of its position (length)."""
+        """Its radius, a coordinate of its position (length), or of a direction as it is given."""
+        if name in DIRECTIONS:
+            return float(getattr(self._obstacle, name)[axis])
         return float(self._radius or 0.0) if name == "radius" else float(self._apex[axis])
 
     def with_number(self, name: str, axis: int, value: complex) -> RigidObstacle:
         """The same with another one, which may be complex: for derivatives of the gap.
 
         Args:
-            name: ``radius`` or ``position``.
+            name: ``radius``, ``position``, or one of ``DIRECTIONS``.
             axis: Of the latter.
-            value: Of the number (length).
+            value: Of the number (length, or of a direction).
         """
         found = copy.copy(self)
-        if name == "radius":
+        if name in DIRECTIONS:
+            given = list(getattr(self._obstacle, name))
+            given[axis] = value
+            turned: Any = _unit(given)
+            setattr(found, "direction" if name == "direction" else f"_{name}", turned)
+            if name == "normal" and self._obstacle.direction is None:
+                found.direction = turned
+            found.direction = found.direction[: len(self.direction)]
+        elif name == "radius":
             found._radius = value  # type: ignore[assignment]
         else:
             apex = self._apex.astype(complex)
             apex[axis] = value
             found._apex = apex
         return found
+
+    def keeps_right_angle(self, name: str, axis: int) -> bool:
+        """Whether lines along it stay at a right angle to its normal as one of both turns.
+
+        Args:
+            name: ``normal`` or ``along``.
+            axis: Component that changes.
+        """
+        other = {"normal": self._along, "along": self._normal}.get(name)
+        return other is None or abs(float(other[axis])) < _FLAT
 
     def gap(self, points: Array, normals: Array, position: Expr) -> Array:
         """Gap s along the normals, before the obstacle is driven, shape (points,) (length).
@@ -127,7 +150,7 @@ class RigidObstacle:
 
     def _to_plane(self, offsets: Array, rays: Array) -> Array:
         facing = -rays @ self._normal
-        gap = np.full(len(rays), np.inf, offsets.dtype)
+        gap = np.full(len(rays), np.inf, np.result_type(offsets, facing))
         towards = facing > 1e-9
         gap[towards] = (offsets @ self._normal)[towards] / facing[towards]
         radius = self._obstacle.radius
@@ -239,12 +262,17 @@ class RigidObstacle:
     def _driven(self) -> bool:
         return bool(self._obstacle.indentation) or self._obstacle.force is not None
 
-    def _unit(self, vector: tuple[float, ...] | None) -> Array | None:
-        return None if vector is None else _three(vector) / np.linalg.norm(vector)
+
+def _unit(vector: Sequence[complex] | None) -> Array | None:
+    """A direction of length 1, (3,); of complex numbers as the same function of them."""
+    if vector is None:
+        return None
+    padded = _three(vector)
+    return np.asarray(padded / np.sqrt((padded**2).sum()))
 
 
-def _three(vector: Sequence[float] | Array) -> Array:
+def _three(vector: Sequence[complex] | Array) -> Array:
     """A vector padded to three components."""
-    padded = np.zeros(3)
+    padded = np.zeros(3, dtype=np.asarray(vector).dtype if np.iscomplexobj(vector) else float)
     padded[: len(vector)] = vector
     return padded

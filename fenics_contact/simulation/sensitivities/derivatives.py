@@ -1,8 +1,8 @@
 """Derivatives of quantities in the numbers of a scene: of an answer, while its system is there.
 
-Where friction remembers its path, they go back through the load steps. What a step is given by the
-one before is the slip that counts as none there: its derivatives are those of a quantity of the
-step before, whose own adjoint leads to the next one.
+Where friction remembers its path, or a bolt is locked, they go back through the load steps. What a
+step is given by the one before is the slip that counts as none there, and the length of the bolt:
+its derivatives are those of a quantity of the step before, whose own adjoint leads to the next one.
 """
 
 from __future__ import annotations
@@ -63,12 +63,7 @@ def derivatives(
 
 
 def require_adjoint(problem: Problem) -> None:
-    """Refuse laws that do not say their own derivatives, and preloads that are locked."""
-    if any(preload.is_locked for preload in problem.preloads):
-        raise InputError(
-            "derivatives: a preload is locked, so that its length is that of a load step before; "
-            "leave out locked_from"
-        )
+    """Refuse laws that do not say their own derivatives."""
     for contact in problem.contacts:
         for law in contact.laws:
             if not law.has_derivatives:
@@ -113,6 +108,7 @@ def that_count(problem: Problem, steps: Sequence[AcceptedStep]) -> list[Accepted
     """
     last = steps[-1]
     follows = any(contact.friction.follows_path for contact in problem.contacts)
+    follows |= any(preload.is_locked for preload in problem.preloads)
     if not follows or len(steps) == 1:
         return [last]
     if any(one.paired_at is not None for step in steps for one in step.contacts):
@@ -135,8 +131,10 @@ def _go_back_to(load_steps: LoadSteps, step: AcceptedStep) -> None:
 
 
 def of_step_before(problem: Problem, gradient: QuantityGradient) -> StateGradient:
-    """What is a quantity of the step before: slips that steps count from, laws' arrays."""
+    """What is a quantity of the step before: slips that steps count from, laws' arrays, lengths."""
     found = StateGradient.none(problem)
+    first = len(found.scalars) - len(problem.preloads)
+    found.scalars[first:] = gradient.multipliers.kept_lengths
     for contact, before, after in zip(
         problem.contacts, found.contacts, gradient.contacts, strict=True
     ):

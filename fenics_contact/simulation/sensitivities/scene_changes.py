@@ -18,6 +18,7 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
+from fenics_contact.contact.kinematics.rigid_obstacle import DIRECTIONS
 from fenics_contact.contact.point_gradients import GivenChange
 from fenics_contact.problem.loads import given_loads
 from fenics_contact.problem.problem import Problem
@@ -27,6 +28,7 @@ from fenics_contact.scene.values import Value
 from fenics_contact.simulation.sensitivities.values import found_in, unit_of, value_under
 
 _MODULI = ("youngs_modulus", "poissons_ratio")
+_WITH_EDGES = ("flat punch", "annular punch")
 # Why numbers have none that answers do follow.
 _WHY = {
     "mesh": "cells would be others, from which answers jump more than they change; compare runs",
@@ -242,27 +244,68 @@ class SceneChanges:
             return Change(contacts={number: GivenChange(motion=motion, gap=gap)})
         if name == "gap" and obstacle.gap is not None:
             gap = self._at_points(contact, key, obstacle.gap, rest[1:])
+        elif name in DIRECTIONS:
+            return self._of_direction(key, number, name, axis)
         elif name in ("radius", "position") and _is_smooth(obstacle, name):
             moves_foot = name == "position" and abs(kinematics.direction[axis]) < 1 - 1e-9
             if problem.far_field is not None and moves_foot:
                 raise _refused(key, "it moves the force on the half_space")
             gap = kinematics.gap_slopes(name, axis)
         else:
-            raise _refused(key, "contact jumps where an edge or a direction of the obstacle moves")
+            raise _refused(key, "contact jumps where an edge of the obstacle moves")
         gap = np.where(kinematics.reached, gap, 0.0)
         if not contact.floats:
             return Change(contacts={number: GivenChange(gap=gap)})
-        raised = kinematics.brought_up_slope(gap)
+        of_shape = name != "gap"  # a function of the place does not move
+        at_first = kinematics.gap_slopes(name, axis, at_first=True) if of_shape else gap
+        raised = kinematics.brought_up_slope(at_first)
         gap = np.where(kinematics.reached, gap - raised * kinematics.facing, 0.0)
         return Change(contacts={number: GivenChange(gap=gap, brought_up=raised)})
 
-    def _of_force(self, number: int, contact: ContactSurface) -> Change:
-        problem, path = self.problem, contact.paths.drive_factor(self.time)
-        scalars = {
-            index: path
-            for index, unknown in enumerate(problem.unknowns)
+    def _of_direction(self, key: str, number: int, name: str, axis: int) -> Change:
+        """What turns an obstacle, or the way that it is driven."""
+        problem, contact = self.problem, self.problem.contacts[number]
+        kinematics, obstacle = contact.kinematics, contact.contact.obstacle
+        assert isinstance(kinematics, ObstacleKinematics) and obstacle is not None
+        if problem.far_field is not None:
+            raise _refused(key, "it turns the force on the half_space")
+        if problem.spaces.kinematics == "axisymmetric" or axis in contact.trace.symmetry.axes:
+            raise _refused(key, "the model would have no symmetry")
+        if obstacle.shape in _WITH_EDGES and name == "normal":
+            raise _refused(key, "contact jumps where an edge of the obstacle moves")
+        if not kinematics.keeps_right_angle(name, axis):
+            raise _refused(key, "the lines of the obstacle are at a right angle to its normal")
+        turned = kinematics.direction_slopes(name, axis)
+        gap = np.where(kinematics.reached, kinematics.gap_slopes(name, axis), 0.0)
+        motion = kinematics.indentation * turned
+        if not contact.floats:
+            return Change(contacts={number: GivenChange(gap=gap, motion=motion, direction=turned)})
+        faced = -contact.trace.normals @ turned
+        at_first = kinematics.gap_slopes(name, axis, at_first=True)
+        raised = kinematics.brought_up_slope(at_first - kinematics.brought_up * faced)
+        gap = gap - raised * kinematics.facing - kinematics.brought_up * faced
+        given = GivenChange(
+            gap=np.where(kinematics.reached, gap, 0.0),
+            motion=motion,
+            brought_up=raised,
+            direction=turned,
+        )
+        state = contact.state()
+        traction = state.friction_traction - state.contact_pressure[:, None] * contact.trace.normals
+        pushed = float(contact.trace.integral(traction) @ turned)
+        return Change(contacts={number: given}, scalars=self._of_indentation(contact, -pushed))
+
+    def _of_indentation(self, contact: ContactSurface, force: float) -> dict[int, float]:
+        """The right-hand side of the equation of a contact's indentation."""
+        return {
+            index: force
+            for index, unknown in enumerate(self.problem.unknowns)
             if isinstance(unknown, Indentation) and unknown.contact is contact
         }
+
+    def _of_force(self, number: int, contact: ContactSurface) -> Change:
+        problem, path = self.problem, contact.paths.drive_factor(self.time)
+        scalars = self._of_indentation(contact, path)
         far_field, prescribed = problem.far_field, None
         if far_field is not None:
             moved = path * far_field.columns[number]
@@ -272,7 +315,7 @@ class SceneChanges:
 
 def _is_smooth(obstacle: Obstacle, name: str) -> bool:
     """Whether gaps follow its size or place without jumps: not at the edges of punches."""
-    has_edges = obstacle.shape in ("flat punch", "annular punch")
+    has_edges = obstacle.shape in _WITH_EDGES
     return obstacle.shape is not None and not (has_edges and name == "radius")
 
 

@@ -187,6 +187,10 @@ class Quantities:
                 "surface wraps around; ask for its pressure_integral"
             )
         self._add_resultant(found, number, axis, pressure=True, friction=False)
+        contact, state = self.problem.contacts[number], self.solution.states[number]
+        if contact.kinematics.axis is not None:  # that of an obstacle, which may turn
+            pressed = state.contact_pressure[:, None] * contact.trace.normals
+            found.contacts[number].direction -= contact.trace.integral(pressed)
 
     def _add_friction_force(self, found: StateGradient, number: int, name: QuantityName) -> None:
         self._add_resultant(found, number, self._axis(name), pressure=False, friction=True)
@@ -280,10 +284,7 @@ class Quantities:
             found.scalars[first + number] += factor * state.force
 
     def _add_external_work(self, found: StateGradient, name: QuantityName) -> None:
-        """2 W − Σ ∫ t · w, as K u is in balance with all forces; and what brought obstacles up.
-
-        W is the strain energy, t the traction that follows the jump w.
-        """
+        """2 W − Σ ∫ t · w, W the strain energy, t tractions; and what brought obstacles up."""
         if self.problem.scene.load_steps.several:
             raise InputError(
                 "of: 'external_work' has derivatives where there is one load step; else it is "
@@ -305,6 +306,7 @@ class Quantities:
             integral = contact.trace.integral
             answers.interference += float(integral(state.contact_pressure))
             answers.brought_up += float(integral(traction) @ kinematics.direction)
+            answers.direction += kinematics.brought_up * integral(traction)
 
     def _add_reaction(self, found: StateGradient, name: QuantityName) -> None:
         assert name.axis is not None

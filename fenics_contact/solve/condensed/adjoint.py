@@ -265,5 +265,16 @@ class Multipliers:
         return found
 
     @property
+    def kept_lengths(self) -> Array:
+        """Derivatives in the shortenings that locked parts are held at, 0 of others."""
+        return self._adjoint.body.preloads.corner.diagonal() * (self._last - self._of_preloads)
+
+    @property
     def _of_preloads(self) -> Array:
+        """Those of forces along preloaded parts: where these are held, none is in an equation."""
+        held = [preload.held is not None for preload in self._problem.preloads]
+        return np.where(np.array(held, dtype=bool), 0.0, self._last)
+
+    @property
+    def _last(self) -> Array:
         return self.scalars[len(self.scalars) - len(self._problem.preloads) :]

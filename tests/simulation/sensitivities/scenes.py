@@ -155,6 +155,15 @@ GRADED = of_contact(
 GLUED = of_contact(ON_A_FLOOR, contact="bonded", friction_coefficient=0.0)
 POINTED = dataclasses.replace(ON_A_FLOOR, point=(Point("middle", (0.3, 0.4)),))
 
+TURNED = {f"{OBSTACLE}.normal": (0.1, -1.0), f"{OBSTACLE}.direction": (0.05, -2.0)}
+LINES = {
+    f"{OBSTACLE}.shape": "parabola",
+    RADIUS: 4.0,
+    f"{OBSTACLE}.position": (0.4, 0.45, 0),
+    f"{OBSTACLE}.along": (1.0, 0.2, 0.0),
+    f"{OBSTACLE}.normal": (0.0, 0.0, 2.0),
+}
+
 TABLE = {
     "prescribed": case(
         "prescribed",
@@ -388,6 +397,40 @@ TABLE = {
         "friction_force_x indentation strain_energy max_slip",
         *(MU, FORCE, PULL, "load.0.traction.1", E),
     ),
+    "an obstacle that turns, in load steps": derived(
+        with_changes(dragged(THREE), TURNED),
+        block,
+        "normal_force friction_force_x reaction_x strain_energy max_slip",
+        *(f"{OBSTACLE}.normal.0", f"{OBSTACLE}.normal.1"),
+        *(f"{OBSTACLE}.direction.0", f"{OBSTACLE}.direction.1", DEPTH),
+    ),
+    "a force that turns with its obstacle": derived(
+        with_changes(
+            dragged(Steps(), law="static", driven={"force": 4.0}, path=AT_ONCE),
+            {f"{OBSTACLE}.normal": (0.05, -1.0), f"{OBSTACLE}.displacement_path": AT_ONCE},
+        ),
+        block,
+        "normal_force friction_force_x indentation external_work strain_energy",
+        *(f"{OBSTACLE}.normal.0", f"{OBSTACLE}.normal.1", FORCE, RADIUS),
+    ),
+    "lines that turn, in space": derived(
+        with_changes(PAD, LINES),
+        CASES["in space"][1],
+        "normal_force friction_force_x friction_force_y indentation strain_energy",
+        *(f"{OBSTACLE}.along.0", f"{OBSTACLE}.along.1", f"{OBSTACLE}.normal.2", MU),
+    ),
+    "friction along axes": case(
+        "orthotropic",
+        {},
+        "friction_force_x friction_force_y indentation strain_energy",
+        *of_law("along", "across", "direction.0", "direction.1"),
+    ),
+    "a bolt that is locked": case(
+        "bolt",
+        {},
+        "seat.normal_force bolt.elongation strain_energy bottom.reaction_y max_contact_pressure",
+        *("preload.0.force", FORCE, "contact.1.penalty_parameter"),
+    ),
     "triangles, of degree 1": derived(
         dragged(THREE, degree=1),
         lambda: box_body((8, 6), (1, 1), cell=CellType.triangle),
@@ -405,5 +448,7 @@ SAMPLE = [
         "friction around points of rings",
     ),
     *("pressure by a formula", "glued", "a pressure that comes and goes", "a plate, in load steps"),
-    *("pressed by a force, in load steps", "two materials"),
+    *("pressed by a force, in load steps", "two materials", "friction along axes"),
+    *("an obstacle that turns, in load steps", "a force that turns with its obstacle"),
+    "a bolt that is locked",
 ]

@@ -25,10 +25,13 @@ from fenics_contact.contact.laws.friction.static import Static
 from fenics_contact.contact.laws.friction.tangent_at_points import PrimalDual
 from fenics_contact.simulation.sensitivities.values import found_in
 from fenics_contact.simulation.studies.changes import with_changes
+from tests.preload.joints import joint
+from tests.preload.test_joint import BOLT_STIFFNESS, sleeve_stiffness
+from tests.preload.test_joint import scene as joint_scene
 from tests.scenes import box_body
-from tests.simulation.sensitivities.scenes import NU, OBSTACLE, SAMPLE, TABLE, E
-from tests.simulation.sensitivities.table import errors, study_of
-from tests.simulation.studies.cases import BALL, DEPTH, MU, ON_A_FLOOR, of_contact, square
+from tests.simulation.sensitivities.scenes import LINES, NU, OBSTACLE, SAMPLE, TABLE, E
+from tests.simulation.sensitivities.table import errors, study_of, value_of
+from tests.simulation.studies.cases import BALL, DEPTH, MU, ON_A_FLOOR, PAD, of_contact, square
 from tests.solve.condensed.stiff_and_soft import Split
 
 
@@ -196,7 +199,7 @@ def test_all_numbers_that_have_a_derivative_are_found():
         ("normal_force", "support.0.path.time.0", "it is part of a path"),
         ("normal_force", "thickness.values.0", "where it varies, stresses follow it"),
         ("normal_force", "mesh.0.parameters.cells", "cells would be others"),
-        ("normal_force", "contact.0.obstacle.normal.0", "a direction of the obstacle moves"),
+        ("normal_force", "contact.0.obstacle.normal.0", "an edge of the obstacle moves"),
     ],
 )
 def test_what_has_no_derivative_is_refused_in_a_sentence(of, by, said):
@@ -206,10 +209,67 @@ def test_what_has_no_derivative_is_refused_in_a_sentence(of, by, said):
         thickness=Profile("x", (0, 1), (0.5, 0.5)),
         mesh=(MeshSource("block.geo", parameters={"cells": 4.0}),),
     )
-    plane = Obstacle("plane", normal=(0.0, 1.0))
-    study = Study(of_contact(scene, obstacle=plane), body=square())
+    punch = Obstacle("flat punch", radius=0.3, normal=(0.0, 1.0), position=(0.5, 0.0))
+    study = Study(of_contact(scene, obstacle=punch), body=square())
     with pytest.raises(InputError, match=said.replace("(", r"\(")):
         study.derivatives([of], [by])
+
+
+@pytest.mark.parametrize(
+    ("scene", "key", "said"),
+    [
+        (BALL, "normal.1", "it turns the force on the half_space"),
+        (
+            with_changes(PAD, {"symmetry": ("y0",), **LINES, f"{OBSTACLE}.along": (1.0, 0, 0)}),
+            "normal.1",
+            "the model would have no symmetry",
+        ),
+        (with_changes(PAD, LINES), "along.2", "at a right angle to its normal"),
+    ],
+)
+def test_directions_that_cannot_turn_are_refused(scene, key, said):
+    if scene is BALL:
+        scene = with_changes(scene, {f"{OBSTACLE}.normal": (0.0, -1.0)})
+    body = box_body((3, 3, 2)) if scene.kinematics == "3D" else box_body((4, 4), (1, 1))
+    with pytest.raises(InputError, match=said):
+        Study(scene, body=body).derivatives(["strain_energy"], [f"{OBSTACLE}.{key}"])
+
+
+@pytest.mark.parametrize(
+    ("name", "of", "key"),
+    [
+        ("a force that turns with its obstacle", "friction_force_x", "normal.0"),
+        ("an obstacle that turns, in load steps", "normal_force", "direction.0"),
+        ("lines that turn, in space", "strain_energy", "along.1"),
+    ],
+)
+def test_what_derivatives_by_directions_leave_is_of_second_order(name, of, key):
+    """Taylor's: J(θ + h) = J + h J' + O(h²)."""
+    study, key = study_of(name), f"{OBSTACLE}.{key}"
+    slope, at = study.derivatives([of], [key])[of][key], found_in(study.scene, key)
+    here, *others = (
+        value_of(study.solve({key: at + step}), of) for step in (0.0, 4e-3, 2e-3, 1e-3)
+    )
+    steps = np.array([4e-3, 2e-3, 1e-3])
+    left = np.abs(np.array(others) - here - steps * slope)
+    orders = np.log2(left[:-1] / left[1:])
+    assert (orders > 1.7).all() and (orders < 2.3).all()
+
+
+def test_a_locked_bolt_keeps_its_length_as_the_joint_diagram_has_it():
+    """Seat F_V − (1 − Φ) F_A with Φ = k_b / (k_b + k_p); tightened by F_V (1/k_b + 1/k_p)."""
+    bolt, sleeve = BOLT_STIFFNESS, sleeve_stiffness()
+    study = Study(joint_scene(pulled=1.0), body=joint())
+    of = ["seat.normal_force", "bolt.elongation"]
+    found = study.derivatives(of, ["preload.0.force", "contact.0.obstacle.force"])
+    share = bolt / (bolt + sleeve)
+    assert found["seat.normal_force"]["preload.0.force"] == pytest.approx(1.0, rel=1e-6)
+    assert found["seat.normal_force"]["contact.0.obstacle.force"] == pytest.approx(
+        share - 1, rel=1e-6
+    )
+    tightened = 1 / bolt + 1 / sleeve
+    assert found["bolt.elongation"]["preload.0.force"] == pytest.approx(tightened, rel=1e-6)
+    assert abs(found["bolt.elongation"]["contact.0.obstacle.force"]) < 1e-9 * tightened
 
 
 class Counting(BySlip):

@@ -17,7 +17,7 @@ class FrictionGradient:
         reference: In the slip that counts as none, likewise.
         pressure: In the pressure that the bound follows, (points,).
         fields: In each parameter of the law by name, the arrays of its rule's state among them,
-            (points,).
+            (points,), or (points, components) of vectors.
     """
 
     slip: Array

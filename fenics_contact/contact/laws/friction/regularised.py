@@ -219,10 +219,9 @@ class RegularisedFriction(BoundedFriction):
         of_slip, of_bound = of("slip"), of("bound")[:, 0]
         rule = self.rule.pulled_back(pressure, float(self._forms.share.value) * of_bound)
         metric = self.rule.metric.fields
-        fields = {
-            name: of_field + (of(name)[:, 0] if name in metric else 0.0)
-            for name, of_field in rule.fields.items()
-        }
+        fields = dict(rule.fields)
+        for name, field in metric.items():
+            fields[name] = fields.get(name, 0.0) + of(name).reshape(field.shape)
         return FrictionGradient(
             slip=of_slip,
             reference=0.0 - of_slip,

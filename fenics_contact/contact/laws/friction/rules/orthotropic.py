@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 import ufl
 
+from fenics_contact.analytic.complex_step import slope
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
@@ -86,7 +87,7 @@ class Orthotropic(FrictionRule):
 
     def _along_surface(self, vector: Array) -> Array:
         """What of the direction of a vector is along the surface at the points."""
-        unit = np.broadcast_to(vector / np.linalg.norm(vector), self.site.trace.normals.shape)
+        unit = np.broadcast_to(vector / np.linalg.norm(vector), self._shape)
         return self.site.kinematics.tangential(unit)
 
     @cached_property
@@ -95,9 +96,22 @@ class Orthotropic(FrictionRule):
         return {"along": self._along, "across": self._across}
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of both in what the scene gives."""
-        name = key.removeprefix("friction_law.")
+        """Of both, and of the axis along the surface, in what the scene gives."""
+        name, *axis = key.removeprefix("friction_law.").split(".")
+        if name == "direction":
+            return {"axis": self._axis_slopes(int(axis[0]))}
         return {name: self.site.given(unit, key)} if name in self.fields else {}
+
+    def _axis_slopes(self, axis: int) -> Array:
+        """Of unit vectors along the surface in a component of the direction, by a complex step."""
+        given = np.array(self._table.direction, dtype=complex)
+
+        def unit_vectors(value: complex) -> Array:
+            given[axis] = value
+            along = self.site.kinematics.tangential(np.broadcast_to(given, self._shape))
+            return np.asarray(along / np.sqrt((along**2).sum(axis=1))[:, None])
+
+        return slope(unit_vectors, self._table.direction[axis])
 
     @property
     def is_linear(self) -> bool:
@@ -113,6 +127,12 @@ class Orthotropic(FrictionRule):
     def largest_coefficient(self) -> Array:
         """max(μ₁, μ₂)."""
         return self.coefficient
+
+    @property
+    def _shape(self) -> tuple[int, int]:
+        """Of vectors at the points."""
+        points, components = self.site.trace.normals.shape
+        return points, components
 
     @property
     def _table(self) -> OrthotropicFriction:
