@@ -51,6 +51,10 @@ lint: ## check style and types
 	$$tools/bin/python -m ruff check || failed="$$failed ruff-check"; \
 	$$tools/bin/python -m ruff format --check || failed="$$failed ruff-format"; \
 	$$tools/bin/python -m mypy fenics_contact || failed="$$failed mypy"; \
+	rm -rf .cache/examples; \
+	./bootstrap python docs/examples_as_files.py .cache/examples docs/python_tutorial.md; \
+	MYPYPATH=.cache/examples/python_tutorial $$tools/bin/python -m mypy .cache/examples/python_tutorial/*.py \
+	    || failed="$$failed examples"; \
 	[ -z "$$failed" ] || { echo "make lint: FAILED:$$failed"; exit 1; }
 
 # With the environment of ./bootstrap, by the Python that has the tools.

@@ -37,6 +37,7 @@ from fenics_contact.simulation import verdict
 from fenics_contact.simulation.asked_derivatives.asked import keys_asked_of
 from fenics_contact.simulation.asked_of_answer import AskedOfAnswer
 from fenics_contact.simulation.description import model_of, record_of, units_of
+from fenics_contact.simulation.output.functions import Fields
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.scene_mesh import mesh_of
 from fenics_contact.simulation.step_history import StepHistory
@@ -148,6 +149,11 @@ class Run:
         return self._history.forces
 
     @property
+    def fields(self) -> Fields:
+        """That step as functions of dolfinx; collective. ``InputError`` before there is one."""
+        return self._history.fields
+
+    @property
     def steps(self) -> list[StepRecord]:
         """What came out of the load steps so far."""
         return self._history.steps
@@ -242,6 +248,7 @@ class Run:
             quantities: Those of each contact, once there are any.
         """
         quantities = quantities or [{} for _ in self.problem.contacts]
+        pairs = zip(self.problem.contacts, quantities, strict=True)
         return [
             dataclasses.replace(
                 record_of(contact),
@@ -249,9 +256,7 @@ class Run:
                 quantities=found,
                 errors=self.end.budget.of_contact(number),
             )
-            for number, (contact, found) in enumerate(
-                zip(self.problem.contacts, quantities, strict=True)
-            )
+            for number, (contact, found) in enumerate(pairs)
         ]
 
     def _evaluate(self) -> Result:

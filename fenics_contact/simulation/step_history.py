@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, Generic, TypeVar
 
+from fenics_contact.common.errors import InputError
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBook
 from fenics_contact.evaluate.fretting.history import StressHistory
@@ -24,6 +25,7 @@ from fenics_contact.results.records.contacts import StepContact
 from fenics_contact.results.records.steps import Largest, StepRecord
 from fenics_contact.results.result import Check
 from fenics_contact.simulation.description import regularisation_of
+from fenics_contact.simulation.output.functions import Fields, fields_of
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.checks.run_checks import run_checks
 from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_range
@@ -58,6 +60,20 @@ class StepHistory(Generic[_Forces]):
         self.steps: list[StepRecord] = []
         self.stress: StressHistory | None = None
         self.solution: Solution | None = None
+        self._fields: tuple[Solution, Fields] | None = None
+
+    @property
+    def fields(self) -> Fields:
+        """The last load step as functions of dolfinx, made when first asked for; collective.
+
+        Raises:
+            InputError: There is none yet.
+        """
+        if self.solution is None:
+            raise InputError("fields: there are none before a load step is solved; call solve()")
+        if self._fields is None or self._fields[0] is not self.solution:
+            self._fields = self.solution, fields_of(self._problem, self.solution)
+        return self._fields[1]
 
     def begin(self, steps: Sequence[StepRecord]) -> None:
         """Forget all, but steps of an earlier run to go on from."""

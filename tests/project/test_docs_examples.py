@@ -116,7 +116,7 @@ def copy_of_repository(tmp_path, monkeypatch):
     (tmp_path / "scenes").mkdir()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(allowed, "_modules", {})  # laws of a page are no other test's
-    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
     return tmp_path
 
 
@@ -211,7 +211,9 @@ def test_python(block, copy_of_repository):
     for other in blocks_of(block.page):
         if other.said.startswith("saved as "):
             (copy_of_repository / other.said.removeprefix("saved as ")).write_text(other.text)
-    exec(compile(block.text, str(block), "exec"), {"__name__": "__example__"})
+    is_script = 'if __name__ == "__main__"' in block.text
+    name = "__main__" if is_script else "__example__"
+    exec(compile(block.text, str(block), "exec"), {"__name__": name})
 
 
 def lines_of(block):

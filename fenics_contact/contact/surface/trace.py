@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.body.forms import CompiledForm, Expr, Function, Measure
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common.arrays import Array, Flags, Kind
+from fenics_contact.common.arrays import Array, Flags, Integers, Kind
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.contact.surface.facet_centres import SEVEN_POINTS, FacetCentres
 from fenics_contact.contact.surface.nodal_normals import NodalNormals
@@ -181,6 +182,30 @@ class Trace:
         nodal = np.zeros((len(self.all_nodes), *values.shape[1:]), values.dtype)
         nodal[self.numbers] = values
         return nodal
+
+    def at_every_node(self, values: Array) -> Array:
+        """Scalars at the points that are even in the radius, at all nodes of the surface.
+
+        A node on the axis of revolution is no point, as no area belongs to it. It has the value of
+        the nearest one in its facet, which is right but for a term of second order.
+        """
+        nodal = self.at_all_nodes(values[: len(self.nodes)])
+        nodal[self._on_axis[0]] = nodal[self._on_axis[1]]
+        return nodal
+
+    @cached_property
+    def _on_axis(self) -> tuple[Integers, Integers]:
+        """Nodes of the surface that are no points, and the nearest point of each."""
+        nearest: dict[int, int] = {}
+        is_point = np.zeros(len(self.all_nodes), dtype=bool)
+        is_point[self.numbers] = True
+        known = is_point[self.surface.facet_nodes]
+        for facet in self.surface.facet_nodes[known.any(axis=1) & ~known.all(axis=1)]:
+            points = facet[is_point[facet]]
+            for node in facet[~is_point[facet]]:
+                away = self.surface.coordinates[points] - self.surface.coordinates[node]
+                nearest[int(node)] = int(points[np.linalg.norm(away, axis=1).argmin()])
+        return np.array([*nearest], dtype=np.int64), np.array([*nearest.values()], dtype=np.int64)
 
     def coefficient(self, values: Array) -> Expr:
         """Scalars at the points in UFL: a constant where they are, else a function."""

@@ -13,6 +13,7 @@ from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import on_root
 from fenics_contact.contact.state import OPEN, STICK
+from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.point_arrays import BODY_OF_CELLS, facet_flags
@@ -121,20 +122,26 @@ def _contact_fields(problem: Problem, solution: Solution) -> dict[str, Array]:
         for array in problem.own_arrays
     }
     for contact, at_points in zip(problem.contacts, solution.states, strict=True):
-        nodes, at_nodes = contact.nodes, slice(0, len(contact.nodes))
-        pressure[nodes] = at_points.contact_pressure[at_nodes]
-        found = at_points.status[at_nodes]
-        status[nodes] = np.select(
-            [found == OPEN, found == STICK], [FIELD_OPEN, FIELD_STICK], FIELD_SLIP
-        )
-        traction[nodes] = _three(at_points.friction_traction[at_nodes])
-        slip[nodes] = _three(at_points.slip[at_nodes])
-        apart = at_points.gap[at_nodes]
-        gap[nodes] = np.where(np.isfinite(apart), apart, np.nan)
+        trace, found = contact.trace, at_points.status
+        numbers = np.select([found == OPEN, found == STICK], [FIELD_OPEN, FIELD_STICK], FIELD_SLIP)
+        apart = np.where(np.isfinite(at_points.gap), at_points.gap, np.nan)
+        _set(trace, pressure, at_points.contact_pressure)
+        _set(trace, status, numbers)
+        _set(trace, gap, apart)
+        _set(trace, traction, at_points.friction_traction)
+        _set(trace, slip, at_points.slip)
         for name, values in at_points.own.items():
-            own[name][nodes] = (_three(values) if values.ndim == 2 else values)[at_nodes]
+            _set(trace, own[name], values)
     fields = {"contact_pressure": pressure, "friction_traction": traction, "status": status}
     return fields | {"slip": slip, "gap": gap} | own
+
+
+def _set(trace: Trace, nodal: Array, values: Array) -> None:
+    """Put values at the points of a contact, scalars or vectors, into an array of the nodes."""
+    if values.ndim == 2:
+        nodal[trace.nodes] = _three(values[: len(trace.nodes)])
+    else:
+        nodal[trace.all_nodes] = trace.at_every_node(values)
 
 
 def _cell_fields(problem: Problem) -> dict[str, NDArray[Any]]:
