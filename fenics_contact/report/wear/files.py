@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,11 +34,13 @@ class WornHistory:
         columns: Of ``wear.csv``, by its header, (cycles,) each.
         contacts: Numbers of the contacts, in scene order.
         worn: Of each contact that wears, by its number: the points at the ends of the cycles.
+        names: Of the contacts, where the folder is that of a run.
     """
 
     columns: dict[str, Array]
     contacts: list[int]
     worn: dict[int, list[ContactTable]]
+    names: Sequence[str] = ()
 
     @property
     def cycles(self) -> Integers:
@@ -72,14 +74,26 @@ class WornHistory:
         Args:
             contact: Its number.
         """
-        return f"contact {contact}" if len(self.contacts) > 1 else ""
+        if len(self.contacts) == 1:
+            return ""
+        return f"'{self.names[contact]}'" if self.names else f"contact {contact}"
+
+    def is_flat(self, contact: int) -> bool:
+        """Whether the points of a contact lie on a line.
+
+        Args:
+            contact: Its number, of one that wears.
+        """
+        numbers = self.worn[contact][0].numbers
+        return not np.ptp(numbers["z"]) and not numbers["nz"].any()
 
 
-def read_worn(folder: Path) -> WornHistory:
+def read_worn(folder: Path, names: Sequence[str] = ()) -> WornHistory:
     """What cycles that wear have left in their folder.
 
     Args:
         folder: With ``wear.csv`` and ``wear_profiles.csv``.
+        names: Of the contacts in scene order, where they are known.
 
     Raises:
         InputError: A file is missing or damaged, or they are of different cycles.
@@ -95,7 +109,7 @@ def read_worn(folder: Path) -> WornHistory:
         raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
     except (ValueError, csv.Error) as error:
         raise InputError(f"{path}: damaged: {error}; compute the cycles again") from None
-    return WornHistory(columns, contacts, tables)
+    return WornHistory(columns, contacts, tables, names)
 
 
 def _require_contacts(columns: dict[str, Array], contacts: list[int]) -> None:

@@ -8,16 +8,24 @@ from pathlib import Path
 import numpy as np
 
 from fenics_contact.common.atomic_files import replace_file
+from fenics_contact.report.drawing.figures import style
+from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.drawing.units import in_units, with_unit
 from fenics_contact.report.gallery import require
 from fenics_contact.report.page.page import style_sheet
 from fenics_contact.report.page.templates import render, table
 from fenics_contact.report.wear.files import HISTORY, PAGE, PROFILES, WornHistory, read_worn
+from fenics_contact.report.wear.film import FEWEST_CYCLES, draw_wear_film
 from fenics_contact.report.wear.pictures import draw_wear
+from fenics_contact.results.result_file import read_result
 from fenics_contact.results.words.rounding import rounded
 
 _MOST_ROWS = 20
 # Deepest wear over half its width from which gaps along the unworn normals are no longer theirs.
 _STEEP = 0.1
+# What columns of the history measure.
+_PEAK = "max_contact_pressure"
+_MEASURES = {"worn_volume": "volume", "max_wear_depth": "length"}
 
 
 def write_wear_page(folder: Path) -> Path:
@@ -33,23 +41,36 @@ def write_wear_page(folder: Path) -> Path:
         InputError: A file is missing or damaged, or a library is.
         MachineError: The page could not be written.
     """
-    history = read_worn(folder)
+    run = read_result(folder) if (folder / "result.json").exists() else None
+    history = read_worn(folder, () if run is None else [c.name for c in run.contacts])
     require("matplotlib")
-    page = render(
-        "wear.html",
-        title=f"Wear, {folder.resolve().name}",
-        style=style_sheet(),
-        is_steep=_steepest(history) > _STEEP,
-        outcome=_outcome(history),
-        facts=list(_facts(history)),
-        pictures=draw_wear(folder, history),
-        cycles=table(_rows(history), "Cycles that were computed"),
-        history=HISTORY,
-        profiles=PROFILES,
-    )
+    units = None if run is None else run.units
+    with in_units(units):
+        page = render(
+            "wear.html",
+            title=f"Wear, {folder.resolve().name}",
+            style=style_sheet(),
+            is_steep=_steepest(history) > _STEEP,
+            outcome=_outcome(history),
+            facts=list(_facts(history)),
+            pictures=[*draw_wear(folder, history), *_films(folder, history)],
+            cycles=table(_rows(history), "Cycles that were computed"),
+            history=HISTORY,
+            profiles=PROFILES,
+            has_units=units is not None,
+        )
     path = folder / PAGE
     replace_file(path, page.encode())
     return path
+
+
+def _films(folder: Path, history: WornHistory) -> Iterator[Picture]:
+    """``wear_NUMBER.gif`` of each contact line that wears, where there are cycles enough."""
+    if len(history.cycles) < FEWEST_CYCLES:
+        return
+    with style():
+        for number in filter(history.is_flat, history.worn):
+            yield draw_wear_film(history, number, folder / f"wear_{number}.gif")
 
 
 def _steepest(history: WornHistory) -> float:
@@ -61,7 +82,7 @@ def _with_bar(history: WornHistory, name: str, place: int) -> str:
     columns = history.columns
     row = {"total": float(columns[f"{name}_error"][place])}
     value, bar = rounded(float(columns[name][place]), row)
-    return f"{value} ± {bar}" if bar else value
+    return with_unit(f"{value} ± {bar}" if bar else value, _MEASURES[name])
 
 
 def _outcome(history: WornHistory) -> str:
@@ -79,7 +100,8 @@ def _facts(history: WornHistory) -> Iterator[str]:
         "After ± stands the estimated error of passing over cycles, of all jumps so far; it says "
         "nothing of the mesh, of ε₁ and ε, and of the load steps."
     )
-    yield f"Work of friction: {history.columns['friction_work'][-1]:.4g}."
+    work = with_unit(float(history.columns["friction_work"][-1]), "energy")
+    yield f"Work of friction: {work}."
     steepest = _steepest(history)
     ends = ": beyond it, results are not to be relied on" if steepest > _STEEP else ""
     yield (
@@ -106,10 +128,10 @@ def _row(history: WornHistory, place: int) -> list[str]:
         _with_bar(history, "worn_volume", place),
         _with_bar(history, "max_wear_depth", place),
         *(
-            f"{values[place]:.4g}"
-            for values in (
-                *(history.of_contact(n, "max_contact_pressure") for n in history.contacts),
-                *(history.sticking(n) for n in history.contacts),
+            with_unit(float(values[place]), measured)
+            for values, measured in (
+                *((history.of_contact(n, _PEAK), "stress") for n in history.contacts),
+                *((history.sticking(n), "area") for n in history.contacts),
             )
         ),
     ]

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 _HEIGHT, _MARGIN = 1.35, 0.5
 # So many profiles are told apart in one panel; colours of a map up to this, as yellow is pale.
 _MOST_PROFILES, _DARK = 6, 0.88
-# Of the points in a cycle: nothing touches, some of them is lost, or none.
-_KINDS = (("open", "OPEN"), ("wears", "SLIP"), ("does not wear", "STICK"))
+#: Of the points in a cycle: nothing touches, some of them is lost, or none.
+KINDS = (("open", "OPEN"), ("wears", "SLIP"), ("does not wear", "STICK"))
 _OPEN, _WEARS, _KEEPS = range(3)
 # What grows by less of the largest growth does not: it is round-off of sums over jumps.
 _NOTHING = 1e-9
@@ -47,11 +47,9 @@ def draw_wear(folder: Path, history: WornHistory) -> list[Picture]:
     """
     with style():
         drawn = [_over_cycles(history, folder / "wear.png")]
-        for number, tables in history.worn.items():
+        for number in history.worn:
             path = folder / f"wear_{number}.png"
-            numbers = tables[0].numbers
-            is_flat = not np.ptp(numbers["z"]) and not numbers["nz"].any()
-            drawn.append((_profiles if is_flat else _maps)(history, number, path))
+            drawn.append((_profiles if history.is_flat(number) else _maps)(history, number, path))
         return drawn
 
 
@@ -134,9 +132,9 @@ def _profiles(history: WornHistory, number: int, path: Path) -> Picture:
     panels[1].set_ylabel(labelled("contact pressure, $p$", "stress"))
     panels[1].set_ylim(bottom=0)
     legend_beside(panels[0])
-    _strips(panels[2], position, history, _kinds([table.rows(order) for table in tables]))
-    panels[2].set_xlim(*_view(position, [table.rows(order) for table in tables]))
-    _name_axis(panels[2], circle)
+    _strips(panels[2], position, history, kinds_of([table.rows(order) for table in tables]))
+    panels[2].set_xlim(*view_of(position, [table.rows(order) for table in tables]))
+    name_axis(panels[2], circle)
     figure.align_ylabels(panels)
     save(figure, path)
     said = (
@@ -154,15 +152,25 @@ def _colours(count: int) -> Iterator[object]:
     return iter(colormaps[COLOUR_MAP](np.linspace(0, _DARK, count)))
 
 
-def _name_axis(panel: Axes, circle: Cylinder | None) -> None:
+def name_axis(panel: Axes, circle: Cylinder | None) -> None:
+    """Say what the position along a contact line is.
+
+    Args:
+        panel: Whose horizontal axis it is.
+        circle: Around which the line lies, if around one.
+    """
     if circle is not None:
         circle.label(panel, upwards=False)
     else:
         panel.set_xlabel(labelled("position along the contact", "length"))
 
 
-def _kinds(tables: list[ContactTable]) -> Integers:
-    """What the points do from each cycle to the next, of ``_KINDS``, (cycles, points)."""
+def kinds_of(tables: list[ContactTable]) -> Integers:
+    """What the points do from each cycle to the next, of ``KINDS``, (cycles, points).
+
+    Args:
+        tables: The points at the ends of the cycles.
+    """
     depths = np.stack([table.numbers["worn_depth"] for table in tables])
     grown = np.diff(depths, axis=0, prepend=0.0)
     least = _NOTHING * grown.max(axis=1, keepdims=True)
@@ -177,20 +185,25 @@ def _strips(panel: Axes, position: Array, history: WornHistory, kinds: Integers)
 
     middles = (position[1:] + position[:-1]) / 2
     edges = np.concatenate([position[:1], middles, position[-1:]])
-    colours = [COLOURS[status] for _, status in _KINDS]
+    colours = [COLOURS[status] for _, status in KINDS]
     cycles = np.concatenate([[0], history.cycles])
-    look = {"cmap": ListedColormap(colours), "vmin": 0, "vmax": len(_KINDS) - 1}
+    look = {"cmap": ListedColormap(colours), "vmin": 0, "vmax": len(KINDS) - 1}
     panel.pcolormesh(edges, cycles, kinds, rasterized=True, **look)
     panel.set_ylabel("cycle")
     panel.invert_yaxis()
     legend_beside(
         panel,
-        handles=[Patch(color=colours[kind], label=_KINDS[kind][0]) for kind in np.unique(kinds)],
+        handles=[Patch(color=colours[kind], label=KINDS[kind][0]) for kind in np.unique(kinds)],
     )
 
 
-def _view(position: Array, tables: list[ContactTable]) -> tuple[float, float]:
-    """Where anything was in contact or worn in any cycle, and a little around."""
+def view_of(position: Array, tables: list[ContactTable]) -> tuple[float, float]:
+    """Where anything was in contact or worn in any cycle, and a little around.
+
+    Args:
+        position: Of the points along the line (length).
+        tables: The points at the ends of the cycles.
+    """
     touched = np.any([table.closed | (table.numbers["worn_depth"] > 0) for table in tables], axis=0)
     shown = position[touched] if touched.any() else position
     around = 0.15 * float(np.ptp(shown)) or float(np.ptp(position))

@@ -10,7 +10,7 @@ from fenics_contact import main
 from fenics_contact.common.errors import InputError
 from fenics_contact.report.wear.files import read_worn
 from fenics_contact.report.wear.page import write_wear_page
-from fenics_contact.report.wear.pictures import _kinds
+from fenics_contact.report.wear.pictures import kinds_of
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.simulation.worn.worn_cycle import WornCycle
 from fenics_contact.simulation.worn.worn_files import WornFiles
@@ -113,7 +113,7 @@ def test_parts_that_wear_are_told_from_those_that_stick(tmp_path):
     write(tmp_path)
     history = read_worn(tmp_path)
     np.testing.assert_array_equal(history.cycles, CYCLES)
-    kinds = _kinds(history.worn[0])
+    kinds = kinds_of(history.worn[0])
     np.testing.assert_array_equal(kinds, np.tile([0, 1, 1, 2, 2, 2, 1, 1, 0], (len(CYCLES), 1)))
 
 
