@@ -57,6 +57,7 @@ class ComplianceSolver:
         if len(constant.derived):
             self._extend(constant.derived)
         self._springs: Integers = np.flatnonzero(self._added)
+        self._block: tuple[Integers, Array] | None = None  # what acted last, and A⁻ᵀ between it
 
     def _extend(self, derived: Array) -> None:
         """Rows and columns for the derived jumps."""
@@ -134,8 +135,10 @@ class ComplianceSolver:
         order = np.argsort(columns, kind="stable")
         first = np.concatenate([[0], np.cumsum(np.bincount(columns, minlength=size))])
         transposed = csr_matrix((values[order], rows[order], first), shape=(size, size))
-        inverse = self._inverse.T[np.ix_(self._active, self._active)]
-        return np.asarray(transposed @ inverse).T
+        if self._block is None or not np.array_equal(self._block[0], self._active):
+            inverse = self._inverse.T[np.ix_(self._active, self._active)]
+            self._block = self._active, inverse
+        return np.asarray(transposed @ self._block[1]).T
 
     def solve(self, right: Array) -> Array:
         """M⁻¹ r; not a number where M is singular."""
@@ -148,8 +151,9 @@ class ComplianceSolver:
             return np.full(size, np.nan)
         active, _ = lapack.dgetrs(*pivoted, free[self._active])
         rows, columns, values = self._extra
-        pushed = np.bincount(rows, values * active[columns], len(active))
-        found = free - self._inverse[:, self._active] @ pushed
+        pushed = np.zeros(len(free))  # all of it: to take columns out of a matrix copies them
+        pushed[self._active] = np.bincount(rows, values * active[columns], len(active))
+        found = free - self._inverse @ pushed
         found[self._active] = active  # no difference of long numbers under a stiff penalty
         return np.asarray(found[:size])
 

@@ -23,6 +23,8 @@ _FEW = 400
 _LU, _INVERSE = 2 / 3, 1.0
 # Steps of GMRES, each of which multiplies by S twice.
 _GMRES = 8
+# Tangents for which a look at what is soft counts, where it was in vain.
+_IN_VAIN = 10
 
 
 class ContactTangent:
@@ -50,6 +52,7 @@ class ContactTangent:
         self._by_compliance: ComplianceSolver | None = None
         self._is_split = False
         self._lost = 0.0
+        self._passed_by = 0
 
     @property
     def compliance(self) -> ComplianceSolver:
@@ -80,8 +83,15 @@ class ContactTangent:
         """Factorise stiff and soft parts, if that is the shorter way and there is one."""
         if self._split is None or self._is_short:
             return False
+        if self._passed_by:
+            self._passed_by -= 1
+            return False
         self._split.split(self._added)
-        return self._is_shorter(self._split.soft) and self._split.factorise()
+        if self._is_shorter(self._split.soft):
+            return self._split.factorise()
+        # Where S⁻¹ is known a look costs a part of what it may spare.
+        self._passed_by = 0 if self.constant.of_schur.compliance is None else _IN_VAIN
+        return False
 
     @property
     def _is_short(self) -> bool:
