@@ -5,6 +5,7 @@ import csv
 import numpy as np
 import pytest
 from mpi4py import MPI
+from PIL import Image
 
 from fenics_contact import main
 from fenics_contact.common.errors import InputError
@@ -92,6 +93,22 @@ def test_the_page_has_what_is_worn_and_pictures(tmp_path, capsys):
     assert text.count("data:image/png;base64,") == 2
     for name in ("wear.png", "wear_0.png", "wear_0.pdf"):
         assert (tmp_path / name).stat().st_size > 1000
+
+
+def test_five_cycles_are_a_film(tmp_path, monkeypatch):
+    monkeypatch.setattr(f"{__name__}.CYCLES", (*CYCLES, 20))
+    write(tmp_path)
+    text = write_wear_page(tmp_path).read_text(encoding="utf-8")
+    assert text.count("data:image/gif;base64,") == 1
+    with Image.open(tmp_path / "wear_0.gif") as film:
+        assert film.n_frames == 5
+
+
+def test_a_run_has_names_and_units(tmp_path):
+    write(tmp_path, contacts=2)
+    history = read_worn(tmp_path, ["upper", "lower"])
+    assert [history.title(number) for number in (0, 1)] == ["'upper'", "'lower'"]
+    assert history.is_flat(0)
 
 
 def test_what_is_steep_is_said(tmp_path):
