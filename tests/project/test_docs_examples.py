@@ -104,6 +104,10 @@ def blocks_of(page):
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 
 
+# Files that pages ask to save.
+SAVED = {block.said.removeprefix("saved as ") for block in BLOCKS if "saved as" in block.said}
+
+
 def of_language(*languages):
     return [block for block in BLOCKS if block.language in languages]
 
@@ -255,6 +259,7 @@ def understand(words):
         assert all(f"\n{target}:" in targets for target in words[1:] if "=" not in target), words
     elif first in ("./bootstrap", "python", "python3", "fc") or first.startswith("."):
         scripts = [word for word in words if word.endswith((".py", ".ci/run"))]
+        scripts = [script for script in scripts if script not in SAVED]
         for script in scripts:
             assert (ROOT / script).is_file() or script == "script.py", script
             if script != "script.py":
