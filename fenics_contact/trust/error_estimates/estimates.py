@@ -168,8 +168,8 @@ class Estimates:
         assert self._load_steps.last is not None
         answer = self._measure(self._load_steps.last.solution)
         rows = [(step["load_factor"], recorded(step, answer)) for step in self._steps]
-        last = Again.of_last_step(self._load_steps, self._measure)
-        again = self._again or last
+        last = Again.of_last_step(self._load_steps, self._measure, roughly=True)
+        again = (self._again if self._takes_history("penalty") else None) or last
         drawn = again if self._takes_all else last
         calls = (self._load_steps, self._measure, rows, again, drawn)
         found, self.local = mesh_errors(*calls)

@@ -23,6 +23,10 @@ from fenics_contact.solve.newton.solution import Solution
 
 logger = logging.getLogger(__name__)
 
+# Of the imbalance that a change makes, what may be left of it where it is solved for roughly, and
+# over the forces at the most: where gaps change, penalties make much of it.
+_ENOUGH, _ROUGHEST = 1e-2, 1e-4
+
 # By name, or by a contact's number and the name.
 Quantities = Mapping[Hashable, QuantityValue]
 Measure = Callable[[Solution], Quantities]
@@ -45,15 +49,18 @@ class Again:
     stands_for: float = 1.0
 
     @classmethod
-    def of_last_step(cls, load_steps: LoadSteps, measure: Measure) -> Again:
+    def of_last_step(cls, load_steps: LoadSteps, measure: Measure, roughly: bool = False) -> Again:
         """The last load step alone.
 
         Args:
             load_steps: At their end.
             measure: As of ``last_step_again``.
+            roughly: Likewise.
         """
         answer = measure(_answer(load_steps))
-        return cls(answer, lambda change: last_step_again(load_steps, measure, change))
+        return cls(
+            answer, lambda change: last_step_again(load_steps, measure, change, roughly=roughly)
+        )
 
     @classmethod
     def of_steps(cls, load_steps: LoadSteps, measure: Measure, times: Sequence[float]) -> Again:
@@ -105,7 +112,11 @@ class AlongLine:
 
 
 def last_step_again(
-    load_steps: LoadSteps, measure: Measure, change: Change, line: AlongLine | None = None
+    load_steps: LoadSteps,
+    measure: Measure,
+    change: Change,
+    line: AlongLine | None = None,
+    roughly: bool = False,
 ) -> Quantities | None:
     """Solve the last load step again, from its answer; collective.
 
@@ -114,6 +125,8 @@ def last_step_again(
         measure: Quantities of a solution, called in its state; collective.
         change: What is to be different, called in the state of the answer.
         line: Answers to other sizes of the change, to begin at.
+        roughly: Whether to about a hundredth of what the change does, where another answer costs
+            much and each digit of it as much as the one before.
 
     Returns:
         Quantities; None where neither Newton's method from there nor the strategies of a load step
@@ -121,7 +134,7 @@ def last_step_again(
     """
     newton = load_steps.newton
     ways: tuple[tuple[AlongLine | None, Callable[[], Solution]], ...] = (
-        (line, lambda: newton_again(load_steps)),
+        (line, lambda: newton_again(load_steps, roughly=roughly)),
         (None, lambda: solve_step(newton)),
     )
     try:
@@ -187,12 +200,15 @@ def begin_at_answer(load_steps: LoadSteps) -> None:
     load_steps.newton.begin.paired_anew = False
 
 
-def newton_again(load_steps: LoadSteps, tolerance: float | None = None) -> Solution:
+def newton_again(
+    load_steps: LoadSteps, tolerance: float | None = None, roughly: bool = False
+) -> Solution:
     """Newton's method on contact and friction together, from the present state; collective.
 
     Args:
         load_steps: Their contacts follow the law.
         tolerance: As of ``Newton.run``.
+        roughly: As of ``last_step_again``.
 
     Raises:
         NotConvergedError: As ``Newton.run``.
@@ -200,8 +216,18 @@ def newton_again(load_steps: LoadSteps, tolerance: float | None = None) -> Solut
     newton, problem = load_steps.newton, load_steps.problem
     for contact in problem.coulomb:
         contact.friction.mode = "coupled"
+    if roughly and not newton.system.repeats_cheaply:
+        tolerance = _rough_tolerance(newton)
     newton.run(False if problem.coulomb else None, tolerance)
     return newton.solution()
+
+
+def _rough_tolerance(newton: Newton) -> float:
+    """Imbalance over the forces that is a share of the present one; collective."""
+    system = newton.system
+    system.balance(system.state, system.residual)
+    wanted = _ENOUGH * system.imbalance() / max(system.forces, np.finfo(float).tiny)
+    return max(newton.problem.scene.solver.tolerance, min(wanted, _ROUGHEST))
 
 
 def differences(

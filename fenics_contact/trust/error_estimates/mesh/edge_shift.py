@@ -138,7 +138,7 @@ def _to_a_side(
     rows = []
     for size in sizes:
         change = _by(shift.times(size), load_steps.time)
-        found = last_step_again(load_steps, measure, change)
+        found = last_step_again(load_steps, measure, change, roughly=True)
         if found is None:
             break
         rows.append((float(size), found))
@@ -180,7 +180,8 @@ def _by_a_piece(
     answer = areas(load_steps.last.solution)
 
     def moved_by(size: float) -> float:
-        tried = last_step_again(load_steps, areas, _by(first.times(size), load_steps.time))
+        change = _by(first.times(size), load_steps.time)
+        tried = last_step_again(load_steps, areas, change, roughly=True)
         return max(edge.moved(tried, answer) for edge in edges) if tried else 0.0
 
     moved = moved_by(1.0)

@@ -106,7 +106,7 @@ def _solved(
     line = AlongLine(load_steps)
     for share in np.arange(_LOADS, 0, -1) / _LOADS:
         time = load_steps.time + share * (first - load_steps.time)
-        quantities = last_step_again(load_steps, measure, _at(time), line.at(share))
+        quantities = last_step_again(load_steps, measure, _at(time), line.at(share), True)
         if quantities is not None:
             found.append((time, quantities))
         if len(found) == 1 and edges and standing(edges, [answer, found[0][1]]) == list(edges):

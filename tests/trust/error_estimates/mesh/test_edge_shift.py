@@ -148,14 +148,14 @@ def weakened(load_steps, measure):
     """Sizes of shifts, if the floor's friction held the body only where it is not less."""
     again = edge_shift.last_step_again
 
-    def held(of, measure, change):
+    def held(of, measure, change, **more):
         def tried(problem):
             change(problem)
             of_unit = problem.contacts[0].friction.bound_of(np.ones(1))[0]
             weaker.append(of_unit < 0.3 * (1 - 1e-9))
 
         weaker = []
-        found = again(of, measure, tried)
+        found = again(of, measure, tried, **more)
         return None if weaker[-1] else found
 
     with pytest.MonkeyPatch.context() as patched:
