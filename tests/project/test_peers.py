@@ -126,6 +126,12 @@ def test_lines_of_the_mesh_grow_by_one_ratio_from_the_fine_cells():
     assert growing(0.0, 3.0, 1.0, 2) == pytest.approx([0.0, 1.0, 3.0])
 
 
+def test_lines_of_the_slab_make_squares():
+    along, up = problem_named("slab").lines(3)
+    assert (len(along), len(up)) == (65, 9)
+    assert along[1] == up[1] == 0.125 and (along[-1], up[-1]) == (8.0, 1.0)
+
+
 def test_the_edge_of_contact_lies_where_pressure_ends():
     places = sample_places(2.0, 0.5)
     assert len(places) == 160 and places[0] > 0

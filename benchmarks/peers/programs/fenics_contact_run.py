@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 from unittest import mock
 
 from answers import Answer
-from problems import Indentation
+from problems import Indentation, Problem, Slab
 
 NAME = "fenics_contact"
 INSTALL: tuple[str, tuple[str, ...]] = ("here", ())
 _BARS = {"all of it (default)": {"errors": "auto"}, "no error bars": {"errors": "none"}}
-SETTINGS: dict[str, dict[str, dict[str, Any]]] = {"indentation": _BARS, "friction": _BARS}
+SETTINGS: dict[str, dict[str, dict[str, Any]]] = {
+    "indentation": _BARS,
+    "friction": _BARS,
+    "slab": _BARS,
+}
 ABOUT = (
     "`run` of a scene. The body is factorised once, by MUMPS, and condensed onto the contact: "
     "Newton's method and load steps work on the contact's unknowns alone. Nothing is chosen by "
@@ -25,7 +31,7 @@ ABOUT = (
 _SOLVE = ("assemble", "factorise", "solve", "errors")
 
 
-def solve(problem: Indentation, level: int, setting: dict[str, Any]) -> Answer:
+def solve(problem: Problem, level: int, setting: dict[str, Any]) -> Answer:
     """By the public interface."""
     # Its phases are measured in CPU seconds here, as those of the others are.
     clock = SimpleNamespace(perf_counter=time.process_time)
@@ -33,20 +39,14 @@ def solve(problem: Indentation, level: int, setting: dict[str, Any]) -> Answer:
         return _solve(problem, level, setting)
 
 
-def _solve(problem: Indentation, level: int, setting: dict[str, Any]) -> Answer:
+def _solve(problem: Problem, level: int, setting: dict[str, Any]) -> Answer:
     from fenics_contact import __version__, run
 
-    result = run(_indentation(problem, level, setting["errors"]))
+    scene_of, values_of = _KINDS[type(problem)]
+    result = run(scene_of(problem, level, setting["errors"]))
     if not result.converged:
         raise RuntimeError(result.verdict)
-    found = result.quantities
-    values = {
-        "force": found["normal_force"],
-        "peak pressure": found["max_contact_pressure"],
-        "contact radius": found["contact_radius"],
-    }
-    if problem.friction:
-        values["stick radius"] = found["stick_radius"]
+    values = values_of(problem, result.quantities)
     return Answer(
         version=__version__,
         dofs=result.model["dofs"],
@@ -91,3 +91,38 @@ def _indentation(problem: Indentation, level: int, errors: str) -> Any:
         steps=Steps(problem.steps),
         solver=SolverSettings(errors=errors),
     )
+
+
+def _of_indentation(problem: Indentation, found: Any) -> dict[str, float]:
+    values = {
+        "force": found["normal_force"],
+        "peak pressure": found["max_contact_pressure"],
+        "contact radius": found["contact_radius"],
+    }
+    return values | ({"stick radius": found["stick_radius"]} if problem.friction else {})
+
+
+def _slab(problem: Slab, level: int, errors: str) -> Any:
+    """The demo with another mesh."""
+    from fenics_contact import SolverSettings, load_scene
+
+    scene = load_scene(Path(__file__).parents[3] / "demos" / "slab.toml")
+    along, up = problem.lines(level)
+    cells = {"cells_along": len(along) - 1, "cells_across": len(up) - 1}
+    (mesh,) = scene.mesh
+    mesh = dataclasses.replace(mesh, parameters={**mesh.parameters, **cells})
+    return dataclasses.replace(scene, mesh=(mesh,), solver=SolverSettings(errors=errors))
+
+
+def _of_slab(problem: Slab, found: Any) -> dict[str, float]:
+    return {
+        "friction force": found["friction_force"][0],
+        "strain energy": found["strain_energy"],
+        "stick length": found["stick_area"],
+    }
+
+
+_KINDS: dict[type, tuple[Any, Any]] = {
+    Indentation: (_indentation, _of_indentation),
+    Slab: (_slab, _of_slab),
+}

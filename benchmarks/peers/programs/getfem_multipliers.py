@@ -7,12 +7,16 @@ import subprocess
 from typing import Any
 
 from answers import Answer, cpu_seconds, crossing, sample_places
-from problems import Indentation
+from problems import Indentation, Problem, Slab
 
 NAME = "GetFEM"
 INSTALL = ("apt", ("python3-getfem", "libopenblas0-serial"))
 _TRIED = {f"r = {r:g} E": {"augmentation": r} for r in (1.0, 10.0)}
-SETTINGS: dict[str, dict[str, dict[str, Any]]] = {"indentation": _TRIED, "friction": _TRIED}
+SETTINGS: dict[str, dict[str, dict[str, Any]]] = {
+    "indentation": _TRIED,
+    "friction": _TRIED,
+    "slab": _TRIED,
+}
 ABOUT = (
     "Quadratic displacements and linear multipliers, augmented Lagrangian after Alart and Curnier "
     "with the projections of its language of weak forms (its bricks for rigid obstacles are not "
@@ -32,8 +36,10 @@ _TRIAL, _BOUND = "(t+r*(u(1)-old(1)))", f"(mu*{_PRESSURE})"
 _FRICTION = f"max(min({_TRIAL},{_BOUND}),-{_BOUND})"
 
 
-def solve(problem: Indentation, level: int, setting: dict[str, Any]) -> Answer:
+def solve(problem: Problem, level: int, setting: dict[str, Any]) -> Answer:
     """On the problem's lines."""
+    if isinstance(problem, Slab):
+        return _slab(problem, level, setting["augmentation"])
     return _Model(problem, level, setting["augmentation"]).answer()
 
 
@@ -138,3 +144,82 @@ def _version() -> str:
     """Of Debian's package; the module does not say its own."""
     query = ["dpkg-query", "--show", "--showformat=${source:Upstream-Version}", "python3-getfem"]
     return subprocess.run(query, capture_output=True, text=True, check=True).stdout.split("+")[0]
+
+
+_TOP, _BOTTOM, _RIGHT, _LEFT = 1, 2, 3, 4
+_RUBBED = "max(min(t+r*u(1),g),-g)"
+
+
+def _slab(problem: Slab, level: int, augmentation: float) -> Answer:
+    """Friction with a given bound: a multiplier that stays below it."""
+    import getfem
+    import numpy as np
+
+    getfem.util_trace_level(0)
+    getfem.util_warning_level(0)
+    mesh = _slab_mesh(problem, level)
+    start = cpu_seconds()
+    points = getfem.MeshIm(mesh, getfem.Integ("IM_GAUSS_PARALLELEPIPED(2,4)"))
+    model, dofs = _slab_model(problem, mesh, points, augmentation)
+    taken, converged = model.solve(*("max_res", _RESIDUAL, "max_iter", _STEPS, "lsolver", "mumps"))
+    if not converged:
+        raise RuntimeError(f"no convergence in {_STEPS} Newton steps")
+    seconds = cpu_seconds() - start
+    places = sample_places(problem.length, problem.size(level))
+    line = np.vstack((places, np.full(len(places), problem.height - 1e-12)))
+    margin = model.interpolation("g-abs(t+r*u(1))", line, mesh)
+    energy = "(first/2*sqr(Div_u)+shear*(Sym(Grad_u):Sym(Grad_u)))"
+    values = {
+        "friction force": -getfem.asm_generic(points, 0, _RUBBED, _TOP, model),
+        "strain energy": getfem.asm_generic(points, 0, energy, -1, model),
+        "stick length": crossing(places, margin),
+    }
+    return Answer(
+        version=_version(),
+        dofs=dofs,
+        solve_seconds=seconds,
+        newton=taken,
+        factorisations=taken,
+        values={name: float(value) for name, value in values.items()},
+    )
+
+
+def _slab_mesh(problem: Slab, level: int) -> Any:
+    import getfem
+    import numpy as np
+
+    mesh = getfem.Mesh("cartesian", *(np.array(places) for places in problem.lines(level)))
+    end, roof, close = problem.length, problem.height, 1e-6
+    for region, low, high in (
+        (_TOP, (0.0, roof), (end, roof)),
+        (_BOTTOM, (0.0, 0.0), (end, 0.0)),
+        (_RIGHT, (end, 0.0), (end, roof)),
+        (_LEFT, (0.0, 0.0), (0.0, roof)),
+    ):
+        faces = mesh.outer_faces_in_box([c - close for c in low], [c + close for c in high])
+        mesh.set_region(region, faces)
+    return mesh
+
+
+def _slab_model(problem: Slab, mesh: Any, points: Any, augmentation: float) -> tuple[Any, int]:
+    """The model, and how many unknowns its displacement has."""
+    import getfem
+
+    space, multipliers = getfem.MeshFem(mesh, 2), getfem.MeshFem(mesh, 1)
+    space.set_fem(getfem.Fem("FEM_QK(2,2)"))
+    multipliers.set_fem(getfem.Fem("FEM_QK(2,1)"))
+    model = getfem.Model("real")
+    model.add_fem_variable("u", space)
+    model.add_filtered_fem_variable("t", multipliers, _TOP)
+    E, nu = problem.youngs_modulus, problem.poissons_ratio
+    data = {"first": E * nu / (1 - nu**2), "shear": E / 2 / (1 + nu), "r": augmentation * E}
+    data |= {"pressed": problem.pressure, "g": problem.friction * problem.pressure}
+    for name, value in data.items():
+        model.add_initialized_data(name, [value])
+    model.add_linear_term(points, "first*Div_u*Div_Test_u+2*shear*(Sym(Grad_u):Sym(Grad_Test_u))")
+    model.add_linear_term(points, f"{1e6 * E}*u(2)*Test_u(2)", _BOTTOM)
+    model.add_linear_term(points, f"{1e6 * E}*u(1)*Test_u(1)", _LEFT)
+    model.add_source_term(points, "-pressed*Test_u(1)", _RIGHT)
+    model.add_source_term(points, "-pressed*Test_u(2)", _TOP)
+    model.add_nonlinear_term(points, f"{_RUBBED}*Test_u(1)-(t-{_RUBBED})*Test_t/r", _TOP)
+    return model, space.nbdof()

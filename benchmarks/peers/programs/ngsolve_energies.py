@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Any
 
 from answers import Answer, cpu_seconds, crossing, sample_places
-from problems import Indentation
+from problems import Indentation, Problem, Slab
 
 NAME = "NGSolve"
 INSTALL = ("pip", ("ngsolve==6.2.2608",))
@@ -20,31 +21,38 @@ SETTINGS: dict[str, dict[str, dict[str, Any]]] = {
         "order 2, penalty 30 E/h, along 10 E/h": {"order": 2, "penalty": 30.0, "along": 10.0},
         "order 2, penalty 100 E/h, along 10 E/h": {"order": 2, "penalty": 100.0, "along": 10.0},
     },
+    "slab": {
+        "order 2, penalty 10 E/h": {"order": 2, "penalty": 10.0},
+        "order 2, penalty 1000 E/h": {"order": 2, "penalty": 1e3},
+        "order 3, penalty 100 E/h": {"order": 3, "penalty": 100.0},
+    },
 }
 ABOUT = (
     "An energy of penalty on the boundary, as its tutorials on contact have it (a rigid obstacle "
     "has no second surface for `ContactBoundary`), with friction by return mapping at the "
-    "integration points. Newton's method, stopped at 1e-9 of the displacement; every step "
-    "assembles and factorises all unknowns: its sparse Cholesky without friction, UMFPACK "
-    "with friction, since the matrix is not symmetric then. One thread."
+    "integration points. Newton's method, stopped at 1e-9 of the displacement; for the slab "
+    "`NewtonMinimization` with its line search. Every step assembles and factorises all unknowns: "
+    "by its sparse Cholesky, with Coulomb friction by UMFPACK, since the matrix is not symmetric "
+    "then. One thread."
 )
-_STEPS, _TOLERANCE = 60, 1e-9
+_STEPS, _TOLERANCE, _ENERGY = 60, 1e-9, 1e-8
 
 
-def solve(problem: Indentation, level: int, setting: dict[str, Any]) -> Answer:
+def solve(problem: Problem, level: int, setting: dict[str, Any]) -> Answer:
     """On the problem's lines."""
-    import ngsolve
-
-    return _Model(problem, level, setting, ngsolve.Mesh(_mesh(problem, level))).answer()
+    if isinstance(problem, Slab):
+        return _slab(problem, level, setting)
+    return _Model(problem, level, setting).answer()
 
 
 class _Model:
     """Of a rigid paraboloid on an axisymmetric body."""
 
-    def __init__(self, problem: Indentation, level: int, setting: dict[str, Any], mesh: Any):
+    def __init__(self, problem: Indentation, level: int, setting: dict[str, Any]):
         import ngsolve as ng
         from ngsolve.comp import IntegrationRuleSpaceSurface
 
+        mesh = ng.Mesh(_mesh(problem, level))
         self.problem, self.mesh, self.size = problem, mesh, problem.size(level)
         order = setting["order"]
         self.space = ng.VectorH1(mesh, order=order, dirichletx="axis|outer", dirichlety="outer")
@@ -107,7 +115,8 @@ class _Model:
         for step in range(1, problem.steps + 1):
             self.reached.Set(problem.indentation * step / problem.steps)
             self.before.vec.data = self.now.vec
-            self._newton(form)
+            solver = "umfpack" if problem.friction else "sparsecholesky"
+            self.newton += _newton(form, self.now, solver)
             traction = self.traction(self.now)
             self.found.Interpolate(traction, definedon=self.mesh.Boundaries("contact"))
             if step < problem.steps:
@@ -121,19 +130,6 @@ class _Model:
             factorisations=self.newton,
             values=self._values(),
         )
-
-    def _newton(self, form: Any) -> None:
-        residual, change = self.now.vec.CreateVector(), self.now.vec.CreateVector()
-        solver = "umfpack" if self.problem.friction else "sparsecholesky"
-        for _ in range(_STEPS):
-            form.Apply(self.now.vec, residual)
-            form.AssembleLinearization(self.now.vec)
-            change.data = form.mat.Inverse(self.space.FreeDofs(), inverse=solver) * residual
-            self.now.vec.data -= change
-            self.newton += 1
-            if change.Norm() <= _TOLERANCE * self.now.vec.Norm():
-                return
-        raise RuntimeError(f"no convergence in {_STEPS} Newton steps")
 
     def _values(self) -> dict[str, float]:
         import ngsolve as ng
@@ -175,24 +171,136 @@ class _Model:
 
 def _mesh(problem: Indentation, level: int) -> Any:
     """Quadrilaterals between the problem's lines."""
+    places = problem.lines(level)
+    fine = sum(place < problem.fine * (1 - 1e-9) for place in places)
+    outwards = len(places) - 1 - fine
+    sides = {
+        "top": ["contact"] * fine + ["free"] * outwards,
+        **{"bottom": ["outer"], "right": ["outer"], "left": ["axis"]},
+    }
+    return _rectangle(places, [-place for place in reversed(places)], sides)
+
+
+def _rectangle(along: list[float], up: list[float], sides: dict[str, list[str]]) -> Any:
+    """Quadrilaterals between lines; sides have a name, or one for each of their cells."""
     import netgen.meshing as netgen
 
-    places = problem.lines(level)
-    last = len(places) - 1
     mesh = netgen.Mesh(dim=2)
-    points = [[mesh.Add(netgen.MeshPoint(netgen.Pnt(x, -y, 0.0))) for x in places] for y in places]
+    points = [[mesh.Add(netgen.MeshPoint(netgen.Pnt(x, y, 0.0))) for x in along] for y in up]
     body = mesh.AddRegion("body", dim=2)
-    contact, free, outer, axis = (
-        mesh.AddRegion(name, dim=1) for name in ("contact", "free", "outer", "axis")
-    )
-    for below, above in zip(points[1:], points[:-1], strict=True):
-        for i in range(last):
+    for below, above in pairwise(points):
+        for i in range(len(along) - 1):
             corners = [below[i], below[i + 1], above[i + 1], above[i]]
             mesh.Add(netgen.Element2D(body, corners))
-    for n in range(last):
-        top = contact if places[n + 1] <= problem.fine * (1 + 1e-9) else free
-        mesh.Add(netgen.Element1D([points[0][n + 1], points[0][n]], index=top))
-        mesh.Add(netgen.Element1D([points[last][n], points[last][n + 1]], index=outer))
-        mesh.Add(netgen.Element1D([points[n + 1][last], points[n][last]], index=outer))
-        mesh.Add(netgen.Element1D([points[n][0], points[n + 1][0]], index=axis))
+    lines = {
+        "top": points[-1][::-1],
+        "bottom": points[0],
+        "right": [row[-1] for row in points],
+        "left": [row[0] for row in points][::-1],
+    }
+    index: dict[str, int] = {}
+    for side, line in lines.items():
+        names = sides[side] * (1 if len(sides[side]) > 1 else len(line) - 1)
+        names = names[::-1] if side == "top" else names
+        for (here, there), name in zip(pairwise(line), names, strict=True):
+            if name not in index:
+                index[name] = mesh.AddRegion(name, dim=1)
+            mesh.Add(netgen.Element1D([here, there], index=index[name]))
     return mesh
+
+
+def _slab(problem: Slab, level: int, setting: dict[str, Any]) -> Answer:
+    """Friction with a given bound has an energy, quadratic up to the bound."""
+    import ngsolve as ng
+    import numpy as np
+
+    sides = {name: [name] for name in ("top", "bottom", "right", "left")}
+    mesh = ng.Mesh(_rectangle(*problem.lines(level), sides))
+    start = cpu_seconds()
+    size, order = problem.size(level), setting["order"]
+    space = ng.VectorH1(mesh, order=order, dirichletx="left", dirichlety="bottom")
+    stiffness = setting["penalty"] * problem.youngs_modulus / size
+    now = ng.GridFunction(space)
+    newton = _minimise(_slab_form(problem, space, stiffness), now)
+    seconds = cpu_seconds() - start
+    places = np.array(sample_places(problem.length, size))
+    slip = now.components[0](mesh(places, np.full_like(places, problem.height)))[:, 0]
+    bound = problem.friction * problem.pressure
+    held = _held(stiffness * now.components[0], bound)
+    force = ng.Integrate(held, mesh, ng.BND, order=2 * order, definedon=mesh.Boundaries("top"))
+    return Answer(
+        version=ng.__version__,
+        dofs=space.ndof,
+        solve_seconds=seconds,
+        newton=newton,
+        factorisations=newton,
+        values={
+            "friction force": -force,
+            "strain energy": ng.Integrate(_slab_energy(problem, now) * ng.dx, mesh),
+            "stick length": float(crossing(places, bound - np.abs(stiffness * slip))),
+        },
+    )
+
+
+def _slab_form(problem: Slab, space: Any, stiffness: float) -> Any:
+    """All energies."""
+    import ngsolve as ng
+
+    u = space.TrialFunction()
+    form = ng.BilinearForm(space, symmetric=True)
+    form += ng.Variation(_slab_energy(problem, u).Compile() * ng.dx)
+    held = _held(stiffness * u[0], problem.friction * problem.pressure)
+    rubbing = held * u[0] - held**2 / (2 * stiffness)
+    form += ng.Variation((rubbing + problem.pressure * u[1]).Compile() * ng.ds("top"))
+    form += ng.Variation(problem.pressure * u[0] * ng.ds("right"))
+    return form
+
+
+def _slab_energy(problem: Slab, u: Any) -> Any:
+    """Of plane stress, a unit of area."""
+    import ngsolve as ng
+
+    E, nu = problem.youngs_modulus, problem.poissons_ratio
+    slope = ng.Grad(u)
+    trace, twice = slope[0, 0] + slope[1, 1], slope[0, 1] + slope[1, 0]
+    squares = slope[0, 0] ** 2 + slope[1, 1] ** 2 + twice**2 / 2
+    return E * nu / (1 - nu**2) / 2 * trace**2 + E / 2 / (1 + nu) * squares
+
+
+def _held(drawn: Any, bound: float) -> Any:
+    """What friction holds of what draws at it."""
+    import ngsolve as ng
+
+    return ng.IfPos(drawn - bound, bound, ng.IfPos(-drawn - bound, -bound, drawn))
+
+
+def _minimise(form: Any, now: Any) -> int:
+    """NGSolve's own Newton's method for energies, with its line search; how many steps it took."""
+    from ngsolve.solvers import NewtonMinimization
+
+    failed, steps = NewtonMinimization(
+        form,
+        now,
+        maxit=_STEPS,
+        maxerr=_ENERGY,
+        inverse="sparsecholesky",
+        linesearch=True,
+        printing=False,
+    )
+    if failed:
+        raise RuntimeError(f"no convergence in {_STEPS} Newton steps")
+    return int(steps)
+
+
+def _newton(form: Any, now: Any, solver: str) -> int:
+    """Newton's method from what is there; how many steps it took."""
+    space = form.space
+    residual, change = now.vec.CreateVector(), now.vec.CreateVector()
+    for step in range(1, _STEPS + 1):
+        form.Apply(now.vec, residual)
+        form.AssembleLinearization(now.vec)
+        change.data = form.mat.Inverse(space.FreeDofs(), inverse=solver) * residual
+        now.vec.data -= change
+        if change.Norm() <= _TOLERANCE * now.vec.Norm():
+            return step
+    raise RuntimeError(f"no convergence in {_STEPS} Newton steps")
