@@ -50,7 +50,7 @@ def execute(options: argparse.Namespace) -> int:
         "fit": lambda: _fit(options),
         "look": lambda: on_root(MPI.COMM_WORLD, lambda: _look(options)),
         "new": lambda: on_root(MPI.COMM_WORLD, lambda: _new(options)),
-        "report": lambda: on_root(MPI.COMM_WORLD, lambda: _report(options.folder, options.quiet)),
+        "report": lambda: on_root(MPI.COMM_WORLD, lambda: _asked_report(options)),
         "run": lambda: _run(options),
         "sweep": lambda: _sweep(options),
         "verify": lambda: _verify(options),
@@ -196,6 +196,21 @@ def _draw(folder: Path, quiet: bool) -> None:
         _report(folder, quiet)
     except InputError as error:
         logger.warning("no pictures: %s", error)
+
+
+def _asked_report(options: argparse.Namespace) -> int:
+    """The page of a folder, or its figures for a paper."""
+    if options.figures is None:
+        if options.width is not None:
+            raise InputError("--width: is that of --figures; say --figures pdf or --figures svg")
+        return _report(options.folder, options.quiet)
+    from fenics_contact.report.drawing.paper import Paper
+    from fenics_contact.report.report import write_figures
+
+    for path in write_figures(options.folder, Paper(options.figures, options.width)):
+        if not options.quiet:
+            print(f"  {one_line(str(path))}")
+    return 0
 
 
 def _report(folder: Path, quiet: bool) -> int:

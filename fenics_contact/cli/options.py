@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, NoReturn
 
-from fenics_contact.cli import texts
+from fenics_contact.cli import figures, texts
 from fenics_contact.cli.compare import options as compare
 from fenics_contact.cli.explore import options as explore
 from fenics_contact.cli.fit import options as fit
@@ -208,6 +208,7 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
         type=Path,
         help="results of a run, a sweep, a fit or of cycles that wear",
     )
+    figures.describe(made["report"])
     compare.describe(made["compare"])
     _describe_verify(made["verify"])
     made["completion"].add_argument("shell", choices=SHELLS, help="for which it is")

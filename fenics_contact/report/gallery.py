@@ -21,6 +21,7 @@ from fenics_contact.report.contacts.profile import draw_profile
 from fenics_contact.report.contacts.section_stress import draw_section
 from fenics_contact.report.drawing.fields import read_body, read_series, times_of_fields
 from fenics_contact.report.drawing.figures import style
+from fenics_contact.report.drawing.paper import wanted
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.units import in_units
 from fenics_contact.report.formulas.recognition import AnalyticContact, recognise
@@ -233,7 +234,7 @@ def _adapted(run: _Run) -> list[Picture]:
 def _animations(run: _Run) -> Iterator[Picture]:
     """The body and each contact that ever touches over the load steps, if there are many."""
     steps = len(times_of_fields(run.folder))
-    if steps < FEWEST_STEPS:
+    if steps < FEWEST_STEPS or wanted() is not None:  # they are no vectors
         return
     numbers = frame_numbers(steps).tolist()
     fewer = frame_numbers(steps, MOST_BODIES).tolist()

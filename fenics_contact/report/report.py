@@ -8,10 +8,12 @@ from pathlib import Path
 from markupsafe import Markup
 
 from fenics_contact.common.atomic_files import replace_file
+from fenics_contact.common.errors import InputError
 from fenics_contact.report.contacts.moving import MovingContact
 from fenics_contact.report.drawing.field_files import whole_body
 from fenics_contact.report.drawing.fields import read_series, times_of_fields
 from fenics_contact.report.drawing.figures import style
+from fenics_contact.report.drawing.paper import Paper, for_paper
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.units import in_units
 from fenics_contact.report.gallery import axes_of, draw_pictures, points_of, require
@@ -25,6 +27,27 @@ from fenics_contact.results.result_file import read_result
 from fenics_contact.scene.writing import SCENE_FILE
 
 PAGE = "report.html"
+
+
+def write_figures(folder: Path, paper: Paper) -> list[Path]:
+    """Draw the pictures of a run for a paper, without a page, into ``figures`` of its folder.
+
+    Args:
+        folder: Output folder of a run.
+        paper: How they are wanted.
+
+    Returns:
+        The files of the figures; the data of curves are beside them.
+
+    Raises:
+        InputError: The folder holds no run with an answer, or a file of it cannot be read.
+    """
+    result = read_result(folder)
+    if not (folder / "fields.pvd").exists() or not result.quantities:
+        raise InputError(f"{folder}: the run has no answer, so there are no figures of it")
+    done = replace(result, steps=[step for step in result.steps if step.quantities])
+    with in_units(result.units), for_paper(paper):
+        return [paper.file(picture.path) for picture in draw_pictures(folder, done)]
 
 
 def write_report(folder: Path) -> list[Picture]:

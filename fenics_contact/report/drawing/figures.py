@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fenics_contact.common.atomic_files import replaced_file
 from fenics_contact.common.plain_text import printable
+from fenics_contact.report.drawing.paper import Paper, wanted, write_data
 from fenics_contact.report.drawing.style import STYLE
 from fenics_contact.results.records.contacts import ContactRecord
 
@@ -37,12 +38,14 @@ def new_figure(title: str, size: tuple[float, float], **panels: Any) -> tuple[Fi
 
     Args:
         title: Of the first panel, any text.
-        size: Width and height in inches.
+        size: Width and height in inches, in a report; in a paper it is as wide as is wanted there.
         **panels: For matplotlib's ``subplots``; also ``height_ratios`` and ``dpi``.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    paper = wanted()
+    size = size if paper is None else paper.size(size)
     with style():
         figure = Figure(figsize=size, layout="constrained", dpi=panels.pop("dpi", None))
         FigureCanvasAgg(figure)
@@ -93,14 +96,20 @@ def plain(text: str) -> str:
 def save(figure: Figure, path: Path, tight: bool = False) -> None:
     """Write a figure as a PNG, and beside it as a PDF that is the same in every run.
 
+    For a paper it is one file of vectors, with a table of its curves beside it.
+
     Args:
         figure: Matplotlib's.
         path: Of the PNG file.
         tight: Whether its margins are cut off, where panels of equal scales leave some.
     """
     box: dict[str, Any] = {}
+    paper = wanted()
     with style():
         plain_ticks(figure)
+        if paper is not None:
+            _save_for(paper, figure, path)
+            return
         if tight:  # once, and not for each of the two files
             box = {"bbox_inches": tight_box(figure)}
         with replaced_file(path) as temporary:
@@ -108,6 +117,17 @@ def save(figure: Figure, path: Path, tight: bool = False) -> None:
         figure.set_layout_engine("none")  # as it is now: to lay out again takes as long as to draw
         with replaced_file(path.with_suffix(".pdf")) as temporary:
             figure.savefig(temporary, metadata={"CreationDate": None}, **box)
+
+
+def _save_for(paper: Paper, figure: Figure, path: Path) -> None:
+    """As wide as is wanted, and as high as what is drawn."""
+    file, inches = paper.file(path), figure.get_figwidth()
+    drawn = tight_box(figure)
+    box = type(drawn).from_extents(0, drawn.y0, inches, drawn.y1)
+    date = {"pdf": "CreationDate", "svg": "Date"}[paper.format]
+    with replaced_file(file) as temporary:
+        figure.savefig(temporary, format=paper.format, metadata={date: None}, bbox_inches=box)
+    write_data(figure, file.with_suffix(".csv"))
 
 
 def tight_box(figure: Figure) -> Bbox:
