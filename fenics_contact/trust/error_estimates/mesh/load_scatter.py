@@ -36,6 +36,10 @@ _LOADS = 8
 # Pieces of the surface that an edge is to pass through in that span, at the most: where cells are
 # small at the edge alone, those further off have no part in the error.
 _PIECES = 8.0
+# And that it is to pass through at the least: the polynomial leaves a third of a wave as long as a
+# piece where one of them is passed, and all of it where two are. Not of more than this share of the
+# way, over which t^1.5 itself is 3e-4 beside the polynomial.
+_WAVES, _FAR = 2.0, 0.75
 # Of the polynomial in pseudo-time: t^1.5, Hertz's force, differs by 1e-6 from one over the span.
 _DEGREE = 3
 # Answers at the least: two more than the polynomial has coefficients.
@@ -66,23 +70,17 @@ def load_scatter(
     if not any(contact.is_one_sided or contact.friction.rubs for contact in problem.contacts):
         return dict.fromkeys(answer, 0.0)
     assert load_steps.last is not None
-    turn = max((knot for knot in knots(problem.scene) if knot < last), default=0.0)
     pairs = zip(problem.contacts, load_steps.last.solution.states, strict=True)
-    share = min(_SPAN, _PIECES * (piece_share(pairs) or 1.0))
-    span = share * (last - max(turn, 0.0))
+    spans = _spans(load_steps, piece_share(pairs), [time for time, _ in recorded])
     edges = edges_inside(problem, load_steps.last.solution)
-    rows = [(time, found) for time, found in recorded if time >= last - span]
-    if len(rows) < _ENOUGH:
-        before = load_steps.last.before.time if load_steps.last.before else 0.0
-        span = min(span, _OF_A_STEP * (last - before))
-        answer = measure(load_steps.last.solution)  # of works, not summed over steps
-        rows = [(last, answer), *_solved(load_steps, measure, last - span, edges)]
-    still = standing(edges, [found for _, found in rows])
+    looked_at = [(span, _over(span, load_steps, measure, recorded, edges)) for span in spans]
+    still = standing(edges, [found for _, found in looked_at[0][1]])
     found = []
     if not still or len(still) < len(edges):
-        if len(rows) < _ENOUGH:
+        enough = [(span, rows) for span, rows in looked_at if len(rows) >= _ENOUGH]
+        if not enough:
             return None
-        found.append(_about_polynomials(rows, (last, span)))
+        found += [_about_polynomials(rows, (last, span)) for span, rows in enough]
     if still:
         shifted = shifted_answers(load_steps, measure, still)
         if shifted and len(shifted) < _ENOUGH:
@@ -91,6 +89,50 @@ def load_scatter(
             _about_polynomials(shifted, (0.0, 1.0)) if shifted else dict.fromkeys(answer, 0.0)
         )
     return {key: max(of[key] for of in found) for key in answer if all(key in of for of in found)}
+
+
+def _spans(load_steps: LoadSteps, piece: float, times: Sequence[float]) -> list[float]:
+    """Spans of pseudo-time before the end that are looked at, each by itself.
+
+    One is near. In the other, longer one edges pass whole pieces; those of smaller pieces scatter
+    less there, under smaller loads, so that it cannot stand for the near one.
+
+    Args:
+        load_steps: At their end.
+        piece: What an edge's passing of a piece changes of the area; 0 without edges.
+        times: Pseudo-times of the load steps.
+    """
+    assert load_steps.last is not None
+    last = times[-1]
+    turn = max((knot for knot in knots(load_steps.problem.scene) if knot < last), default=0.0)
+    before = load_steps.last.before.time if load_steps.last.before else 0.0
+    near, far = min(_SPAN, _PIECES * (piece or 1.0)), min(_FAR, _WAVES * piece)
+    spans = [share * (last - max(turn, 0.0)) for share in (near, max(near, far))]
+    return sorted(
+        {
+            span
+            if sum(time >= last - span for time in times) >= _ENOUGH
+            else min(span, _OF_A_STEP * (last - before))
+            for span in spans
+        }
+    )
+
+
+def _over(
+    span: float,
+    load_steps: LoadSteps,
+    measure: Measure,
+    recorded: Sequence[tuple[float, Quantities]],
+    edges: Sequence[Edge],
+) -> list[tuple[float, Quantities]]:
+    """Pseudo-times and quantities in a span, of load steps if these are many there; collective."""
+    assert load_steps.last is not None
+    last = recorded[-1][0]
+    rows = [(time, found) for time, found in recorded if time >= last - span]
+    if len(rows) >= _ENOUGH:
+        return rows
+    answer = measure(load_steps.last.solution)  # of works, not summed over steps
+    return [(last, answer), *_solved(load_steps, measure, last - span, edges)]
 
 
 def _solved(
