@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _MARKERS = "osv^DPX"
-_PHASES = {SOLVE: "seconds of solve", PROCESS: "seconds of the whole process"}
+_PHASES = {SOLVE: "seconds of solve", PROCESS: "seconds, whole process"}
 
 
 def picture_of(problem: Problem) -> str:
@@ -51,6 +51,8 @@ def _draw(problem: Problem, rows: list[Row], path: Path) -> None:
 
 
 def _fill(panel: Axes, problem: Problem, rows: list[Row], quantity: str, phase: str) -> None:
+    from matplotlib.ticker import LogLocator
+
     of = answered(rows, problem=problem.name)
     for index, program in enumerate(programs()):
         chosen = [row for row in of if row["program"] == program.NAME]
@@ -64,6 +66,9 @@ def _fill(panel: Axes, problem: Problem, rows: list[Row], quantity: str, phase: 
             _line(panel, problem, whole, quantity, phase, label=label, **look)
         else:
             _line(panel, problem, chosen, quantity, phase, label=program.NAME, **look)
+    panel.xaxis.set_major_locator(LogLocator(subs=(1,)))
+    for axis in (panel.xaxis, panel.yaxis):
+        axis.set_minor_formatter("")
 
 
 def _line(
