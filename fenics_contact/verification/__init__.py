@@ -11,6 +11,7 @@ from fenics_contact.verification.laws import micro_slip as micro_slip_cases
 from fenics_contact.verification.laws import orthotropic as orthotropic_cases
 from fenics_contact.verification.laws import slip_weakening as slip_weakening_cases
 from fenics_contact.verification.laws import wear as wear_cases
+from fenics_contact.verification.laws import wear_limit as wear_limit_cases
 from fenics_contact.verification.memory import check as memory_check
 from fenics_contact.verification.motion import cases as motion_cases
 from fenics_contact.verification.published import cycle as cycle_cases
@@ -51,6 +52,7 @@ CASES: tuple[Case, ...] = (
     *micro_slip_cases.CASES,
     *orthotropic_cases.CASES,
     *wear_cases.CASES,
+    *wear_limit_cases.CASES,
     *fretting_cases.CASES,
     *motion_cases.CASES,
     *modes_cases.CASES,
