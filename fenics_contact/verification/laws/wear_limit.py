@@ -46,7 +46,7 @@ def rubbed_scene(stick: float) -> Scene:
     share = 1 - stick**3
     scene = sheared_scene(share, **_MESH)
     obstacle = scene.contact[0].obstacle
-    assert obstacle is not None
+    assert obstacle is not None and obstacle.radius is not None
     moved = replace(
         obstacle,
         force=None,
