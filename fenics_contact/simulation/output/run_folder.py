@@ -277,7 +277,7 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 _PICTURES = (
     r"(deformed|mesh|axis_stress|surface_displacement|convergence|accuracy|history_\w+"
     r"|damping|contact_\d+|contact_\d+_formula|stress_\d+|fretting_\w+|wear|wear_\d+)\.(png|pdf)"
-    r"|animation_(body|\d+)\.gif"
+    r"|(animation_(body|\d+)|wear_\d+)\.gif"
 )
 # Those that say how a run ended, which is not true any more when it goes on.
 _OF_THE_END = (

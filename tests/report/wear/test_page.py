@@ -13,6 +13,7 @@ from fenics_contact.report.wear.files import read_worn
 from fenics_contact.report.wear.page import write_wear_page
 from fenics_contact.report.wear.pictures import kinds_of
 from fenics_contact.results.contact_points import ContactPoints
+from fenics_contact.simulation.output import run_folder
 from fenics_contact.simulation.worn.worn_cycle import WornCycle
 from fenics_contact.simulation.worn.worn_files import WornFiles
 
@@ -172,3 +173,12 @@ def test_a_folder_without_profiles(tmp_path):
     (tmp_path / "wear_profiles.csv").unlink()
     with pytest.raises(InputError, match=r"wear_profiles\.csv: cannot be read"):
         write_wear_page(tmp_path)
+
+
+def test_no_file_of_an_earlier_report_outlives_its_run(tmp_path):
+    """What the page of cycles that wear has drawn; not what somebody else has put there."""
+    names = ("wear.html", "wear.png", "wear_0.png", "wear_0.gif", "animation_0.gif", "own.gif")
+    for name in names:
+        (tmp_path / name).touch()
+    run_folder._clear(tmp_path, run_folder._OF_THE_END)
+    assert [path.name for path in tmp_path.iterdir()] == ["own.gif"]
