@@ -59,6 +59,7 @@ def test_pages_are_as_ever_afterwards(tmp_path):
     assert figure.get_figwidth() == 5.5
 
 
+@pytest.mark.serial  # the command line waits for all ranks
 @pytest.mark.parametrize(
     ("words", "said"),
     [
