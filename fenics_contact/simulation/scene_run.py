@@ -136,7 +136,7 @@ class Run:
     @property
     def worn_cycle(self) -> WornCycle | None:
         """The last cycle that was computed, where cycles that wear are passed over."""
-        return self._history.cycle if isinstance(self._history, CycleHistory) else None
+        return self._history.cycle
 
     @property
     def solution(self) -> Solution | None:

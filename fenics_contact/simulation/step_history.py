@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.timings import Timings
@@ -30,6 +30,9 @@ from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.checks.run_checks import run_checks
 from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_range
 
+if TYPE_CHECKING:
+    from fenics_contact.simulation.worn.worn_cycle import WornCycle
+
 _Forces = TypeVar("_Forces", bound=NeededForces)
 
 
@@ -51,7 +54,10 @@ class StepHistory(Generic[_Forces]):
         by_contact: Quantities of each contact there.
         supports: Each support there.
         preloads: Each preload there, by its name.
+        cycle: The last cycle that was computed, where cycles that wear are passed over.
     """
+
+    cycle: WornCycle | None = None
 
     def __init__(
         self, problem: Problem, timings: Timings, forces_of: Callable[[Solution], _Forces]

@@ -14,13 +14,7 @@ from fenics_contact.solve.newton.solution import Solution
 
 
 class CycleHistory(StepHistory[BulkForces]):
-    """The cycles that were computed; the work of friction is that of all, the others' work unknown.
-
-    Attributes:
-        cycle: The last one; None before there is one.
-    """
-
-    cycle: WornCycle | None = None
+    """The cycles that were computed; friction work is that of all, what else works is not known."""
 
     def add_cycle(self, time: float, solution: Solution, cycle: WornCycle) -> None:
         """Keep what came out of a cycle, in whose end all is; collective.

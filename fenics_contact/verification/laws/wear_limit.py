@@ -26,7 +26,8 @@ from fenics_contact.verification.published.shear import HERTZ, shear_share, shea
 # c/a₀ in the first cycle.
 _STICK = 0.7
 _MESH = {"fine": 1.5, "size": 0.25, "cells_outside": 3}
-# After so many nothing changes any more. The way there does not matter: jumps are as long as the
+# After so many what slips carries next to nothing; the circle that sticks goes on shrinking, by
+# little from one to another. The way there does not matter: jumps are as long as the
 # pressure lets them be, whatever their error.
 _CYCLES = 1000
 _JUMPS = Jumps(pressure_change=0.3, error=10.0)
@@ -68,7 +69,7 @@ def compared(first: WornCycle, last: WornCycle) -> Iterator[Finding]:
 
     Args:
         first: Its first cycle.
-        last: One after which nothing changes.
+        last: One in which what slips carries next to nothing.
     """
     before, after = first.contacts[0], last.contacts[0]
     # What sticks is displaced by u as by a punch: Q = 2 G* u c, with G* u = μ E* d (1 − ξ²) of the
