@@ -150,8 +150,6 @@ def _solve_steps(
     prepared: Run, folder: Path, resume: bool, announce: Announce | None
 ) -> Result | int:
     """The load steps of a scene; the exit code alone where an earlier run has done them all."""
-    if prepared.scene.motion is not None:
-        return _solve_motion(prepared, folder, resume, announce)
     state = StateFile(folder, prepared.problem, prepared.scene)
     saved = state.load() if resume else None
     if not resume:
@@ -169,16 +167,6 @@ def _solve_steps(
     if result.converged:
         state.finish(result.exit_code)
     return result
-
-
-def _solve_motion(prepared: Run, folder: Path, resume: bool, announce: Announce | None) -> Result:
-    """The steps of a scene in which bodies move."""
-    if resume:
-        raise InputError("--resume: a scene with motion begins at its start; leave it out")
-    with Interrupts() as interrupts:
-        return files.solve_and_write(
-            prepared, folder, stopped=interrupts.requested, announce=announce
-        )
 
 
 def _solve_levels(prepared: Run, folder: Path, resume: bool, announce: Announce | None) -> Result:

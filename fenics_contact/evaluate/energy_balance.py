@@ -17,6 +17,7 @@ from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.problem.inertia.inertia import Inertia
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
 from fenics_contact.solve.newton.solution import Solution
@@ -54,8 +55,16 @@ class EnergyBook:
         self._last |= {name: np.zeros(shape) for name in _OF_OBSTACLES}
         self._last |= {"preloads": np.zeros((len(problem.preloads), 2))}
         self._overlaps: list[Array | float] = [0.0] * len(problem.contacts)
-        inertia = problem.inertia
-        self._first = 0.0 if inertia is None else inertia.kinetic_energy(inertia.state.velocity)
+        self._first = 0.0
+        if problem.inertia is not None:
+            self._begin_moving(problem.inertia)
+
+    def _begin_moving(self, inertia: Inertia) -> None:
+        """Take what there is at time 0: energies, and what obstacles carry; collective."""
+        first, state = inertia.first, inertia.state
+        self._first = first.energy + inertia.kinetic_energy(state.velocity)
+        self._last |= {"pressures": first.pressures.copy(), "motions": state.motions.copy()}
+        self._overlaps = list(first.overlaps)
 
     def count(self, forces: NeededForces) -> None:
         """Count a step that was accepted, before slip is counted anew; collective.
@@ -65,7 +74,7 @@ class EnergyBook:
         """
         problem, solution = self._problem, forces.solution
         last, before = self._last, self._before
-        moved = forces.displacement - (0.0 if before is None else before.displacement)
+        moved = forces.displacement - self._place_before(before)
         done = list(forces.works_since(before))
         motions = last["motions"].copy()
         done += [self._work_of_obstacle(i, solution) for i in range(len(problem.contacts))]
@@ -83,6 +92,13 @@ class EnergyBook:
             self.changed |= total(problem.comm, changed.sum()) > 0
             self.changed |= contact.last_step.left_open > 0
         self._before = forces
+
+    def _place_before(self, before: NeededForces | None) -> Array | float:
+        """Where nodes were at the end of the step before, (nodes, components) (length)."""
+        if before is not None:
+            return before.displacement
+        inertia = self._problem.inertia
+        return 0.0 if inertia is None else inertia.state.displacement
 
     def _work_of_obstacle(self, number: int, solution: Solution) -> float:
         """In a step, of what stands opposite; it becomes the last step's; collective."""
@@ -149,7 +165,7 @@ class EnergyBook:
 
     @property
     def _size(self) -> float:
-        """What is brought in altogether: by work, and by velocities at the start (energy)."""
+        """What is brought in altogether: by work, and at the start (energy)."""
         return self.done + self._first
 
     def quantities(self, quantities: Mapping[str, Any]) -> dict[str, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -22,14 +23,16 @@ class MomentumBook:
     Attributes:
         impulses: Of each contact on the body of ``on``, (contacts, components) (force × time).
         worst: Largest share of the momenta and impulses of a connected part that a step left open.
-        part: Which part that was.
+        part: Which part that was, by its number.
     """
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
         shape = (len(problem.contacts), problem.spaces.components)
         self.impulses, self._last = np.zeros(shape), np.zeros(shape)
-        self.worst, self.part = 0.0, ""
+        if problem.inertia is not None:
+            self._last = problem.inertia.first.pressures.copy()
+        self.worst, self.part = 0.0, 0
         self._accepted = 0.0
         self._largest = np.zeros(problem.spaces.parts.count)
 
@@ -69,8 +72,28 @@ class MomentumBook:
         self._accepted = max(self._accepted, allowed / (self._largest.max() or 1.0))
         number = int(np.argmax(shares))
         if not shares[number] <= self.worst:
-            self.worst, self.part = float(shares[number]), parts.names[number]
+            self.worst, self.part = float(shares[number]), number
 
     def check(self) -> Check:
         """The worst step against what round-off and the accepted imbalance may leave."""
-        return Check(self.worst, _ROUND_OFF + self._accepted, part=self.part)
+        part = self._problem.spaces.parts.names[self.part] if self.worst > 0 else ""
+        return Check(self.worst, _ROUND_OFF + self._accepted, part=part)
+
+    @property
+    def sums(self) -> list[float]:
+        """What has been summed up so far, to be given to ``resume``."""
+        few = np.array([self.worst, self.part, self._accepted])
+        return np.concatenate([few, self.impulses.ravel(), self._largest]).tolist()
+
+    def resume(self, sums: Sequence[float], contacts: list[dict[str, Any]]) -> None:
+        """Go on from the last step of another run.
+
+        Args:
+            sums: Of its book.
+            contacts: Quantities of each contact in that step.
+        """
+        few, impulses, self._largest = np.split(np.array(sums), [3, 3 + self.impulses.size])
+        self.worst, self.part, self._accepted = float(few[0]), int(few[1]), float(few[2])
+        self.impulses = impulses.reshape(self.impulses.shape)
+        for number, found in enumerate(contacts):
+            self._last[number] = np.subtract(found["contact_force"], found["friction_force"])

@@ -214,6 +214,14 @@ class Problem:
         found.begin(self.given_load)
         return found
 
+    def take_loads(self, other: Problem) -> None:
+        """Have the loads of another problem of the same scene, node by node.
+
+        Args:
+            other: Of the same body, in which weights may act at other nodes.
+        """
+        self._loads, self._shares = other._loads, None
+
     def _place_far_field(self) -> FarField | None:
         """Hold the outer boundary of a half-space, by forces known or unknown."""
         if self.scene.half_space is None:

@@ -88,15 +88,24 @@ class StepHistory(Generic[_Forces]):
         self.momenta = MomentumBook(self._problem)
         self.solution = None
 
-    def resume(self, solution: Solution, energy: Sequence[float]) -> None:
+    @property
+    def sums(self) -> list[float]:
+        """What has been summed up so far, of energies and of momenta, to be given to ``resume``."""
+        moves = self._problem.inertia is not None
+        return [*self.book.sums, *(self.momenta.sums if moves else [])]
+
+    def resume(self, solution: Solution, sums: Sequence[float]) -> None:
         """Take over the last step of an earlier run; collective.
 
         Args:
             solution: Of that step.
-            energy: Sums of its energy book.
+            sums: Of its books.
         """
         self._measure(solution)
-        self.book.resume(energy, self.forces)
+        of_energies = len(self.book.sums)
+        self.book.resume(sums[:of_energies], self.forces)
+        if self._problem.inertia is not None:
+            self.momenta.resume(sums[of_energies:], self.by_contact)
         if self.stress is not None:
             self.stress.resume()
 

@@ -6,8 +6,11 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from math import inf
+from time import monotonic
 from typing import Any
 
+from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.load_history import Announce, step_line
@@ -16,11 +19,12 @@ from fenics_contact.results.result import Check
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
 from fenics_contact.scene.units.table import names_of
-from fenics_contact.simulation.restart.state_file import Beside, SavedRun, StateFile
+from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.cycles_of_run import CyclesOfRun
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
+from fenics_contact.solve.load_steps.beside import Beside
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.solve.newton.solution import Solution
@@ -103,6 +107,7 @@ class WayThrough:
         self._cycles: CyclesOfRun | None = None
         self._end = EndOfRun()
         self.tried, self.spent = 0.0, 0
+        self._kept_at, self._unkept = -inf, False
 
     def take(
         self, problem: Problem, choice: SolverChoice, condense: Condense | None, end: EndOfRun
@@ -124,6 +129,7 @@ class WayThrough:
         if isinstance(self._history, CycleHistory):
             self._cycles = CyclesOfRun(self._scene, self._history, self._tell, self._keep)
             drive = self._cycles.drive
+        drive = partial(self._kept_where_it_stops, drive)
         # Not this object's own: load steps refer to it, and would not be freed at once.
         begun: list[LoadSteps] = []
 
@@ -151,7 +157,7 @@ class WayThrough:
         if self._cycles is not None:
             solution = self._cycles.resume(load_steps, saved)
         else:
-            solution = load_steps.resume(saved.last, saved.pace, saved.forces)
+            solution = load_steps.resume(saved.last, saved.pace, saved.forces, saved.beside)
         self._history.resume(solution, saved.energy)
 
     def _record(self, time: float, solution: Solution) -> None:
@@ -166,11 +172,30 @@ class WayThrough:
             self._onlookers.accepted()
 
     def _keep(self, load_steps: LoadSteps, beside: Beside | None = None) -> None:
-        """The state of a load step that can be gone back to."""
-        if self._state is not None:
-            with self._timings.phase("output"):
-                history = self._history
-                self._state.save(load_steps, history.steps, history.book.sums, beside)
+        """The state of a load step that can be gone back to, where it is time to; collective."""
+        if self._state is None:
+            return
+        is_last = load_steps.pace.next(load_steps.time) is None
+        now = load_steps.problem.comm.bcast(monotonic())
+        self._unkept = not is_last and now < self._kept_at + load_steps.seconds_unkept
+        if not self._unkept:
+            self._write(self._state, load_steps, beside or load_steps.beside)
+            self._kept_at = now
+
+    def _write(self, state: StateFile, load_steps: LoadSteps, beside: Beside) -> None:
+        with self._timings.phase("output"):
+            state.save(load_steps, self._history.steps, self._history.sums, beside)
+
+    def _kept_where_it_stops(
+        self, drive: Callable[[LoadSteps], Solution], load_steps: LoadSteps
+    ) -> Solution:
+        """Take load steps; those who do not reach the end can go on from where they are."""
+        try:
+            return drive(load_steps)
+        except (NotConvergedError, StoppedError):
+            if self._unkept and self._state is not None:
+                self._write(self._state, load_steps, load_steps.beside)
+            raise
 
     def _finish(self, load_steps: LoadSteps) -> None:
         """After the last step, while the system can still be solved."""

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -32,6 +33,7 @@ from fenics_contact.scene.material import Material
 
 # Of forces of inertia, which in small steps are far larger than what bodies exert on each other.
 _OF_FLIGHT = 1e-3
+_AT_NODES = ("displacement", "velocity", "internal", "load", "pressed")
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +59,42 @@ class MovingState:
     pressed: Array
     motions: Array
     elastic: tuple[Array, ...]
+
+    @property
+    def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
+        """What is no array, as JSON has it, and what stands at the nodes, each by its name."""
+        said = {"began_at": self.time, "motions": self.motions.tolist()}
+        return said, {name: getattr(self, name) for name in _AT_NODES}
+
+    @classmethod
+    def of(
+        cls, said: dict[str, Any], nodal: dict[str, Array], elastic: Sequence[Array]
+    ) -> MovingState:
+        """The state that has these ``parts``.
+
+        Args:
+            said: What is no array.
+            nodal: What stands at the nodes of this rank.
+            elastic: As the attribute.
+        """
+        motions = np.array(said["motions"], dtype=np.float64)
+        return cls(time=said["began_at"], motions=motions, elastic=tuple(elastic), **nodal)
+
+
+@dataclass(frozen=True, eq=False)
+class FirstState:
+    """What a motion begins from, for the balances along it.
+
+    Attributes:
+        energy: That is stored: strains, springs of contacts, elastic slip (energy).
+        pressures: Resultant of the pressures of each contact on the body of ``on``, (contacts,
+            components) (force).
+        overlaps: Of each contact, how deep its surfaces overlap as meshed, at its points (length).
+    """
+
+    energy: float
+    pressures: Array
+    overlaps: tuple[Array | float, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +123,7 @@ class Inertia:
         mass: Of the nodes, (nodes, components, components) (mass).
         stiffening: 4 M/Δt², likewise (force/length).
         state: At the begin of the present step.
+        first: At time 0.
 
     Args:
         motion: Of the scene.
@@ -131,6 +170,7 @@ class Inertia:
             motions=np.zeros((len(contacts), shape[1])),
             elastic=tuple(np.zeros_like(contact.trace.normals) for contact in contacts),
         )
+        self.first = FirstState(0.0, np.zeros_like(self.state.motions), (0.0,) * len(contacts))
 
     def _first_velocity(self, motion: Motion) -> Array:
         spaces = self._spaces
@@ -160,6 +200,24 @@ class Inertia:
             load: At the nodes (force).
         """
         self.state = replace(self.state, load=load, motions=self._motions())
+
+    def begin_deformed(
+        self,
+        displacement: Array,
+        internal: Array,
+        pressed: Array,
+        elastic: tuple[Array, ...],
+        first: FirstState,
+    ) -> None:
+        """Begin from bodies that are deformed and in balance, as of ``MovingState``."""
+        self.first = first
+        self.state = replace(
+            self.state,
+            displacement=displacement,
+            internal=internal,
+            pressed=pressed,
+            elastic=elastic,
+        )
 
     def _motions(self) -> Array:
         """How far what stands opposite has moved at present, (contacts, components) (length)."""
@@ -195,7 +253,7 @@ class Inertia:
             load=load,
             pressed=step.pressed,
             motions=self._motions(),
-            elastic=tuple(_elastic_slip(contact) for contact in self._contacts),
+            elastic=tuple(elastic_slip(contact) for contact in self._contacts),
         )
 
     def _split(self, values: Array) -> tuple[Array, Array]:
@@ -302,7 +360,7 @@ class Inertia:
         return np.where(self._held, mean, across + along)
 
 
-def _elastic_slip(contact: ContactSurface) -> Array:
+def elastic_slip(contact: ContactSurface) -> Array:
     """The part of the slip that friction counts at present that goes back, at most ε (length)."""
     friction, kinematics = contact.friction, contact.kinematics
     counted = friction.counted(kinematics.tangential(kinematics.jump_at_points()))

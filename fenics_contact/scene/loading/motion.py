@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
@@ -26,7 +27,8 @@ _LAWS = ("unilateral", "winkler", "prescribed")
 class Motion:
     """Bodies that have mass and move, in real time: they fly, land, slide and rebound.
 
-    They begin at rest, or with a velocity, and without stress. All paths are then of the time.
+    They begin at rest, or with a velocity; without stress, or with that of the static answer. All
+    paths are of the time.
 
     >>> motion = Motion(step=0.01, end=2, velocity={"ball": (0, -3)})
     >>> motion.steps.number, motion.size
@@ -49,6 +51,13 @@ class Motion:
             "`{ ball = [0, -3] }`; 0 elsewhere"
         ),
     ] = Field(default_factory=dict)
+    start: Annotated[
+        Literal["unstressed", "static"],
+        Field(
+            description="the state at time 0: bodies as meshed, without stress, or the static "
+            "answer under what acts then"
+        ),
+    ] = "unstressed"
 
     def __post_init__(self) -> None:
         if self.step > self.end:
@@ -56,7 +65,7 @@ class Motion:
         if self.end / self.step > _MOST:
             raise ValueError(f"end / step must be at most {_MOST} steps")
 
-    @property
+    @cached_property
     def steps(self) -> Steps:
         """Its steps, all of one length."""
         return Steps(number=math.ceil(self.end / self.step * (1 - _SAME)), end=self.end)

@@ -40,10 +40,12 @@ _LATER: dict[str, dict[str, Any]] = {
     },
     "Cycles": {"jumps": None},
     "Wear": {"share": None},
+    "Motion": {"start": "unstressed"},
 }
 # Keys of parts of a scene that may change likewise: how many cycles, and how each is computed.
 _FREE_INSIDE: dict[str, tuple[str, ...]] = {
     "Wear": ("share",),
+    "Motion": ("end",),
     "Jumps": ("pressure_change", "error", "fixed"),
     "Cycles": ("number", "increments", "until", "tolerance", "keep"),
 }

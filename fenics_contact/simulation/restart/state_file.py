@@ -7,7 +7,7 @@ any number of ranks can read it.
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,7 @@ from fenics_contact.simulation.restart import fingerprint, sealed_arrays
 from fenics_contact.simulation.restart.node_keys import NodalKeys
 from fenics_contact.simulation.restart.row_tables import Rows, SavedTables, write
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
+from fenics_contact.solve.load_steps.beside import Beside
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.step_control import has_ended
 from fenics_contact.solve.newton.solution import Solution
@@ -37,23 +38,6 @@ from fenics_contact.solve.systems.body_answer import BodyAnswer
 NAME = "state.npz"
 # The version by which a checkout that was not installed used to call itself.
 _NOT_INSTALLED = "source"
-
-
-@dataclass(frozen=True, eq=False)
-class Beside:
-    """What those who take load steps keep beside the last one.
-
-    Attributes:
-        said: What is no array, as JSON has it.
-        at_points: Of each contact, by name: values at its points, (points,); none of none.
-    """
-
-    said: dict[str, Any] = field(default_factory=dict)
-    at_points: list[dict[str, Array]] = field(default_factory=list)
-
-    def of_contact(self, number: int) -> dict[str, Array]:
-        """The values at the points of a contact."""
-        return self.at_points[number] if self.at_points else {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,6 +137,7 @@ class StateFile:
             "contacts": [_plain_part(memory) for memory in last.contacts],
             "beside": beside.said,
             "beside_at_points": list(beside.of_contact(0)),
+            "beside_nodal": list(beside.nodal),
             "solution": {
                 "strategy": last.solution.strategy,
                 "imbalance_limit": last.solution.imbalance_limit,
@@ -219,7 +204,11 @@ class StateFile:
             forces=header["forces"],
             energy=header["energy"],
             exit_code=header["exit_code"],
-            beside=Beside(header.get("beside", {}), at_points),
+            beside=Beside(
+                header.get("beside", {}),
+                at_points,
+                {name: nodal[name] for name in header.get("beside_nodal", [])},
+            ),
         )
 
     def _require_same(self, made_for: dict[str, Any]) -> None:
@@ -247,6 +236,7 @@ class StateFile:
         keys, own = self._nodes.own()
         states = {"last": last.unknowns} | ({} if last.before is None else {"before": last.before})
         nodal = {name: unknowns.displacement[own] for name, unknowns in states.items()}
+        nodal |= {name: values[own] for name, values in beside.nodal.items()}
         tables: dict[str, Rows] = {}
         for number, memory in enumerate(last.contacts):
             tables |= self._of_contact(number, memory.at_points | beside.of_contact(number))

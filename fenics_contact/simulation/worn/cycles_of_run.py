@@ -10,10 +10,11 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.restart.state_file import Beside, SavedRun
+from fenics_contact.simulation.restart.state_file import SavedRun
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.rates import Progress, Rates
 from fenics_contact.simulation.worn.worn_cycles import WornCycles, with_depths
+from fenics_contact.solve.load_steps.beside import Beside
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
@@ -59,7 +60,7 @@ class CyclesOfRun:
         Returns:
             The end of the last cycle that was computed.
         """
-        solution = load_steps.resume(saved.last, saved.pace, saved.forces)
+        solution = load_steps.resume(saved.last, saved.pace, saved.forces, saved.beside)
         assert load_steps.last is not None
         self._progress = _progress(solution, load_steps.last, saved.beside)
         return with_depths(load_steps.problem.contacts, self._progress.rates)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import logging
 from collections.abc import Callable, Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from fenics_contact.solve.load_steps.accepted_step import (
     Unknowns,
     contact_change,
 )
+from fenics_contact.solve.load_steps.beside import Beside
 from fenics_contact.solve.load_steps.cycle_watch import CycleWatch
 from fenics_contact.solve.load_steps.resting_place import RestingPlace
 from fenics_contact.solve.load_steps.step_control import FixedPace, Pace, PaceOfCycles, pace_of
@@ -49,12 +51,15 @@ class LoadSteps(RestingPlace):
         finds_body: Whether the displacement inside the body is found at the end; else when it is
             asked for.
         ends: Pseudo-time → where that step ended; None where they are not kept.
+        seconds_unkept: For so long the state need not be written; 0: that of every step is.
 
     Args:
         newton: Made for the problem, not started.
         accepted: As the attribute.
         kept: Called after that, when the step can be gone back to.
     """
+
+    seconds_unkept: ClassVar[float] = 0.0
 
     def __init__(
         self,
@@ -104,13 +109,21 @@ class LoadSteps(RestingPlace):
             self.last.solution.find_body()
         return self.last.solution
 
-    def resume(self, last: AcceptedStep, pace: Sequence[float], forces: float) -> Solution:
+    @property
+    def beside(self) -> Beside:
+        """What another run needs besides the last step to go on: nothing."""
+        return Beside()
+
+    def resume(
+        self, last: AcceptedStep, pace: Sequence[float], forces: float, beside: Beside
+    ) -> Solution:
         """Take up the load steps that another run began; collective.
 
         Args:
             last: Its last step. Of the solution, only what it says of the way there counts.
             pace: The state of its pace.
             forces: Largest of its steps so far (force).
+            beside: What it kept besides.
 
         Returns:
             The solution of that step.

@@ -5,20 +5,28 @@ Each is a problem of statics (``Inertia``); going back and accepting are those o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.common.errors import InputError
 from fenics_contact.problem.inertia.inertia import Inertia, MovingState, StepForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
+from fenics_contact.solve.load_steps.beside import Beside
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
+
+# Of a step, by which lengths of steps may differ.
+_SAME = 1e-9
 
 
 class MotionSteps(LoadSteps):
     """All steps of a motion; as of load steps."""
 
+    seconds_unkept = 2.0  # its steps are many, and each costs less than to write its state
     _began_at: MovingState | None = None  # of the last accepted step
 
     @property
@@ -50,6 +58,36 @@ class MotionSteps(LoadSteps):
     def _accept(self, time: float, found: Solution) -> None:
         self._began_at = self._inertia.state
         super()._accept(time, found)
+
+    @property
+    def beside(self) -> Beside:
+        """The state from which the last step began; collective."""
+        assert self._began_at is not None
+        said, nodal = self._began_at.parts
+        said["size"] = self._inertia.size
+        at_points = [
+            {f"moving_elastic_{axis}": column for axis, column in enumerate(values.T)}
+            for values in self._began_at.elastic
+        ]
+        return Beside(said, at_points, nodal)
+
+    def resume(
+        self, last: AcceptedStep, pace: Sequence[float], forces: float, beside: Beside
+    ) -> Solution:
+        """As of load steps, from the state from which the last one began; collective.
+
+        Raises:
+            InputError: Its steps were of another length.
+        """
+        size, other = self._inertia.size, beside.said["size"]
+        if abs(size - other) > _SAME * size:
+            raise InputError(
+                f"--resume: motion.end makes steps of {size:g}, not of {other:g} as before; "
+                "choose one that is a multiple of motion.step"
+            )
+        elastic = [np.stack(list(values.values()), axis=1) for values in beside.at_points]
+        self._began_at = MovingState.of(beside.said, beside.nodal, elastic)
+        return super().resume(last, pace, forces, beside)
 
     def go_back(self) -> None:
         """To the last accepted step as it was solved, or to none; collective."""

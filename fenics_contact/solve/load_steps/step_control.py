@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Sequence
 
 from fenics_contact.common.errors import InputError
@@ -26,7 +27,8 @@ class FixedPace:
 
     def next(self, time: float) -> float | None:
         """The pseudo-time after one that is reached; None at the end."""
-        return next((t for t in self._times if t > time * (1 + _SAME)), None)
+        place = bisect_right(self._times, time * (1 + _SAME))
+        return self._times[place] if place < len(self._times) else None
 
     def cut(self) -> bool:
         """Whether the step that was tried can be made smaller: never."""

@@ -18,7 +18,21 @@ import pytest
 from dolfinx.mesh import CellType
 from mpi4py import MPI
 
-from fenics_contact import InputError, Load, Material, Path, Run, Scene, Steps, Support, main
+from fenics_contact import (
+    Contact,
+    Discretisation,
+    InputError,
+    Load,
+    Material,
+    Motion,
+    Obstacle,
+    Path,
+    Run,
+    Scene,
+    Steps,
+    Support,
+    main,
+)
 from fenics_contact.common.errors import MachineError
 from fenics_contact.common.interrupts import Interrupts
 from fenics_contact.simulation.restart import row_tables, sealed_arrays, state_file
@@ -41,6 +55,22 @@ SOLID = dataclasses.replace(
     contact=(dataclasses.replace(PULLED_BLOCK.contact[0], law="incremental"),),
     steps=STEPS,
 )
+ALWAYS = Path((0,), (1,))
+KICKED = Scene(
+    kinematics="3D",
+    material=Material(1e3, 0.3, density=1.0),
+    discretisation=Discretisation(1),
+    load=(Load("body", body_force=(0, 1, -10), path=ALWAYS),),
+    contact=(
+        Contact(
+            "z0",
+            obstacle=Obstacle("plane", position=(0, 0, 0), normal=(0, 0, 1)),
+            friction_coefficient=0.3,
+            law="incremental",
+        ),
+    ),
+    motion=Motion(step=0.01, end=0.06, velocity={"body": (0.5, 0, 0)}, start="static"),
+)
 AUTOMATIC = Steps(number=4, automatic=True)
 SCENES = {
     "incremental": (dragged(STEPS), block),
@@ -51,6 +81,7 @@ SCENES = {
     "nearly incompressible, full": (dragged(STEPS, solid=0.499, solver="full"), block),
     "two bodies": (shoved(STEPS), two_blocks),
     "centres of tetrahedra": (SOLID, tetrahedra),
+    "motion": (KICKED, tetrahedra),
 }
 
 
@@ -77,7 +108,11 @@ def resumed(scene, body, folder):
 
 
 @pytest.mark.parametrize(
-    "name", ["automatic", "nearly incompressible, full", "two bodies", "centres of tetrahedra"]
+    "name",
+    [
+        *("automatic", "nearly incompressible, full", "two bodies", "centres of tetrahedra"),
+        "motion",
+    ],
 )
 def test_a_run_goes_on_on_other_ranks(name, folder, monkeypatch):
     """From one rank to all, and from all to one; of the file, ranks get a few rows at a time."""
@@ -138,6 +173,17 @@ def test_a_run_goes_on_where_it_was_stopped(name, folder):
         assert one["load_factor"] == pytest.approx(other["load_factor"], rel=1e-12)
         work = one["quantities"]["friction_work"], other["quantities"]["friction_work"]
         assert work[0] == pytest.approx(work[1], rel=1e-9, abs=1e-15)
+
+
+def test_a_motion_goes_on_with_steps_of_the_same_length_only(folder):
+    """Also where it did not stop at a step whose state was written before."""
+    scene, body = SCENES["motion"]
+    longer = dataclasses.replace(scene, motion=dataclasses.replace(scene.motion, end=0.08))
+    stopped_after(scene, body(), folder, 4)
+    require_same(resumed(longer, body(), folder), Run(longer, COMM, body()).solve(announce=silent))
+    other = dataclasses.replace(scene, motion=dataclasses.replace(scene.motion, end=0.065))
+    with pytest.raises(InputError, match=r"--resume: motion.end makes steps of .*, not of 0.01"):
+        resumed(other, body(), folder)
 
 
 def test_a_run_that_stops_at_once_after_resuming_has_its_last_step(folder):
