@@ -48,7 +48,7 @@ from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.worn_cycle import WornCycle, one_cycle
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
-from fenics_contact.solve.load_steps.static_start import begin_from_static_answer
+from fenics_contact.solve.load_steps.static_start import begin_motion
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice, choose_solver
 
@@ -211,8 +211,7 @@ class Run:
     def _solve(self, way: WayThrough, saved: SavedRun | None) -> Result:
         """As ``solve``."""
         history, asked = self._history, self.scene.fretting
-        if self.scene.motion is not None and self.scene.motion.start == "static":
-            begin_from_static_answer(self.problem, self.timings)
+        begin_motion(self.problem, self.timings)
         history.begin([] if saved is None else saved.steps)
         with self.timings.phase("output"):
             history.stress = None if asked is None else StressHistory(self.problem, asked)

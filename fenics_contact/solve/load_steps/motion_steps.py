@@ -11,7 +11,8 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
-from fenics_contact.problem.inertia.inertia import Inertia, MovingState, StepForces
+from fenics_contact.problem.inertia.inertia import Inertia
+from fenics_contact.problem.inertia.states import MovingState, StepForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep

@@ -13,7 +13,8 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.contact.snapshot import recall, remember
 from fenics_contact.problem.drive import Drive
 from fenics_contact.problem.existence.condition import require_equilibrium
-from fenics_contact.problem.inertia.inertia import FirstState, elastic_slip
+from fenics_contact.problem.inertia.inertia import elastic_slip
+from fenics_contact.problem.inertia.states import FirstState
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.steps import Steps
 from fenics_contact.solve.load_steps.solve import solve
@@ -22,18 +23,21 @@ from fenics_contact.solve.newton.solution import Solution
 _KEY = "motion.start = 'static'"
 
 
-def begin_from_static_answer(problem: Problem, timings: Timings) -> None:
-    """Let a motion begin from the static answer under what acts at time 0; collective.
+def begin_motion(problem: Problem, timings: Timings) -> None:
+    """Bring bodies that begin from the static answer under what acts at time 0 there; collective.
 
     The weights of nodes in contact act where their masses are, so that nothing begins to move.
 
     Args:
-        problem: Of bodies that move; its contacts and its ``inertia`` are brought there.
+        problem: The model; where it moves so its contacts and its ``inertia`` are brought there.
         timings: To which what it takes is counted.
 
     Raises:
         InputError: There is no such answer, or none was found.
     """
+    motion = problem.scene.motion
+    if motion is None or motion.start != "static":
+        return
     rest = _at_rest(problem, timings)
     try:
         require_equilibrium(rest)

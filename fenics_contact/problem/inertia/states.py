@@ -1,0 +1,92 @@
+"""States of bodies that move, between which a step goes, and what a step needs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+
+_AT_NODES = ("displacement", "velocity", "internal", "load", "pressed")
+
+
+@dataclass(frozen=True, eq=False)
+class MovingState:
+    """Where bodies are and how they move at the begin of a step, (nodes, components) each.
+
+    Attributes:
+        time: When.
+        displacement: Of the nodes (length).
+        velocity: Likewise (length/time).
+        internal: K u (force).
+        load: Loads that are given (force).
+        pressed: Forces of pressures of contacts (force).
+        motions: Of what stands opposite, of each contact, (contacts, components) (length).
+        elastic: Slip that goes back, at the points of each contact (length).
+    """
+
+    time: float
+    displacement: Array
+    velocity: Array
+    internal: Array
+    load: Array
+    pressed: Array
+    motions: Array
+    elastic: tuple[Array, ...]
+
+    @property
+    def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
+        """What is no array, as JSON has it, and what stands at the nodes, each by its name."""
+        said = {"began_at": self.time, "motions": self.motions.tolist()}
+        return said, {name: getattr(self, name) for name in _AT_NODES}
+
+    @classmethod
+    def of(
+        cls, said: dict[str, Any], nodal: dict[str, Array], elastic: Sequence[Array]
+    ) -> MovingState:
+        """The state that has these ``parts``.
+
+        Args:
+            said: What is no array.
+            nodal: What stands at the nodes of this rank.
+            elastic: As the attribute.
+        """
+        motions = np.array(said["motions"], dtype=np.float64)
+        return cls(time=said["began_at"], motions=motions, elastic=tuple(elastic), **nodal)
+
+
+@dataclass(frozen=True, eq=False)
+class FirstState:
+    """What a motion begins from, for the balances along it.
+
+    Attributes:
+        energy: That is stored: strains, springs of contacts, elastic slip (energy).
+        pressures: Resultant of the pressures of each contact on the body of ``on``, (contacts,
+            components) (force).
+        overlaps: Of each contact, how deep its surfaces overlap as meshed, at its points (length).
+    """
+
+    energy: float
+    pressures: Array
+    overlaps: tuple[Array | float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class StepForces:
+    """What a step needs at the nodes, (nodes, components) each.
+
+    Attributes:
+        internal: K u at its end (force).
+        needed: From contacts, and from supports the mean of the step: across contacts at its end,
+            else less half the change of pressures (force).
+        velocity: At its end (length/time).
+        pressed: Forces of pressures of contacts then (force).
+    """
+
+    internal: Array
+    needed: Array
+    velocity: Array
+    pressed: Array
