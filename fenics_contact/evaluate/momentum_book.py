@@ -82,8 +82,8 @@ class MomentumBook:
     @property
     def sums(self) -> list[float]:
         """What has been summed up so far, to be given to ``resume``."""
-        few = np.array([self.worst, self.part, self._accepted])
-        return np.concatenate([few, self.impulses.ravel(), self._largest]).tolist()
+        few = [self.worst, float(self.part), self._accepted]
+        return [*few, *map(float, self.impulses.ravel()), *map(float, self._largest)]
 
     def resume(self, sums: Sequence[float], contacts: list[dict[str, Any]]) -> None:
         """Go on from the last step of another run.
