@@ -27,6 +27,7 @@ class Mass:
     Of a full revolution where axisymmetric; of the thickness, or of a unit of it, in the plane.
 
     Attributes:
+        density: ρ, a coefficient in UFL (mass/volume).
         consistent: Compiled bilinear form ∫ ρ u · v (mass).
 
     Args:
@@ -40,20 +41,20 @@ class Mass:
     def __init__(self, materials: Sequence[Material], spaces: Spaces) -> None:
         self._spaces = spaces
         self._matrix: csr_matrix | None = None  # of this rank's cells
-        self._density = _density(materials, spaces)
+        self.density = _density(materials, spaces)
         u = ufl.TrialFunction(spaces.displacement_space)
         v = ufl.TestFunction(spaces.displacement_space)
         self.consistent = form_cache.form(self._weighted * ufl.inner(u, v) * self._measure)
 
     @property
     def _weighted(self) -> Expr:
-        return self._spaces.weight * self._density
+        return self._spaces.weight * self.density
 
     @property
     def _degree(self) -> int:
         """Of quadrature, exact in undistorted cells."""
         spaces = self._spaces
-        varies = isinstance(self._density, fem.Function)
+        varies = isinstance(self.density, fem.Function)
         return spaces.bulk_degree + (spaces.degree if varies else 0)
 
     @property

@@ -177,7 +177,7 @@ class EnergyBook:
         if not self._problem.scene.load_steps.several:
             return {}  # of a single step, the work of the final forces is given
         stored = ("strain_energy", "penalty_energy", "elastic_slip_energy", "kinetic_energy")
-        kept = (*stored, "friction_work")
+        kept = (*stored, "friction_work", "damping_work")
         defect = self._first + self.work - sum(float(quantities.get(key, 0.0)) for key in kept)
         balance = {"energy_defect": defect} if self.applies else {}
         return {"external_work": self.work, **balance}

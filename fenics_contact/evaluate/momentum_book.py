@@ -13,6 +13,8 @@ from fenics_contact.results.result import Check
 
 # Round-off of sums over the body, of the impulses and momenta that are added up.
 _ROUND_OFF = 1e-9
+# Of the largest momentum of a part: below that another part has not been touched yet.
+_UNTOUCHED = 1e-6
 
 
 class MomentumBook:
@@ -67,7 +69,9 @@ class MomentumBook:
         off = np.linalg.norm(parts.sums(left[:owned]), axis=1)
         carried = np.abs(acting) + np.abs(changes) + np.abs(forces.momenta)
         self._largest = np.maximum(self._largest, parts.sums(carried[:owned].sum(axis=1)))
-        shares = np.divide(off, self._largest, out=np.zeros_like(off), where=self._largest > 0)
+        # What has not been touched yet has round-off of the others alone.
+        sizes = np.maximum(self._largest, _UNTOUCHED * self._largest.max())
+        shares = np.divide(off, sizes, out=np.zeros_like(off), where=sizes > 0)
         allowed = 2 * size * forces.solution.imbalance_limit
         self._accepted = max(self._accepted, allowed / (self._largest.max() or 1.0))
         number = int(np.argmax(shares))

@@ -59,7 +59,9 @@ class MovingForces(BulkForces):
     def quantities(self) -> dict[str, Any]:
         """Of the whole model, beside those of statics; collective."""
         spaces = self.problem.spaces
+        damped = {} if self.inertia.damping is None else {"damping_work": self._step.drag.lost}
         return {
             "kinetic_energy": self.inertia.kinetic_energy(self._step.velocity),
+            **damped,
             "momentum": resultant(spaces, self.momenta[: spaces.owned_nodes]).tolist(),
         }

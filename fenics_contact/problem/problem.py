@@ -204,8 +204,8 @@ class Problem:
         scene = self.scene
         if scene.motion is None:
             return None
-        known = scene.motion, scene.material, self.spaces, self.contacts, self.constrained
-        found = Inertia(*known)
+        body = scene.material, self.elastic, self.spaces
+        found = Inertia(scene.motion, *body, self.contacts, self.constrained)
         self._loads = [
             (found.with_masses(nodal) if load.acting.is_of_volume else nodal, path)
             for load, (nodal, path) in zip(self.loads, self._loads, strict=True)

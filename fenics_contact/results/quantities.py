@@ -197,6 +197,11 @@ ALL = (
         "½ v · M v, where bodies move (`[motion]`)",
     ),
     Quantity(
+        "damping_work",
+        "energy",
+        "what `motion.rayleigh` and `motion.absorbing` took since the start",
+    ),
+    Quantity(
         "momentum",
         "impulse",
         "of all that moves, a vector; of a revolution its part along the axis",

@@ -20,14 +20,22 @@ from dataclasses import replace
 
 import numpy as np
 
+from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.body.mass import Mass
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.problem.inertia.damping import damping_of
 from fenics_contact.problem.inertia.massless import Neighbours, across_contacts
-from fenics_contact.problem.inertia.states import FirstState, MovingState, StepForces
+from fenics_contact.problem.inertia.states import (
+    Drag,
+    FirstState,
+    MovingState,
+    StepForces,
+    StepStiffness,
+)
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.material import Material
 
@@ -41,14 +49,16 @@ class Inertia:
     Attributes:
         size: Length of a step (time).
         mass: Of the nodes, (nodes, components, components) (mass).
-        stiffening: 4 M/Δt², likewise (force/length).
+        damping: What takes energy out, None where nothing does.
+        stiffness: The matrix of a step, A.
         state: At the begin of the present step.
         first: At time 0.
 
     Args:
         motion: Of the scene.
         materials: Of the scene.
-        spaces: Of the body.
+        elastic: The body.
+        spaces: Likewise.
         contacts: Of the problem, which follow velocities from now on.
         constrained: Dofs that supports hold (local indices, owned and ghost).
 
@@ -60,6 +70,7 @@ class Inertia:
         self,
         motion: Motion,
         materials: Sequence[Material],
+        elastic: ElasticBody,
         spaces: Spaces,
         contacts: Sequence[ContactSurface],
         constrained: Integers,
@@ -68,10 +79,16 @@ class Inertia:
         self._spaces, self._contacts = spaces, contacts
         self._across = across_contacts(contacts, spaces)
         self._neighbours = Neighbours(self._across, spaces)
-        lumped = Mass(materials, spaces).lumped()[:, None, None]
+        density = Mass(materials, spaces)
+        lumped = density.lumped()[:, None, None]
         along = np.eye(spaces.components) - self._across
         self.mass = lumped * along + self._neighbours.taken(lumped * self._across)
-        self.stiffening = self.mass * (4 / self.size**2)
+        self._inertial = self.mass * (4 / self.size**2)
+        self.stiffness = StepStiffness(self._inertial)
+        known = motion, self.mass, density, elastic, spaces, self._split
+        self.damping = damping_of(*known)
+        if self.damping is not None:
+            self.stiffness = self.damping.added_to(self._inertial)
         shape = (len(spaces.coordinates), spaces.components)
         held = np.zeros(shape[0] * shape[1], dtype=bool)
         held[constrained] = True
@@ -89,6 +106,7 @@ class Inertia:
             pressed=none,
             motions=np.zeros((len(contacts), shape[1])),
             elastic=tuple(np.zeros_like(contact.trace.normals) for contact in contacts),
+            drag=Drag(none, none),
         )
         self.first = FirstState(0.0, np.zeros_like(self.state.motions), (0.0,) * len(contacts))
 
@@ -174,6 +192,7 @@ class Inertia:
             pressed=step.pressed,
             motions=self._motions(),
             elastic=tuple(elastic_slip(contact) for contact in self._contacts),
+            drag=step.drag,
         )
 
     def _split(self, values: Array) -> tuple[Array, Array]:
@@ -210,7 +229,8 @@ class Inertia:
             rubbed: Of friction, likewise.
         """
         pressed = self.state.pressed + step.pressed
-        return 0.5 * (self.state.load + load + pressed - self.missing) + unbalanced + rubbed
+        given = 0.5 * (self.state.load + load + pressed - self.missing)
+        return given + unbalanced + rubbed - step.dragged
 
     @property
     def missing(self) -> Array:
@@ -218,7 +238,8 @@ class Inertia:
 
         Only of the first one: where nothing has mass, a load that acts at once moves it at once.
         """
-        across, _ = self._split(self.state.load - self.state.internal + self.state.pressed)
+        state = self.state
+        across, _ = self._split(state.load - state.internal + state.pressed - state.drag.across)
         return across
 
     def applied(self, effective: Array, load: Array) -> Array:
@@ -232,7 +253,7 @@ class Inertia:
 
     def times(self, vectors: Array) -> Array:
         """4 M/Δt² times vectors at the nodes."""
-        return np.asarray(np.einsum("nij,nj->ni", self.stiffening, vectors))
+        return np.asarray(np.einsum("nij,nj->ni", self._inertial, vectors))
 
     @property
     def predicted(self) -> Array:
@@ -247,7 +268,10 @@ class Inertia:
         """
         state = self.state
         _, before = self._split(state.load - state.internal + state.pressed)
-        return load + before + self.times(self.predicted)
+        found = load + before + self.times(self.predicted)
+        if self.damping is None:
+            return found
+        return found + self.damping.pull(state.displacement, state.internal, state.drag)
 
     def forces(
         self, displacement: Array, balanced: Array, load: Array, pressed: Array
@@ -265,12 +289,28 @@ class Inertia:
         velocity = self._velocity(displacement)
         # Supports take nodes along by the mean velocity of the step.
         taken = np.where(self._held, self.momenta(self.state.velocity - velocity) / self.size, 0.0)
+        stiffness = self.stiffness
+        added = np.einsum("nij,nj->ni", stiffness.nodal, displacement)
+        internal = (balanced - added) / stiffness.of_bulk
+        dragged, drag = self._drag(displacement, internal)
         return StepForces(
-            internal=balanced - self.times(displacement),
+            internal=internal,
             needed=across + 0.5 * (along + shared) + taken,
             velocity=velocity,
             pressed=pressed,
+            dragged=dragged,
+            drag=drag,
         )
+
+    def _drag(self, displacement: Array, internal: Array) -> tuple[Array, Drag]:
+        """Of damping in a step, and at its end; collective."""
+        state, spaces = self.state, self._spaces
+        if self.damping is None:
+            return np.zeros_like(internal), state.drag
+        moved = displacement - state.displacement
+        dragged, drag = self.damping.drag(moved, internal - state.internal, state.drag)
+        work = np.sum((dragged * moved)[: spaces.owned_nodes])
+        return dragged, replace(drag, lost=drag.lost + float(total(spaces.comm, work)))
 
     def _velocity(self, displacement: Array) -> Array:
         """At the end of a step."""

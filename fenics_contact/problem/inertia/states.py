@@ -14,6 +14,34 @@ _AT_NODES = ("displacement", "velocity", "internal", "load", "pressed")
 
 
 @dataclass(frozen=True, eq=False)
+class StepStiffness:
+    """The matrix of a step: so many times K, and what is added at each node.
+
+    Attributes:
+        nodal: (nodes, components, components) (force/length).
+        of_bulk: Factor of K.
+    """
+
+    nodal: Array
+    of_bulk: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Drag:
+    """What damping has done when a step begins.
+
+    Attributes:
+        rate: K times the mean velocity of the step before, (nodes, components) (force/time).
+        across: What it then resists with across contacts, likewise (force).
+        lost: Energy that it has taken (energy).
+    """
+
+    rate: Array
+    across: Array
+    lost: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
 class MovingState:
     """Where bodies are and how they move at the begin of a step, (nodes, components) each.
 
@@ -26,6 +54,7 @@ class MovingState:
         pressed: Forces of pressures of contacts (force).
         motions: Of what stands opposite, of each contact, (contacts, components) (length).
         elastic: Slip that goes back, at the points of each contact (length).
+        drag: Of damping.
     """
 
     time: float
@@ -36,12 +65,14 @@ class MovingState:
     pressed: Array
     motions: Array
     elastic: tuple[Array, ...]
+    drag: Drag
 
     @property
     def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """What is no array, as JSON has it, and what stands at the nodes, each by its name."""
-        said = {"began_at": self.time, "motions": self.motions.tolist()}
-        return said, {name: getattr(self, name) for name in _AT_NODES}
+        said = {"began_at": self.time, "motions": self.motions.tolist(), "lost": self.drag.lost}
+        nodal = {name: getattr(self, name) for name in _AT_NODES}
+        return said, nodal | {"rate": self.drag.rate, "across": self.drag.across}
 
     @classmethod
     def of(
@@ -55,7 +86,13 @@ class MovingState:
             elastic: As the attribute.
         """
         motions = np.array(said["motions"], dtype=np.float64)
-        return cls(time=said["began_at"], motions=motions, elastic=tuple(elastic), **nodal)
+        return cls(
+            time=said["began_at"],
+            motions=motions,
+            elastic=tuple(elastic),
+            drag=Drag(nodal["rate"], nodal["across"], said["lost"]),
+            **{name: nodal[name] for name in _AT_NODES},
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,9 +121,13 @@ class StepForces:
             else less half the change of pressures (force).
         velocity: At its end (length/time).
         pressed: Forces of pressures of contacts then (force).
+        dragged: What damping resisted with, the mean of the step (force).
+        drag: What it has done at its end.
     """
 
     internal: Array
     needed: Array
     velocity: Array
     pressed: Array
+    dragged: Array
+    drag: Drag

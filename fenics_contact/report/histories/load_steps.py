@@ -188,6 +188,7 @@ def _energies(history: History, path: Path) -> Picture:
         "kinetic_energy": "kinetic energy, $T$",
         "strain_energy": "strain energy, $E$",
         "friction_work": "dissipated, $D$",
+        "damping_work": "taken by damping, $D_v$",
         "penalty_energy": "in springs of contacts, $E_p$",
         "elastic_slip_energy": "in elastic slip, $E_s$",
     }
@@ -206,7 +207,8 @@ def _energies(history: History, path: Path) -> Picture:
         line(panels[1], history.time, history.quantity("energy_defect"), "", 0)
         sprung = " - E_s" if "elastic_slip_energy" in known else ""
         brought, moving = ("T_0 + W", " - T") if "kinetic_energy" in known else ("W", "")
-        balance = f"${brought}{moving} - E - E_p{sprung} - D$"
+        damped = " - D_v" if "damping_work" in known else ""
+        balance = f"${brought}{moving} - E - E_p{sprung} - D{damped}$"
         panels[1].set_ylabel(labelled(balance, "energy"))
     for panel in panels:
         _legend(panel)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import Field
 
 from fenics_contact.scene.steps import Steps
-from fenics_contact.scene.units.dimensions import TIME, VELOCITY
+from fenics_contact.scene.units.dimensions import RATE, TIME, VELOCITY
 from fenics_contact.scene.values import PER_AXIS, RAMP, Number, Positive, scene_class
 
 if TYPE_CHECKING:
@@ -21,6 +21,26 @@ if TYPE_CHECKING:
 _SAME = 1e-9
 _MOST = 100_000
 _LAWS = ("unilateral", "winkler", "prescribed")
+
+
+@scene_class
+class Rayleigh:
+    """Damping in all of the bodies: mass · M + stiffness · K, times the velocity.
+
+    A mode of angular frequency ω has the damping ratio ½ (mass/ω + stiffness ω).
+
+    >>> Rayleigh(stiffness=1e-3).mass
+    0.0
+    """
+
+    mass: Annotated[
+        Number, RATE, Field(ge=0, description="factor of the masses, which damps slow motions most")
+    ] = 0.0
+    stiffness: Annotated[
+        Number,
+        TIME,
+        Field(ge=0, description="factor of the stiffness, which damps fast vibrations most"),
+    ] = 0.0
 
 
 @scene_class
@@ -58,6 +78,16 @@ class Motion:
             "answer under what acts then"
         ),
     ] = "unstressed"
+    rayleigh: Annotated[
+        Rayleigh | None, Field(description="damping in the bodies; without it there is none")
+    ] = None
+    absorbing: Annotated[
+        tuple[str, ...],
+        Field(
+            description="groups of facets that let waves out, as if the body went on behind: they "
+            "resist velocities alone, and drift under loads that last"
+        ),
+    ] = ()
 
     def __post_init__(self) -> None:
         if self.step > self.end:

@@ -40,7 +40,7 @@ _LATER: dict[str, dict[str, Any]] = {
     },
     "Cycles": {"jumps": None},
     "Wear": {"share": None},
-    "Motion": {"start": "unstressed"},
+    "Motion": {"start": "unstressed", "rayleigh": None, "absorbing": ()},
 }
 # Keys of parts of a scene that may change likewise: how many cycles, and how each is computed.
 _FREE_INSIDE: dict[str, tuple[str, ...]] = {

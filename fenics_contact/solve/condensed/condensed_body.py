@@ -17,6 +17,7 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.contact.mortar.projection import Projection
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.discrete_body import DiscreteBody
+from fenics_contact.problem.inertia.states import StepStiffness
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.bulk.schur import BulkWithoutFactor, CondensedBulk
@@ -70,7 +71,7 @@ class CondensedBody:
         timings: Seconds so far.
         schur: Gives S on rank 0, where it is known, in the order of given contact dofs; collective.
         factors: Those of a body before, which serve where a part of the body is the same.
-        stiffening: As of ``LocalStiffness``.
+        step: As of ``LocalStiffness``.
 
     Raises:
         MachineError: There is not the memory for the factorisation; on every rank.
@@ -85,12 +86,12 @@ class CondensedBody:
         timings: Timings,
         schur: Callable[[ContactDofs], Array | None] | None = None,
         factors: KnownFactors | None = None,
-        stiffening: Array | None = None,
+        step: StepStiffness | None = None,
     ) -> None:
         self.discrete = discrete
         self._constrained, self.sides = constrained, tuple(sides)
         with timings.phase("assemble"):
-            self.stiffness = LocalStiffness(discrete, stiffening)
+            self.stiffness = LocalStiffness(discrete, step)
         self.dofs = ContactDofs(discrete.spaces, constrained, sides)
         self.held = np.zeros(len(self.stiffness.numbers), dtype=bool)
         displacements = self.stiffness.displacements

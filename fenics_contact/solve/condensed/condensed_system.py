@@ -74,7 +74,7 @@ class CondensedSystem(System):
             problem.constrained,
             acting_sides(problem),
             timings,
-            stiffening=None if problem.inertia is None else problem.inertia.stiffening,
+            step=None if problem.inertia is None else problem.inertia.stiffness,
         )
         self.stiffness, self.held = self.body.stiffness, self.body.held
         self.dofs, self._preloads = self.body.dofs, self.body.preloads

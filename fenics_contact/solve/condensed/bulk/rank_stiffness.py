@@ -16,6 +16,7 @@ from fenics_contact.body.spaces import of_owners, summed_over_ranks
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.discrete_body import DiscreteBody
+from fenics_contact.problem.inertia.states import StepStiffness
 
 
 class LocalStiffness:
@@ -32,11 +33,10 @@ class LocalStiffness:
 
     Args:
         discrete: The body.
-        stiffening: What is added at each node, (nodes, components, components) (force/length), as
-            by masses in a step of motion; None for nothing.
+        step: What a step of motion makes of K; None for nothing.
     """
 
-    def __init__(self, discrete: DiscreteBody, stiffening: Array | None = None) -> None:
+    def __init__(self, discrete: DiscreteBody, step: StepStiffness | None = None) -> None:
         self._discrete = discrete
         spaces, mixed = discrete.spaces, discrete.elastic.mixed
         self.comm = spaces.comm
@@ -61,8 +61,8 @@ class LocalStiffness:
         self._sharers = sharers[touched]
         self.displacements = touched[touched < sizes[0]]
         self._stresses = touched[touched >= sizes[0]] - sizes[0]
-        if stiffening is not None:
-            self.matrix = csr_matrix(self.matrix + self._at_nodes(stiffening))
+        if step is not None:
+            self.matrix = csr_matrix(step.of_bulk * self.matrix + self._at_nodes(step.nodal))
 
     def _at_nodes(self, blocks: Array) -> csr_matrix:
         """This rank's share of a matrix that couples the displacements of single nodes."""
