@@ -20,6 +20,7 @@ from scipy.sparse import csr_matrix
 
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.body.elasticity import Isotropic
+from fenics_contact.body.forms import Expr
 from fenics_contact.body.mass import Mass
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import form_cache
@@ -127,8 +128,8 @@ def _dashpots(group: Group, density: Mass, elastic: ElasticBody, spaces: Spaces)
     law = elastic.law
     if not isinstance(law, Isotropic):
         raise InputError(
-            f"motion.absorbing = '{group.name}': the speeds of waves are known of isotropic "
-            "materials; hold or free this boundary instead"
+            "motion.absorbing: the speeds of waves are known of isotropic materials alone; hold or "
+            "free these boundaries instead"
         )
     across, along = _impedances(law, density, spaces.kinematics == "plane stress")
     normal = ufl.FacetNormal(spaces.body.mesh)
@@ -148,7 +149,7 @@ def _dashpots(group: Group, density: Mass, elastic: ElasticBody, spaces: Spaces)
     return np.asarray(flat * (asked / here))
 
 
-def _impedances(law: Isotropic, density: Mass, is_plane_stress: bool) -> tuple[object, object]:
+def _impedances(law: Isotropic, density: Mass, is_plane_stress: bool) -> tuple[Expr, Expr]:
     """ρ c_p and ρ c_s, UFL (force·time/length³)."""
     shear = law.shear_modulus
     lame = law.bulk_modulus - 2 * shear / 3
