@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from fenics_contact.common.errors import InputError
 from fenics_contact.report.bodies.film import MOST_BODIES, Overview, draw_body_film
 from fenics_contact.report.bodies.mesh import draw_mesh
+from fenics_contact.report.bodies.mode_shapes import draw_mode_shapes
 from fenics_contact.report.bodies.picture import draw_body
 from fenics_contact.report.contacts.axis_stress import draw_axis_stress
 from fenics_contact.report.contacts.curves import draw_curves
@@ -113,7 +114,7 @@ def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
         The deformed body; of each contact pressure and friction, beside formulas where there are
         some, and the stress below it; fretting where it was looked for;
         displacements and stresses along lines of flat models;
-        curves over the load steps where there are several, and animations where there are many;
+        natural modes; curves over the load steps where there are several, and animations where there are many;
         the mesh of an adaptive run. Beside each PNG is a PDF of its name.
 
     Raises:
@@ -131,6 +132,7 @@ def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
             *_fretting(run),
             *draw_history(folder, result, run.far),
             *draw_worn_history(folder, result),
+            *draw_mode_shapes(folder, result),
             *draw_damping(folder, result),
             *_animations(run),
             *_adapted(run),

@@ -51,22 +51,33 @@ def times_of_fields(folder: Path) -> list[float]:
 
 def read_series(folder: Path, numbers: Iterable[int]) -> Iterator[tuple[float, UnstructuredGrid]]:
     """Pseudo-times of steps in ``fields.pvd``, by number, and the body with their fields."""
+    for time, body in _grids(folder / "fields.pvd", numbers):
+        body["von Mises stress"] = von_mises(np.asarray(body["stress"]))
+        yield time, body
+
+
+def read_modes(folder: Path) -> Iterator[UnstructuredGrid]:
+    """The body with the displacement of each mode in ``modes.pvd``."""
     import pyvista
 
-    reader = pyvista.get_reader(str(folder / "fields.pvd"))
+    path = folder / "modes.pvd"
+    count = len(pyvista.get_reader(str(path)).time_values)
+    for _, body in _grids(path, range(count)):
+        yield body
+
+
+def _grids(path: Path, numbers: Iterable[int]) -> Iterator[tuple[float, UnstructuredGrid]]:
+    """What a collection has for its times, by number, in one piece."""
+    import pyvista
+
+    reader = pyvista.get_reader(str(path))
     for number in numbers:
         time = reader.time_values[number]
         reader.set_active_time_value(time)
         body = reader.read().combine()
-        if (
-            sum(
-                (folder / data.path).read_bytes().count(b"<Piece ")
-                for data in reader.active_datasets
-            )
-            > 1
-        ):
+        files = [path.parent / data.path for data in reader.active_datasets]
+        if sum(file.read_bytes().count(b"<Piece ") for file in files) > 1:
             body = joined(body)
-        body["von Mises stress"] = von_mises(np.asarray(body["stress"]))
         yield time, body
 
 

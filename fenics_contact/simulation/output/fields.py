@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
+from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import on_root
 from fenics_contact.contact.state import OPEN, STICK
@@ -144,12 +145,18 @@ def _set(trace: Trace, nodal: Array, values: Array) -> None:
         nodal[trace.all_nodes] = trace.at_every_node(values)
 
 
+def body_of_cells(spaces: Spaces) -> dict[str, NDArray[Any]]:
+    """Of each cell that this rank owns, the connected part that it is of."""
+    topology = spaces.body.mesh.topology
+    count = topology.index_map(topology.dim).size_local
+    of_node = spaces.parts.of_node[spaces.displacement_space.dofmap.list[:count, 0]]
+    return {BODY_OF_CELLS: of_node.astype(np.int16)}
+
+
 def _cell_fields(problem: Problem) -> dict[str, NDArray[Any]]:
     """Of each cell that this rank owns: its body, and its facets that carry each contact."""
-    mesh, spaces = problem.body.mesh, problem.spaces
-    count = mesh.topology.index_map(mesh.topology.dim).size_local
-    of_node = spaces.parts.of_node[spaces.displacement_space.dofmap.list[:count, 0]]
-    fields: dict[str, NDArray[Any]] = {BODY_OF_CELLS: of_node.astype(np.int16)}
+    fields = body_of_cells(problem.spaces)
+    count = len(fields[BODY_OF_CELLS])
     for contact in problem.contacts:
         flags = np.zeros(count, dtype=np.uint8)
         cells, facets = contact.trace.surface.parents.T

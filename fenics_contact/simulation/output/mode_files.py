@@ -10,6 +10,7 @@ import numpy as np
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.parallel import on_root
 from fenics_contact.results.records.vibration import DampingRecord
+from fenics_contact.simulation.output.fields import body_of_cells
 from fenics_contact.simulation.output.vtu import write_collection, write_grid
 from fenics_contact.solve.modes.eigenmodes import Mode
 
@@ -23,11 +24,11 @@ def write_modes(spaces: Spaces, modes: Sequence[Mode], folder: Path) -> None:
         folder: Where to.
     """
     grids: dict[str, float] = {}
-    space = spaces.displacement_space
+    space, bodies = spaces.displacement_space, body_of_cells(spaces)
     for number, mode in enumerate(modes, start=1):
         more = np.zeros((len(mode.shape), 3 - spaces.components))
         fields = {"displacement": np.hstack([mode.shape, more])}
-        grids[write_grid(folder, "modes", number, space, fields, {})] = float(number)
+        grids[write_grid(folder, "modes", number, space, fields, bodies)] = float(number)
     on_root(spaces.comm, lambda: write_collection(folder / "modes.pvd", grids))
 
 

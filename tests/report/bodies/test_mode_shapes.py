@@ -1,0 +1,73 @@
+"""Pictures of mode shapes: from the files of a run, which hold the shapes themselves."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from fenics_contact import (
+    Contact,
+    Discretisation,
+    Material,
+    Modes,
+    Obstacle,
+    Run,
+    Scene,
+    SolverSettings,
+    Support,
+)
+from fenics_contact.report.bodies.mode_shapes import draw_mode_shapes
+from fenics_contact.report.drawing.fields import read_modes
+from fenics_contact.report.drawing.figures import style
+from fenics_contact.simulation.output.run_folder import write
+from tests.scenes import box_body
+
+pytest.importorskip("pyvista")
+FREE = Scene(
+    kinematics="plane strain",
+    material=Material(100.0, 0.0, density=1.0),
+    discretisation=Discretisation(1),
+    support=(Support("x0", {"x": 0, "y": 0}),),
+    contact=(Contact("x1", obstacle=Obstacle("plane", position=(3.0, 0.0), normal=(-1.0, 0.0))),),
+    modes=Modes(3),
+    solver=SolverSettings(errors="none"),
+)
+
+
+def solved(scene, body, folder):
+    run = Run(scene, body=body)
+    result = run.solve()
+    write(run, result, folder)
+    assert len(result.modes) == 3
+    return run, result.record("")
+
+
+@pytest.mark.parametrize("kinematics", ["plane strain", "3D"])
+def test_each_mode_has_a_panel(kinematics, folder):
+    space = kinematics == "3D"
+    support = Support("x0", dict.fromkeys("xyz" if space else "xy", 0))
+    obstacle = Obstacle("plane", position=(3.0, 0.0, 0.0), normal=(-1.0, 0.0, 0.0))
+    contact = (Contact("x1", obstacle=obstacle),) if space else FREE.contact
+    scene = dataclasses.replace(FREE, kinematics=kinematics, support=(support,), contact=contact)
+    sizes = (8, 2, 2) if space else (8, 2)
+    run, record = solved(scene, box_body(sizes, (2.0, 0.5, 0.5)), folder)
+    if run.problem.comm.rank > 0:
+        return
+    shapes = list(read_modes(folder))
+    assert len(shapes) == 3
+    # As their modal masses say.
+    for shape, mode in zip(shapes, record.modes, strict=True):
+        largest = np.linalg.norm(np.asarray(shape["displacement"]), axis=1).max()
+        assert largest == pytest.approx(1.0, rel=1e-6), mode
+    with style():
+        (picture,) = draw_mode_shapes(folder, record)
+    assert picture.path.stat().st_size > 10_000
+    assert "Coloured by the size of the displacement" in picture.caption
+
+
+def test_a_run_without_modes_has_no_picture(folder):
+    run = Run(dataclasses.replace(FREE, modes=None), body=box_body((4, 2), (2.0, 0.5)))
+    result = run.solve()
+    write(run, result, folder)
+    if run.problem.comm.rank == 0:
+        assert draw_mode_shapes(folder, result.record("")) == []
