@@ -16,13 +16,19 @@ from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.condensed.rows.row import Functional
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
+from fenics_contact.solve.load_steps.cycle_watch import change_to_come
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.solve.load_steps.step_control import PaceOfCycles
 from fenics_contact.solve.modes.eigenmodes import Mode
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 
 # Pseudo-time of a cycle.
 _PERIOD = 4.0
+# Of the tolerance: a change in a cycle that need not become less.
+_CREEPS = 0.05
+# Cycles that tell whether it has settled, and a loss over the work that is none.
+_FEWEST, _NO_LOSS = 3, 1e-5
 
 
 class DrivenMode:
@@ -108,6 +114,32 @@ class DrivenMode:
         self._loop.append((share, moved / self._mode.mass))
         pairs = zip(self._problem.contacts, solution.states, strict=True)
         self._lost.append(np.array([contact.work.of_friction(state) for contact, state in pairs]))
+        pace = self._load_steps.pace
+        if self._has_settled() and isinstance(pace, PaceOfCycles):
+            pace.closed()
+
+    def _has_settled(self) -> bool:
+        """Whether a cycle ends, and loss and secant change no more, though tractions may.
+
+        Where nearly all sticks, and little is lost, tractions of single points go on changing.
+        """
+        count = self._asked.increments
+        done, left = divmod(len(self._loop) - count // 4, count)
+        if left or done < _FEWEST:
+            return False
+        ends = [len(self._loop) - 1 - count * back for back in range(_FEWEST, -1, -1)]
+        losses = np.diff([self._lost[end].sum() for end in ends])
+        ways = [self._loop[end][1] - self._loop[end - count // 2][1] for end in ends[1:]]
+        # A loss that is nothing beside what is stored is none.
+        work = self._force * self._mode.mass * abs(ways[-1])
+        sizes = (max(abs(losses[-1]), _NO_LOSS * work), abs(ways[-1]))
+        share = self._asked.tolerance
+        for values, size in zip((losses, np.array(ways)), sizes, strict=True):
+            before, now = np.abs(np.diff(values)) / size
+            # What creeps on by so little a cycle would take tens of cycles to be seen.
+            if now > _CREEPS * share and change_to_come(now, before, share) > share:
+                return False
+        return True
 
     def _record(self, driven: float, last: Solution) -> DampingRecord:
         """Of the last cycle."""
@@ -129,9 +161,14 @@ class DrivenMode:
             loss=float(losses.sum()),
             loop_area=area,
             contacts={name: float(loss) for name, loss in zip(names, losses, strict=True)},
-            kind="" if last.cycle is None else last.cycle.kind,
+            kind=self._kind(last),
             cycles=cycles,
         )
+
+    def _kind(self, last: Solution) -> str:
+        """What became of the loop; empty where it did not close."""
+        found = "" if last.cycle is None else last.cycle.kind
+        return found or ("steady loop" if self._has_settled() else "")
 
 
 def _to_and_fro(time: float) -> float:

@@ -170,7 +170,7 @@ class CycleWatch:
         share = self._cycles.tolerance
         little = share * max(*self._losses, loss, self._round_off) + self._creep_work
         slight = share * float(self._swings.max(initial=0.0)) + self._creep
-        if _to_come(change, last.change, share) > share:
+        if change_to_come(change, last.change, share) > share:
             return ""
         if abs(loss - self._losses[-1]) > little:
             return ""
@@ -205,7 +205,7 @@ def _sizes(values: Array) -> Array:
     return np.asarray(np.abs(values).sum(axis=tuple(range(1, values.ndim))))
 
 
-def _to_come(change: float, before: float, share: float) -> float:
+def change_to_come(change: float, before: float, share: float) -> float:
     """The change that is still to come, if each cycle leaves the same part of the last one's.
 
     Args:

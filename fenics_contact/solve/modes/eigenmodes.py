@@ -25,6 +25,8 @@ from fenics_contact.common.parallel import (
 
 # Of eigenvalues: beyond what meshes are worth, and within what round-off allows.
 _ACCURATE = 1e-9
+# Lanczos vectors beside two a mode: the lowest modes lie far apart, and each vector is a solve.
+_MORE = 6
 # Of an eigenvalue over the largest: a rigid motion that nothing holds.
 _NONE = 1e-10
 
@@ -117,7 +119,7 @@ class Eigenmodes:
             sigma=0.0,
             OPinv=operators["solve"],
             v0=start,
-            ncv=min(size, max(2 * number + 1, 20)),
+            ncv=min(size, 2 * number + _MORE),
             tol=_ACCURATE,
         )
         order = np.argsort(values)
