@@ -214,6 +214,12 @@ class Problem:
         found.begin(self.given_load)
         return found
 
+    @property
+    def acting_loads(self) -> list[tuple[str, Array, float]]:
+        """Name of each load, its nodal forces for a factor of 1, and its present factor."""
+        rows = zip(self.loads, self._loads, self._load_shares, strict=True)
+        return [(load.name, nodal, share) for load, (nodal, _), share in rows]
+
     def take_loads(self, other: Problem) -> None:
         """Have the loads of another problem of the same scene, node by node.
 
@@ -305,6 +311,7 @@ class Problem:
     def _set_loads(self, time: float) -> None:
         """Loads at a pseudo-time: other arrays, but where all are what they were."""
         shares = [path(time) for _, path in (*self._pressures, *self._loads)]
+        self._load_shares = shares[len(self._pressures) :]
         if shares == self._shares and self.disturbance is None and self.drive is None:
             return
         self.pressure_load = np.zeros((len(self.spaces.coordinates), self.spaces.components))

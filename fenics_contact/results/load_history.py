@@ -68,13 +68,13 @@ class History:
         return None if any(value is None for value in found) else np.array(found)
 
     def drives(self, contacts: list[ContactRecord], far: tuple[str, ...] = ()) -> list[Drive]:
-        """Obstacles and supports that are moved.
+        """Obstacles and supports that are moved, and loads that vary.
 
         Args:
             contacts: Of the run.
             far: Names of supports that are none: they move as a half-space does.
         """
-        return [*self._obstacles(contacts), *self._supports(far)]
+        return [*self._obstacles(contacts), *self._supports(far), *self._loads()]
 
     def _obstacles(self, contacts: list[ContactRecord]) -> Iterator[Drive]:
         for number, contact in enumerate(contacts):
@@ -99,6 +99,15 @@ class History:
             reaction = np.array([row.reaction for row in rows], dtype=np.float64) * held
             where = f"the support '{support.label}'"
             yield from _along(where, moved, reaction, "reaction", "R")
+
+    def _loads(self) -> Iterator[Drive]:
+        for number, load in enumerate(self.steps[0].loads):
+            rows = [step.loads[number] for step in self.steps]
+            moved = np.array([row.displacement for row in rows])
+            force = np.array([row.force for row in rows])
+            if _varies(moved) and _varies(force):
+                where = f"the {load.name.replace(' on ', " on '", 1)}'"
+                yield Drive(where, "displacement along it, $u$", "force, $F$", moved, force)
 
 
 def _along(where: str, moved: Array, force: Array, word: str, symbol: str) -> Iterator[Drive]:

@@ -10,6 +10,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBook
 from fenics_contact.evaluate.fretting.history import StressHistory
+from fenics_contact.evaluate.load_drives import load_records
 from fenics_contact.evaluate.momentum_book import MomentumBook
 from fenics_contact.evaluate.moving_forces import MovingForces
 from fenics_contact.evaluate.needed_forces import NeededForces
@@ -22,7 +23,7 @@ from fenics_contact.evaluate.quantities import (
 )
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.contacts import StepContact
-from fenics_contact.results.records.steps import Largest, StepRecord
+from fenics_contact.results.records.steps import Largest, LoadRecord, StepRecord
 from fenics_contact.results.result import Check
 from fenics_contact.simulation.description import regularisation_of
 from fenics_contact.simulation.output.functions import Fields, fields_of
@@ -143,6 +144,7 @@ class StepHistory(Generic[_Forces]):
                 ],
                 supports=self.supports,
                 preloads=self.preloads,
+                loads=self._loads(),
                 linear_range={what: Largest(**row) for what, row in sizes.items()},
                 cycle=solution.cycle,
             )
@@ -180,6 +182,12 @@ class StepHistory(Generic[_Forces]):
                 ],
             )
         )
+
+    def _loads(self) -> list[LoadRecord]:
+        """What given loads do, of a load step of several; collective."""
+        if not self._problem.scene.load_steps.several:
+            return []
+        return load_records(self._problem, self.forces.displacement)
 
     def _work_along(self, quantities: dict[str, Any]) -> dict[str, Any]:
         """Work since the start, at the end of a load step; collective.

@@ -163,4 +163,3 @@ def _edges_of(surface_of_body: Any) -> Any:
     return surface_of_body.extract_feature_edges(
         boundary_edges=True, feature_edges=True, manifold_edges=False, non_manifold_edges=False
     )
-

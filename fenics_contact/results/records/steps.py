@@ -34,6 +34,21 @@ class Largest(Record):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class LoadRecord(Record):
+    """A given load at the end of a load step: its work is ∫ force d(displacement).
+
+    Attributes:
+        name: Kind, and what it acts on.
+        force: Sum of the sizes of its nodal forces, < 0 where its factor is (force).
+        displacement: Mean of the displacements along these, weighed by them (length).
+    """
+
+    name: str
+    force: float
+    displacement: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class StepRecord(Record):
     """A load step; of one that has no answer, only how far it came.
 
@@ -50,12 +65,13 @@ class StepRecord(Record):
         contacts: Each contact at its end.
         supports: Each support at its end.
         preloads: Name → preload at its end, where there are any.
+        loads: Each given load at its end, where there are any and several load steps.
         linear_range: What linear theory takes to be small → its largest value: `strain`,
             `rotation`, `turned` and others.
         cycle: What the cycle of loads that ends with it has brought, if one does.
     """
 
-    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"preloads", "cycle"})
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"preloads", "loads", "cycle"})
     _OF_ANSWERS: ClassVar[frozenset[str]] = frozenset(
         {"outer_contraction", "imbalance_limit", "contacts", "supports", "linear_range"}
     )
@@ -71,6 +87,7 @@ class StepRecord(Record):
     contacts: list[StepContact] = field(default_factory=list)
     supports: list[SupportRecord] = field(default_factory=list)
     preloads: Mapping[str, PreloadRecord] = field(default_factory=dict)
+    loads: list[LoadRecord] = field(default_factory=list)
     linear_range: Mapping[str, Largest] = field(default_factory=dict)
     cycle: CycleEnd | None = None
 

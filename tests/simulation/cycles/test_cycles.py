@@ -70,6 +70,35 @@ def of_the_bar():
     return run(BAR, body=bar_body())
 
 
+def test_a_load_that_varies_has_a_loop_of_its_own(of_the_bar):
+    """Its area is the work that is done in the cycle, as nothing else moves."""
+    last = of_the_bar.cycles.each[-1]
+    (loop,) = last.loops
+    assert loop.drive == "the traction on 'x1'"
+    assert loop.force == pytest.approx(
+        [FORCE, *(FORCE * np.array([0.5, 0, -0.5, -1, -0.5, 0, 0.5, 1]))]
+    )
+    # Back by 2 F against friction that turns by 2 τ: twice as far as F did at first.
+    assert loop.displacement[0] - loop.displacement[4] == pytest.approx(2 * PULLED, rel=2e-2)
+    assert loop.work == pytest.approx(last.work, rel=1e-9)
+    assert sum(last.contacts.values()) == pytest.approx(last.loss)
+
+
+def test_the_loop_of_an_elastic_bar_is_a_line():
+    scene = dataclasses.replace(
+        BAR,
+        support=(*BAR.support, Support("x0", {"x": 0})),
+        load=(Load("x1", pressure=2.0, path=TO_AND_FRO),),
+        contact=(Contact("y1", pressure=1, friction_coefficient=0.0),),
+        cycles=dataclasses.replace(BAR.cycles, number=2),
+    )
+    (loop,) = run(scene, body=bar_body()).cycles.each[-1].loops
+    assert loop.drive == "the pressure on 'x1'"
+    assert max(loop.force) == pytest.approx(2.0 * HEIGHT)
+    assert max(loop.displacement) == pytest.approx(2.0 / YOUNG * LENGTH, rel=1e-6)
+    assert loop.work == pytest.approx(0.0, abs=1e-12)  # elastic: a line, there and back
+
+
 def rocked(pushed):
     """A block whose pressure moves from one side to the other, and that is pushed meanwhile."""
     there_and_back = Path(time=(1, 1.5, 2, 2.5, 3), factor=(0, 1, 0, -1, 0))
