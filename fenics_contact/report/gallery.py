@@ -114,7 +114,8 @@ def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
         The deformed body; of each contact pressure and friction, beside formulas where there are
         some, and the stress below it; fretting where it was looked for;
         displacements and stresses along lines of flat models;
-        natural modes; curves over the load steps where there are several, and animations where there are many;
+        natural modes; curves over the load steps where there are several, and animations where
+        there are many;
         the mesh of an adaptive run. Beside each PNG is a PDF of its name.
 
     Raises:

@@ -106,7 +106,8 @@ class History:
             moved = np.array([row.displacement for row in rows])
             force = np.array([row.force for row in rows])
             if _varies(moved) and _varies(force):
-                where = f"the {load.name.replace(' on ', " on '", 1)}'"
+                kind, on = load.name.split(" on ", 1)
+                where = f"the {kind} on '{on}'"
                 yield Drive(where, "displacement along it, $u$", "force, $F$", moved, force)
 
 

@@ -26,6 +26,8 @@ from fenics_contact.scene.asked.fretting import Fretting
 # Values so near to the largest are as large: which of them is the worst place must not depend on
 # round-off.
 _AS_LARGE = 1e-9
+# Of the change within a cell beside the edge of a contact.
+_OF_A_CELL = 0.5
 # Where each half of the size adds 1/√2 of what the one before did: all of them over the first.
 _ALL_HALVES = 1 / (np.sqrt(2) - 1)
 
@@ -95,10 +97,16 @@ def _evaluated(
     }
     names = [contact.label for contact in problem.contacts]
     of_contact = [cells.of_contact.get(node) for node in recovery.node[chosen].tolist()]
+    contact = ["" if number is None else names[number] for number in of_contact]
+    coordinates = recovery.coordinates[chosen]
+    near = _near_edges(coordinates, contact, around, touched, problem.spaces.size)
+    for name in ("swt", "crossland", "dang_van", "shear_amplitude", "max_mean_stress"):
+        if name in bars:
+            bars[name] = _at_cusps(bars[name], better.columns[name], around, near)
     places = FrettingPlaces(
-        coordinates=recovery.coordinates[chosen],
+        coordinates=coordinates,
         body=[problem.spaces.parts.names[part] for part in recovery.part[chosen].tolist()],
-        contact=["" if number is None else names[number] for number in of_contact],
+        contact=contact,
         values=better.columns,
         bars=bars,
         planes=better.planes,
@@ -128,6 +136,37 @@ def _largest_around(values: Array, around: csr_matrix) -> Array:
         return values
     found = np.fmax.reduceat(values[around.indices], around.indptr[:-1])
     return np.where(np.isfinite(values), found, np.nan)
+
+
+def _near_edges(
+    coordinates: Array, contact: list[str], around: csr_matrix, touched: Array, size: float
+) -> Integers:
+    """Places within two cells of an edge of what touched.
+
+    Args:
+        coordinates: Of all places (length).
+        contact: Of each the contact on whose surface it lies; empty off the surfaces.
+        around: Which of them share a cell.
+        touched: Where contact points touched, (points, 3) (length).
+        size: Of the body (length).
+    """
+    if len(coordinates) == 0:
+        return np.zeros(0, dtype=np.int64)
+    on_surface = np.array([bool(name) for name in contact])
+    has_touched = cKDTree(touched).query(coordinates)[0] <= _AS_LARGE * size
+    beside_open = np.asarray(around @ (on_surface & ~has_touched).astype(float)) > 0
+    edge = on_surface & has_touched & beside_open
+    return np.flatnonzero(around @ (around @ edge.astype(float)))
+
+
+def _at_cusps(bars: Array, values: Array, around: csr_matrix, near: Integers) -> Array:
+    """Bars where stress may have a cusp: at least half of its change within a cell."""
+    found = bars.copy()
+    for place in near.tolist():
+        beside = around.indices[around.indptr[place] : around.indptr[place + 1]]
+        change = float(np.abs(values[beside] - values[place]).max())
+        found[place] = np.fmax(found[place], _OF_A_CELL * change)
+    return found
 
 
 def _chosen(recovery: Recovery, touched: Array, depth: float, size: float) -> Integers:

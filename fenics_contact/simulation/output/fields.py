@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
-from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import on_root
 from fenics_contact.contact.state import OPEN, STICK

@@ -25,6 +25,7 @@ from fenics_contact.scene.scene import Scene, Steps
 from fenics_contact.scene.writing import write_scene
 from fenics_contact.simulation.output.contact_rows import contact_rows
 from fenics_contact.simulation.output.fields import FieldSeries
+from fenics_contact.simulation.output.fretting_file import write_fretting
 from fenics_contact.simulation.output.mode_files import damping_rows, write_modes
 from fenics_contact.simulation.output.step_table import StepTable
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
@@ -186,6 +187,9 @@ def _write_scene(run: Run, folder: Path) -> str:
 def _finish(run: Run, result: Result, folder: Path, scene: str) -> None:
     with run.timings.phase("output"):
         _write_modes(run, folder)
+        if result.fretting_places is not None and run.solution is not None:
+            found = result.fretting_places, run.solution.displacement
+            write_fretting(run.problem.spaces, *found, folder)
         on_root(run.problem.comm, lambda: _write_tables(result, folder, scene))
 
 
@@ -281,8 +285,8 @@ _PICTURES = (
 )
 # Those that say how a run ended, which is not true any more when it goes on.
 _OF_THE_END = (
-    rf"result\.json|(contact|fretting|damping)\.csv|(report|wear)\.html|modes\.pvd"
-    rf"|modes\d{{6}}\.p?vtu|modes_p\d+_\d{{6}}\.vtu|{_PICTURES}"
+    rf"result\.json|(contact|fretting|damping)\.csv|(report|wear)\.html"
+    rf"|(modes|fretting)(\.pvd|\d{{6}}\.p?vtu|_p\d+_\d{{6}}\.vtu)|{_PICTURES}"
 )
 _LEVEL = "next_level"  # folder of a level that is not whole yet
 _OF_STEPS = (

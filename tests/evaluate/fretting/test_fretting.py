@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from mpi4py import MPI
+from scipy.sparse import csr_matrix
 
 from fenics_contact import (
     Contact,
@@ -33,7 +34,11 @@ from fenics_contact.analytic.fatigue import criteria
 from fenics_contact.analytic.fatigue.critical_plane import swt
 from fenics_contact.analytic.fatigue.lives import StrainLife
 from fenics_contact.common.arrays import Array
-from fenics_contact.evaluate.fretting.criteria_at_places import evaluate_fretting
+from fenics_contact.evaluate.fretting.criteria_at_places import (
+    _at_cusps,
+    _near_edges,
+    evaluate_fretting,
+)
 from fenics_contact.evaluate.fretting.recovery import Recovery
 from fenics_contact.evaluate.fretting.region import StressRegion
 from fenics_contact.simulation.output.run_folder import solve_and_write
@@ -313,3 +318,18 @@ def test_a_rank_that_has_no_cells_near_a_contact_goes_along():
     found = prepared.solve()
     assert found.fretting is not None
     assert found.fretting.worst["swt"].at[0] < 1.5
+
+
+@of_rank_0
+def test_bars_beside_an_edge_of_contact_follow_the_change_within_a_cell() -> None:
+    """A row of eleven nodes on a surface, the first five of which touched."""
+    coordinates = np.stack([np.arange(11.0), np.zeros(11), np.zeros(11)], axis=1)
+    around = csr_matrix(np.eye(11) + np.eye(11, k=1) + np.eye(11, k=-1))
+    near = _near_edges(coordinates, ["floor"] * 11, around, coordinates[:5], 10.0)
+    assert near.tolist() == [2, 3, 4, 5, 6]
+    values = np.where(np.arange(11) == 4, 8.0, 0.0)
+    found = _at_cusps(np.full(11, 1.0), values, around, near)
+    assert found.tolist() == [1, 1, 1, 4, 4, 4, 1, 1, 1, 1, 1]
+    assert len(_near_edges(coordinates, [""] * 11, around, coordinates[:5], 10.0)) == 0
+    everywhere = _near_edges(coordinates, ["floor"] * 11, around, coordinates, 10.0)
+    assert len(everywhere) == 0
