@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.asked.accuracy import Accuracy
     from fenics_contact.scene.asked.derivatives import AskedDerivatives
     from fenics_contact.scene.asked.fretting import FatigueLimits, Fretting, StrainLifeLine
+    from fenics_contact.scene.asked.stability import Stability
     from fenics_contact.scene.asked.vibration import Damping, Modes
     from fenics_contact.scene.contact import Contact
     from fenics_contact.scene.laws.friction_laws import (
@@ -122,6 +123,7 @@ __all__ = [
     "Scene",
     "SlipDependentFriction",
     "SolverSettings",
+    "Stability",
     "Steps",
     "StrainLifeLine",
     "Study",
@@ -163,6 +165,7 @@ _MODULES = {
     "scene.loading.motion": ("Motion", "Rayleigh"),
     "scene.asked.derivatives": ("AskedDerivatives",),
     "scene.asked.fretting": ("FatigueLimits", "Fretting", "StrainLifeLine"),
+    "scene.asked.stability": ("Stability",),
     "scene.asked.vibration": ("Damping", "Modes"),
     "scene.contact": ("Contact",),
     "scene.obstacle": ("HalfSpace", "Obstacle"),

@@ -33,6 +33,7 @@ from fenics_contact.results.words.short_forms import (
     quantity_rows,
     reaction_rows,
 )
+from fenics_contact.results.words.stability import stability_rows
 from fenics_contact.results.words.tables import branch_rows, motion_words, share_words
 from fenics_contact.results.words.vibration import damping_rows, mode_rows
 from fenics_contact.scene.reference import measured_by
@@ -153,6 +154,10 @@ def _vibration(scene: Scene) -> list[str]:
             f"{len(driven.amplitudes)} amplitudes, from {driven.amplitudes[0]:g} to "
             f"{driven.amplitudes[-1]:g}{length}, {driven.increments} load steps a cycle"
         )
+    if scene.stability is not None:
+        asked = scene.stability
+        over = "" if asked.up_to is None else f", followed to a coefficient of {asked.up_to:g}"
+        lines.append(f"Steady sliding: {asked.number} complex modes about the last state{over}")
     return lines
 
 
@@ -243,7 +248,8 @@ def _print_branches(console: Terminal, result: Result) -> None:
 
 def _print_asked(console: Terminal, result: Result) -> None:
     """What the scene asks for: derivatives, modes and damping, the worst places of fretting."""
-    tables = [of(result) for of in (derivative_rows, uncertainty_rows, mode_rows, damping_rows)]
+    ways = (derivative_rows, uncertainty_rows, mode_rows, damping_rows, stability_rows)
+    tables = [of(result) for of in ways]
     for rows in (*tables, fretting_rows(result.fretting, result.units)):
         if rows:
             table = _table(*map(escape, rows[0]))

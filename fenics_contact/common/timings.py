@@ -13,7 +13,7 @@ logger = logging.getLogger(__name__)
 
 PHASES = (
     *("mesh", "compile", "assemble", "factorise", "solve", "output", "errors", "derivatives"),
-    "vibration",
+    *("vibration", "stability"),
 )
 ESTIMATING = "estimating errors"
 # Phases that may take long, in words.
@@ -24,6 +24,7 @@ _SAID = {
     "errors": ESTIMATING,
     "derivatives": "finding derivatives",
     "vibration": "finding modes",
+    "stability": "finding modes of steady sliding",
 }
 # What is inside of it counts to it.
 _WHOLE = "errors"

@@ -30,6 +30,7 @@ from fenics_contact.report.fretting.pictures import draw_fretting
 from fenics_contact.report.fretting.table import FrettingTable
 from fenics_contact.report.histories.damping import draw_damping
 from fenics_contact.report.histories.load_steps import draw_history
+from fenics_contact.report.histories.stability import draw_stability
 from fenics_contact.report.histories.wear import draw_worn_history
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
@@ -135,6 +136,7 @@ def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
             *draw_worn_history(folder, result),
             *draw_mode_shapes(folder, result),
             *draw_damping(folder, result),
+            *draw_stability(folder, result),
             *_animations(run),
             *_adapted(run),
         ]

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fenics_contact.scene.asked.fretting import require_fretting
+from fenics_contact.scene.asked.stability import require_stability
 from fenics_contact.scene.asked.vibration import require_vibration
 from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.loading.jumps import require_wear
@@ -165,4 +166,7 @@ def _require_axes(obstacle: Obstacle | None, dimension: int, key: str) -> None:
 
 
 # Of tables that not every scene has.
-_OF_TABLES = (require_cycles, require_motion, require_wear, require_fretting, require_vibration)
+_OF_TABLES = (
+    *(require_cycles, require_motion, require_wear, require_fretting, require_vibration),
+    require_stability,
+)

@@ -15,6 +15,7 @@ from pydantic import BeforeValidator, Field
 from fenics_contact.scene.asked.accuracy import Accuracy, Share, as_accuracy
 from fenics_contact.scene.asked.derivatives import AskedDerivatives
 from fenics_contact.scene.asked.fretting import Fretting
+from fenics_contact.scene.asked.stability import Stability
 from fenics_contact.scene.asked.tolerances import as_tolerances
 from fenics_contact.scene.asked.vibration import Damping, Modes
 from fenics_contact.scene.contact import Contact
@@ -168,6 +169,10 @@ class Scene(HasUnits):
     damping: Annotated[
         Damping | None,
         Field(description="modes that are driven to and fro about that state: what joints damp"),
+    ] = None
+    stability: Annotated[
+        Stability | None,
+        Field(description="complex modes about that state, which is one of steady sliding: squeal"),
     ] = None
     steps: Annotated[Steps, Field(description="load steps, by default one")] = Field(
         default_factory=Steps

@@ -1,4 +1,4 @@
-"""What a scene asks for beside its answer: derivatives, and the modes of what sticks."""
+"""What a scene asks for beside its answer: derivatives, modes of what sticks and of what slides."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.timings import Timings
 from fenics_contact.results.records.model import Seconds
 from fenics_contact.results.result import Result
+from fenics_contact.results.words.stability import stability_words
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.asked_derivatives.asked import asked_derivatives
 from fenics_contact.simulation.asked_derivatives.uncertainty import uncertainties
 from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.simulation.vibration.stability import SlidingStability, stability_of
 from fenics_contact.simulation.vibration.vibration import Vibration, vibration_of
 
 logger = logging.getLogger(__name__)
@@ -31,11 +33,13 @@ class AskedOfAnswer:
 
     Attributes:
         vibration: Modes with their shapes, once they are found.
+        stability: Of steady sliding, likewise.
     """
 
     def __init__(self, scene: Scene, keys: list[str], body: Callable[[], KeptBody]) -> None:
         self._scene, self._keys, self._body = scene, keys, body
         self.vibration: Vibration | None = None
+        self.stability: SlidingStability | None = None
 
     def add_to(self, result: Result, timings: Timings, comm: MPI.Comm) -> Result:
         """The result with all that is asked for.
@@ -48,6 +52,7 @@ class AskedOfAnswer:
         for phase, is_asked, found in (
             ("derivatives", self._scene.derivatives is not None, self._with_derivatives),
             ("vibration", self._scene.modes is not None, self._with_vibration),
+            ("stability", self._scene.stability is not None, self._with_stability),
         ):
             if is_asked:
                 with timings.phase(phase):
@@ -79,3 +84,14 @@ class AskedOfAnswer:
             damping=list(found.damping),
             verdict=" ".join([result.verdict, *found.notes]),
         )
+
+    def _with_stability(self, result: Result) -> Result:
+        try:
+            found = stability_of(self._body(), self._scene)
+        except NotConvergedError as error:
+            words = f"No stability: {str(error).removeprefix('stability: ')}."
+            logger.warning("%s", words)
+            return dataclasses.replace(result, verdict=f"{result.verdict} {words}")
+        self.stability = found
+        said = [result.verdict, stability_words(found.record), *found.notes]
+        return dataclasses.replace(result, stability=found.record, verdict=" ".join(said))

@@ -42,6 +42,7 @@ from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.scene_mesh import mesh_of
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.simulation.vibration.stability import SlidingStability
 from fenics_contact.simulation.vibration.vibration import Vibration, damping_scenes
 from fenics_contact.simulation.way_through import AtEnd, EndOfRun, Onlookers, WayThrough, by_default
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
@@ -69,6 +70,7 @@ class Run:
         choice: The solver, and how much memory it is to need.
         end: What is known once the last load step is solved.
         vibration: Modes that the scene asks for, with their shapes, once they are found.
+        stability: Of steady sliding, likewise.
         at_end: Called with the load steps at their end, and with the errors of cells where these
             were estimated; collective.
         timings: Seconds so far.
@@ -107,6 +109,7 @@ class Run:
         self.scene, self.own_mesh = scene, body is not None
         self.end = EndOfRun()
         self.vibration: Vibration | None = None
+        self.stability: SlidingStability | None = None
         self.at_end: AtEnd | None = None
         self.timings = Timings()
         with failing_together(comm):
@@ -116,7 +119,7 @@ class Run:
         """Mesh, model and solver; collective."""
         is_asked, passes_over = scene.derivatives is not None, scene.passes_cycles_over
         damping_scenes(scene)  # which says what of it cannot be had
-        is_used_again = is_asked or scene.modes is not None
+        is_used_again = is_asked or scene.modes is not None or scene.stability is not None
         if (passes_over or (is_used_again and scene.accuracy is None)) and self._kept is None:
             body = body or mesh_of(scene, comm, self.timings)
             self._kept = KeptBody(scene, body, self.timings, KnownFactors())
@@ -234,7 +237,7 @@ class Run:
         """
         asked = AskedOfAnswer(self.scene, self._keys, self._kept_body)
         result = asked.add_to(result, self.timings, self.problem.comm)
-        self.vibration = asked.vibration
+        self.vibration, self.stability = asked.vibration, asked.stability
         return result
 
     def _kept_body(self) -> KeptBody:

@@ -14,6 +14,7 @@ from fenics_contact.verification.laws import wear as wear_cases
 from fenics_contact.verification.laws import wear_limit as wear_limit_cases
 from fenics_contact.verification.memory import check as memory_check
 from fenics_contact.verification.motion import cases as motion_cases
+from fenics_contact.verification.motion import squeal as squeal_cases
 from fenics_contact.verification.published import cycle as cycle_cases
 from fenics_contact.verification.published import friction as friction_cases
 from fenics_contact.verification.published import hertz_pair as hertz_pair_cases
@@ -55,6 +56,7 @@ CASES: tuple[Case, ...] = (
     *wear_limit_cases.CASES,
     *fretting_cases.CASES,
     *motion_cases.CASES,
+    *squeal_cases.CASES,
     *modes_cases.CASES,
     *damping_cases.CASES,
     *memory_check.CASES,

@@ -25,6 +25,7 @@ from fenics_contact.results.words.derivatives import (
 )
 from fenics_contact.results.words.fretting import fretting_rows
 from fenics_contact.results.words.headlines import headlines
+from fenics_contact.results.words.stability import stability_rows, stability_words
 from fenics_contact.results.words.tables import branch_rows
 from fenics_contact.results.words.vibration import damping_rows, mode_rows
 
@@ -84,6 +85,7 @@ SECTIONS = (
     Section("cycles", "Cycles", lambda content: content.result.cycles is not None),
     Section("fretting", "Fretting", lambda content: bool(fretting_rows(content.result.fretting))),
     Section("vibration", "Vibration", lambda content: bool(content.result.modes)),
+    Section("stability", "Steady sliding", lambda content: bool(content.result.stability)),
     Section("sensitivities", "Sensitivities", lambda content: bool(content.result.derivatives)),
     Section("scene", "Scene"),
     Section("model", "Model"),
@@ -121,6 +123,8 @@ def page(content: Content) -> str:
         fretting=fretting_rows(result.fretting, result.units),
         modes=mode_rows(result),
         damping=damping_rows(result),
+        stability=stability_rows(result),
+        stability_words="" if result.stability is None else stability_words(result.stability),
         derivatives=derivative_rows(result),
         notes_on_derivatives=notes_on_derivatives(result),
         uncertainties=uncertainty_rows(result),

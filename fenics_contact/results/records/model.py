@@ -131,6 +131,7 @@ class Seconds(Record):
         errors: Estimating errors (s).
         derivatives: Finding derivatives that the scene asks for (s).
         vibration: Finding modes that the scene asks for, and driving them (s).
+        stability: Finding modes of steady sliding that the scene asks for (s).
         total: From the start to the end (s).
     """
 
@@ -143,4 +144,5 @@ class Seconds(Record):
     errors: float = 0.0
     derivatives: float = 0.0
     vibration: float = 0.0
+    stability: float = 0.0
     total: float

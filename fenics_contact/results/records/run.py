@@ -17,6 +17,7 @@ from fenics_contact.results.records.derivatives import Derivative
 from fenics_contact.results.records.fretting import FrettingRecord
 from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Model, Seconds
 from fenics_contact.results.records.record import Errors, Quantities, Record
+from fenics_contact.results.records.stability import StabilityRecord
 from fenics_contact.results.records.steps import BranchRecord, CheckRecord, StepRecord
 from fenics_contact.results.records.uncertainty import Uncertainty
 from fenics_contact.results.records.units import UnitsRecord
@@ -50,6 +51,7 @@ class Outcome(Record):
         uncertainty: Quantity → how far tolerances of the scene let it be off, and its error bar.
         modes: Natural modes about the last state, contacts stuck, where they were asked for.
         damping: What joints damp of them at each amplitude, likewise.
+        stability: Whether steady sliding about the last state lasts, where it was asked for.
         error_notes: Sentences that say which errors were not estimated, and why.
         timings: Where the time went.
         versions: Program or library → version.
@@ -59,7 +61,7 @@ class Outcome(Record):
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
         {
             *("accuracy", "cycles", "damping", "derivatives", "fretting", "modes", "preloads"),
-            *("uncertainty", "units"),
+            *("stability", "uncertainty", "units"),
         }
     )
 
@@ -84,6 +86,7 @@ class Outcome(Record):
     uncertainty: Mapping[str, Uncertainty] = field(default_factory=dict)
     modes: list[ModeRecord] = field(default_factory=list)
     damping: list[DampingRecord] = field(default_factory=list)
+    stability: StabilityRecord | None = None
     error_notes: list[str] = field(default_factory=list)
     timings: Seconds
     versions: Mapping[str, str]

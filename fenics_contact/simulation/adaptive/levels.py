@@ -240,7 +240,7 @@ class AdaptiveRun:
     def _done(self, result: Result, reason: str) -> Result:
         """Of the last level, with derivatives and modes that the scene asks for; collective."""
         found = self.run.with_all_asked(result)
-        for phase in ("derivatives", "vibration"):
+        for phase in ("derivatives", "vibration", "stability"):
             self._seconds[phase] = found.timings[phase]
             self._seconds["total"] += found.timings[phase]
         return self._with_levels(found, reason)

@@ -27,6 +27,7 @@ from fenics_contact.simulation.output.contact_rows import contact_rows
 from fenics_contact.simulation.output.fields import FieldSeries
 from fenics_contact.simulation.output.fretting_file import write_fretting
 from fenics_contact.simulation.output.mode_files import damping_rows, write_modes
+from fenics_contact.simulation.output.stability_files import curve_rows, write_complex_modes
 from fenics_contact.simulation.output.step_table import StepTable
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.scene_run import Run
@@ -196,6 +197,8 @@ def _finish(run: Run, result: Result, folder: Path, scene: str) -> None:
 def _write_modes(run: Run, folder: Path) -> None:
     if run.vibration is not None:
         write_modes(run.problem.spaces, run.vibration.shapes, folder)
+    if run.stability is not None:
+        write_complex_modes(run.problem.spaces, run.stability.shapes, folder)
 
 
 class StepFiles:
@@ -280,13 +283,14 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 # Files of a run and of its report, and nothing else that may lie in the folder.
 _PICTURES = (
     r"(deformed|mesh|axis_stress|surface_displacement|convergence|accuracy|history_\w+"
-    r"|damping|modes|contact_\d+|contact_\d+_formula|stress_\d+|fretting_\w+|wear|wear_\d+)\.(png|pdf)"
+    r"|damping|modes|stability|contact_\d+|contact_\d+_formula|stress_\d+|fretting_\w+|wear|wear_\d+)"
+    r"\.(png|pdf)"
     r"|(animation_(body|\d+)|wear_\d+)\.gif"
 )
 # Those that say how a run ended, which is not true any more when it goes on.
 _OF_THE_END = (
-    rf"result\.json|(contact|fretting|damping)\.csv|(report|wear)\.html"
-    rf"|(modes|fretting)(\.pvd|\d{{6}}\.p?vtu|_p\d+_\d{{6}}\.vtu)|{_PICTURES}"
+    rf"result\.json|(contact|fretting|damping|stability)\.csv|(report|wear)\.html"
+    rf"|(modes|squeal|fretting)(\.pvd|\d{{6}}\.p?vtu|_p\d+_\d{{6}}\.vtu)|{_PICTURES}"
 )
 _LEVEL = "next_level"  # folder of a level that is not whole yet
 _OF_STEPS = (
@@ -313,6 +317,8 @@ def _write_tables(result: Result, folder: Path, scene: str) -> None:
 def _write_result(result: Result, folder: Path, scene: str) -> None:
     if result.damping:
         _replace(folder / "damping.csv", damping_rows(result.damping))
+    if result.stability is not None and result.stability.curve:
+        _replace(folder / "stability.csv", curve_rows(result.stability))
     # Last, and in one move: where it exists, the run is complete.
     content = _finite(result.record(scene).as_dict())
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)

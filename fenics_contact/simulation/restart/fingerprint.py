@@ -22,7 +22,7 @@ from fenics_contact.scene.values import RAMP
 # answer, and what units are called, as numbers are the same in all of them.
 _FREE = (
     *("title", "steps", "solver", "mesh", "units"),
-    *("derivatives", "tolerances", "fretting", "modes", "damping"),
+    *("derivatives", "tolerances", "fretting", "modes", "damping", "stability"),
 )
 # Keys that states written before they were there do not know: as long as they have their defaults
 # they do not count.

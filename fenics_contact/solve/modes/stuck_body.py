@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from fenics_contact.common.arrays import Array
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.modes.linearised_body import LinearisedBody
 
 
-class StuckBody:
+class StuckBody(LinearisedBody):
     """Small changes about a state, at the begin of a load step; collective, as all its methods.
 
     Points that carry pressure are held by the stiffness of contact, and of friction before anything
@@ -21,25 +19,5 @@ class StuckBody:
     """
 
     def __init__(self, system: CondensedSystem, body: CondensedBody) -> None:
-        self._system, self._body = system, body
-        self._problem = system.problem
-        self._problem.stick_all()
-        system.linearise(system.state)
-
-    def solve(self, nodal: Array) -> Array:
-        """What forces change of the displacement.
-
-        Args:
-            nodal: At the nodes of this rank, (nodes, components) (force).
-
-        Returns:
-            Likewise (length); 0 where supports hold.
-        """
-        system, body = self._system, self._body
-        load = body.stiffness.load(nodal, np.zeros_like(nodal), body.held)
-        condensed = body.bulk.condense(load)
-        along = body.preloads.from_loads(load, np.zeros_like(load))
-        at_contacts, shortenings = system.change(condensed, along)
-        for value, one in zip(shortenings, body.preloads.loads, strict=True):
-            load += value * one
-        return body.stiffness.at_nodes(body.bulk.expand(load, at_contacts))
+        system.problem.stick_all()
+        super().__init__(system, body)
