@@ -104,6 +104,25 @@ class Entry:
     variants: tuple[Variant, ...] = field(default=())
 
 
+def _impact(solved: Solved) -> Iterator[Finding]:
+    """Hertz's law with Newton's, for the mass of the mesh; a ball is by 4 % stiffer."""
+    modulus, radius, speed = 210e3 / (1 - 0.3**2), 10.0, 5000.0
+    mass = 4 / 3 * pi * radius**3 * 7.85e-9
+    force = 1.282689 * modulus**0.4 * mass**0.6 * speed**1.2 * radius**0.2
+    lasts = 2.868266 * (mass**2 / (radius * modulus**2 * speed)) ** 0.2
+    widest = 0.987175 * (radius**2 * mass * speed**2 / modulus) ** 0.2
+    forces = np.array([step["normal_force"] for step in solved.steps()])
+    areas = np.array([step["contact_area"] for step in solved.steps()])
+    yield Finding("largest force over that of a half-space", float(forces.max()), force, 0.05)
+    time = 2e-7 * np.count_nonzero(forces > 0)
+    yield Finding("duration of the contact, likewise", float(time), lasts, 0.05)
+    yield Finding("largest radius of the contact", sqrt(areas.max() / pi), widest, 0.06)
+    impulse = solved.result.quantities["impulse"][1]
+    yield Finding("impulse over 2 m v", impulse / (2 * mass * speed), 1.0, 0.01)
+    left = solved.value("kinetic_energy") / (0.5 * mass * speed**2)
+    yield Finding("kinetic energy that is left", left, 1.0, 0.01)
+
+
 _MODULUS = formulas.plane_strain_modulus(1000, 0.3)
 _HERTZ = formulas.paraboloid(_MODULUS, radius=8, indentation=1)
 _RING = formulas.annular_punch_force(_MODULUS, inner=0.5, outer=1, indentation=0.01)
@@ -333,6 +352,10 @@ ENTRIES: dict[str, Entry] = {
     "cycle": Entry(
         source=f"{JOHNSON}, sections 7.2 and 7.4, for the largest force that came out",
         findings=_cycle,
+    ),
+    "impact": Entry(
+        source=f"H. Hertz; {JOHNSON}, section 11.4; balance of momentum",
+        findings=_impact,
     ),
     "fretting": Entry(
         source="D. Nowell, D. A. Hills, Int. J. Mech. Sci. 29 (1987) 355-365",

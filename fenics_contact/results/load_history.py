@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,6 +57,11 @@ class History:
         """That of a run."""
         steps = [step for step in result.steps if step.quantities]
         return cls(steps, np.array([step.load_factor for step in steps]))
+
+    @property
+    def clock(self) -> str:
+        """What its times are: ``time`` where bodies move, else ``pseudo-time``."""
+        return clock_of(self.steps)
 
     def quantity(self, name: str) -> Array:
         """A quantity of the whole model, (steps,) or (steps, components); no number if unknown."""
@@ -142,6 +147,12 @@ def _along(where: str, moved: Array, force: Array, word: str, symbol: str) -> It
 
 def _varies(values: Array) -> bool:
     return bool(np.ptp(values, axis=0).max() > _STILL * np.abs(values).max())
+
+
+def clock_of(steps: Sequence[StepRecord]) -> str:
+    """What times of load steps are: ``time`` where bodies move, else ``pseudo-time``."""
+    moves = any("kinetic_energy" in step.quantities for step in steps)
+    return "time" if moves else "pseudo-time"
 
 
 def newton_steps(number: int) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fenics_contact.common.parallel import largest
@@ -52,7 +54,7 @@ def of_answer(
     """
     return (
         of_checks(checks)
-        + untouched(problem, solution)
+        + untouched(problem, solution, steps)
         + without_friction(problem)
         + facets_too_straight(problem, solution)
         + slid_far(steps)
@@ -84,14 +86,24 @@ def of_quick_answer(
     return found + _WITHOUT_FIELDS
 
 
-def untouched(problem: Problem, solution: Solution) -> str:
-    """A sentence on contacts at which nothing touches, or nothing; collective."""
+def untouched(problem: Problem, solution: Solution, steps: Sequence[StepRecord] = ()) -> str:
+    """A sentence on contacts at which nothing touches, or nothing; collective.
+
+    Args:
+        problem: The model.
+        solution: Of the last load step.
+        steps: All of a motion, in which bodies that touched may have left each other.
+    """
+    left = set()
+    if problem.inertia is not None:
+        rows = [row for step in steps for row in step.contacts]
+        left = {row.name for row in rows if row.quantities.get("contact_area", 0.0) > 0}
     touched = [
         largest(problem.comm, np.abs(state.contact_pressure)) > 0 for state in solution.states
     ]
     words = ""
     for contact, touches in zip(problem.contacts, touched, strict=True):
-        if not touches and not contact.normal.pressure_is_known:
+        if not (touches or contact.label in left or contact.normal.pressure_is_known):
             what = "The body does not touch the obstacle"
             if contact.sides.opposite is not None:
                 what = "The two surfaces do not touch each other"

@@ -35,6 +35,7 @@ LONG = {
         "mesh.curvature=8",
         "steps.times=[1, 1.5, 2, 3, 4, 6]",
     ],
+    "impact": ["mesh.parameters.size=0.3", "motion.step=1e-6"],
     "joint_damping": [
         "mesh.0.parameters.cells_along=20",
         "mesh.1.parameters.cells_along=20",
@@ -396,3 +397,15 @@ def test_layers_slip_more_the_further_they_bend(tmp_path):
     assert little["natural_frequency"] == pytest.approx(beam, rel=5e-3)
     assert little["damping_ratio"] < 1e-6 < 0.1 < much["damping_ratio"] < 0.3
     assert 0.5 * beam < much["natural_frequency"] < 0.8 * beam
+
+
+def test_a_ball_bounces_as_hertz_and_newton_say(tmp_path):
+    """Coarser than the demo: the force to 10 %, what it gives back to 1 %."""
+    found = run_demo("impact", tmp_path, *LONG["impact"])
+    steps = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["steps"]
+    forces = [step["quantities"]["normal_force"] for step in steps]
+    assert max(forces) == pytest.approx(15934, rel=0.1)
+    assert 1e-6 * sum(force > 0 for force in forces) == pytest.approx(38e-6, rel=0.1)
+    mass = found["momentum"][1] / 5000
+    assert mass == pytest.approx(4 / 3 * pi * 10**3 * 7.85e-9, rel=0.02)
+    assert found["impulse"][1] == pytest.approx(2 * mass * 5000, rel=0.01)

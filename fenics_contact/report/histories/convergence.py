@@ -13,6 +13,8 @@ from fenics_contact.report.drawing.figures import legend_beside, new_figure, pla
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, DOUBLE, FORMULA, LINES, WIDE
 from fenics_contact.report.drawing.units import labelled
+from fenics_contact.report.histories.load_steps import time_label
+from fenics_contact.results.load_history import clock_of
 from fenics_contact.results.records.model import LevelRecord
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.steps import StepRecord
@@ -83,7 +85,7 @@ def _per_step(panel: Axes, steps: list[StepRecord]) -> None:
     panel.plot(time, outer, "s", color=COLOURS["SLIP"], markersize=2.5, label="outer")
     panel.set_ylim(bottom=0, top=1.25 * max([1, *newton, *outer]))
     panel.yaxis.get_major_locator().set_params(integer=True)
-    panel.set_xlabel("pseudo-time, $t$")
+    panel.set_xlabel(time_label(clock_of(steps)))
     panel.set_ylabel("iterations")
     panel.set_title("Iterations of every load step")
     panel.legend(ncols=2, loc="upper left")

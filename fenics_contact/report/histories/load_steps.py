@@ -57,6 +57,15 @@ def draw_history(folder: Path, result: Outcome, far: tuple[str, ...] = ()) -> li
     return [*drawn, _energies(history, folder / "history_energy.png")]
 
 
+def time_label(clock: str) -> str:
+    """Of an axis of times; pseudo-time has no unit.
+
+    Args:
+        clock: As of ``History``.
+    """
+    return labelled("time, $t$", "time") if clock == "time" else f"{clock}, $t$"
+
+
 def over_time(title: str, heights: list[float], history: History) -> tuple[Figure, list[Axes]]:
     """A figure of panels over the pseudo-time, one below the other.
 
@@ -72,7 +81,7 @@ def over_time(title: str, heights: list[float], history: History) -> tuple[Figur
         sharex=True,
         height_ratios=heights,
     )
-    panels[-1].set_xlabel("pseudo-time, $t$")
+    panels[-1].set_xlabel(time_label(history.clock))
     first, second, *_ = history.time
     panels[-1].set_xlim(max(0, 2 * first - second), 1.03 * history.time[-1])
     return figure, panels
@@ -133,7 +142,7 @@ def draw_forces(history: History, contacts: list[ContactRecord], path: Path) -> 
     figure.align_ylabels(panels)
     save(figure, path)
     said = "Normal force P" + (" and friction force Q" if friction else "")
-    said = f"{said} on the body over the pseudo-time t."
+    said = f"{said} on the body over the {history.clock} t."
     if wraps:
         said += " Where a surface wraps around, ∫ p dA stands for the normal force."
     return Picture(path, "Forces on the body", said, followed(figure, panels, history))
@@ -175,7 +184,7 @@ def _areas(history: History, contacts: list[ContactRecord], path: Path) -> Pictu
             )  # fmt: skip
         panel.legend(loc="upper left", ncols=2)
     save(figure, path)
-    said = "Area in contact over the pseudo-time t"
+    said = f"Area in contact over the {history.clock} t"
     if any(contact.carries_shear for contact in contacts):
         said += ", and the parts of it that stick and slip"
     return Picture(path, "Areas in contact", said + ".", followed(figure, panels, history))
