@@ -1,8 +1,8 @@
 """A steel ball that hits a rigid wall with 5 m/s, as after a fall from 1.3 m, and rebounds.
 
 As long as waves run through the ball many times in a contact, its force follows from Hertz's law
-F = 4/3 E* √R d^1.5 and Newton's m d'' = −F (H. Hertz 1882; K. L. Johnson, Contact Mechanics, section
-11.4): with m the mass, E* = E/(1 − ν²) and R = 10 mm
+F = 4/3 E* √R d^1.5 and Newton's m d'' = −F (H. Hertz 1882; K. L. Johnson, Contact Mechanics,
+section 11.4): with m the mass, E* = E/(1 − ν²) and R = 10 mm
 
     the contact lasts 2.868 (m²/(R E*² v))^(1/5) = 38.0 µs,
     its force is at most 1.283 E*^(2/5) m^(3/5) v^(6/5) R^(1/5) = 15.9 kN,

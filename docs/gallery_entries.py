@@ -113,7 +113,7 @@ def _impact(solved: Solved) -> Iterator[Finding]:
     widest = 0.987175 * (radius**2 * mass * speed**2 / modulus) ** 0.2
     forces = np.array([step["normal_force"] for step in solved.steps()])
     areas = np.array([step["contact_area"] for step in solved.steps()])
-    yield Finding("largest force over that of a half-space", float(forces.max()), force, 0.05)
+    yield Finding("largest force, of a half-space", float(forces.max()), force, 0.05)
     time = 2e-7 * np.count_nonzero(forces > 0)
     yield Finding("duration of the contact, likewise", float(time), lasts, 0.05)
     yield Finding("largest radius of the contact", sqrt(areas.max() / pi), widest, 0.06)
