@@ -22,6 +22,7 @@ class LastStep:
             overlap is none yet (length).
         dissipated: Work of friction in the load steps that are done (force × length).
         left_open: Work of pressures, where a gap was measured anew between steps (likewise).
+        dissipated_before: The same at the begin of each cycle of loads that began (likewise).
         acts_all_along: Whether friction at the end of a step acts in all of it, as in motion.
     """
 
@@ -29,6 +30,7 @@ class LastStep:
         self.state = at_rest
         self.gap = gap
         self.dissipated, self.left_open = 0.0, 0.0
+        self.dissipated_before: tuple[float, ...] = ()
         self.acts_all_along = False
         # What laws keep of their own, they remember themselves.
         self._names = [field.name for field in fields(at_rest) if field.name != "own"]
@@ -98,6 +100,10 @@ class LastStep:
         """
         self.state, self.gap = state, gap
         self.dissipated += work
+
+    def begin_cycle(self) -> None:
+        """A cycle of loads begins with the next step."""
+        self.dissipated_before = (*self.dissipated_before, self.dissipated)
 
     def count_from(self, slip: Array) -> None:
         """What faces what was found anew: the slip of the last step, in the new measure.

@@ -21,6 +21,8 @@ class ContactMemory:
         at_points: What its laws declare, and what happened at the end of the step before, by name:
             (points,) or (points, components).
         paired_at: Displacement at which two bodies were paired; None as meshed (length).
+        dissipated_before: `dissipated` at the begin of each cycle of loads that began (force ×
+            length).
     """
 
     indentation: float
@@ -30,6 +32,7 @@ class ContactMemory:
     is_scaled: bool
     at_points: dict[str, Array]
     paired_at: Array | None
+    dissipated_before: tuple[float, ...] = ()
 
 
 def remember(contact: ContactSurface) -> ContactMemory:
@@ -46,6 +49,7 @@ def remember(contact: ContactSurface) -> ContactMemory:
         | contact.normal.remember()
         | contact.wear.kept(),
         paired_at=kinematics.paired_at,
+        dissipated_before=contact.last_step.dissipated_before,
     )
 
 
@@ -61,6 +65,7 @@ def recall(contact: ContactSurface, memory: ContactMemory) -> None:
     """Go back to a remembered state, bodies being paired as they were."""
     contact.kinematics.indentation = memory.indentation
     contact.last_step.restore(memory.at_points, memory.dissipated, memory.left_open)
+    contact.last_step.dissipated_before = tuple(memory.dissipated_before)
     contact.normal.recall(memory.at_points)
     contact.friction.recall_scale(memory.regularisation_parameter, memory.is_scaled)
     contact.friction.recall(memory.at_points)

@@ -22,7 +22,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.surface.supports import SurfaceSupports
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.problem.discrete_body import DiscreteBody
-from fenics_contact.problem.drive import Drive
+from fenics_contact.problem.drive import Disturbance, Drive
 from fenics_contact.problem.far_field import FarField
 from fenics_contact.problem.inertia.inertia import Inertia
 from fenics_contact.problem.loads import given_loads
@@ -68,7 +68,7 @@ class Problem:
         given_load: Present nodal loads with the prescribed contact pressures, (nodes, components).
         load: What acts at the nodes in the balance to solve: the same, but in a step of motion.
         pressure_load: The part of it that is prescribed contact pressures.
-        disturbance: Nodal loads over pseudo-time besides the scene's, to see what they do, or None.
+        disturbance: Forces besides the scene's that grow with time, to see what they do, or None.
         tightening: Forces of preloads over pseudo-time besides the scene's, likewise, (preloads,).
         drive: Forces besides the scene's while all that this says rests, or None.
     """
@@ -88,7 +88,7 @@ class Problem:
         self.elastic, self.constrained = discrete.elastic, discrete.constrained
         self.body = self.spaces.body
         self.comm = self.spaces.comm
-        self.disturbance: Array | None = None
+        self.disturbance: Disturbance | None = None
         self.inertia: Inertia | None = None
         self.drive: Drive | None = None
         self._shares: list[float] | None = None  # of the loads, at the present time
@@ -289,8 +289,9 @@ class Problem:
         drive, now = self.drive, time
         time = self.scene.path_time(now if drive is None else drive.rest)
         self._set_loads(time)
-        if drive is not None:
-            self.given_load += drive.at(now)
+        for more in (drive, self.disturbance):
+            if more is not None:
+                self.given_load += more.at(now)
         for contact in self.contacts:
             contact.set_time(time)
         if self.inertia is None:
@@ -298,8 +299,8 @@ class Problem:
         else:
             self.load = self.inertia.effective_load(self.given_load)
             self.inertia.follow_velocities()
-        for preload, more in zip(self.preloads, self.tightening, strict=True):
-            preload.set_time(time, float(more))
+        for preload, pull in zip(self.preloads, self.tightening, strict=True):
+            preload.set_time(time, float(pull))
         self.prescribed = self.supports.at(time)
         if self.far_field is not None:
             values = self.far_field.beyond.copy()
@@ -321,8 +322,6 @@ class Problem:
         for array, path in self._loads:
             self.given_load += array * path(time)
         self._shares = shares
-        if self.disturbance is not None:
-            self.given_load += self.disturbance * time
         if self.disturbance is not None or self.drive is not None:
             self._shares = None
 

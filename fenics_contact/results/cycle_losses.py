@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from itertools import takewhile
 from typing import Any
@@ -18,8 +18,10 @@ from fenics_contact.results.records.cycles import (
     CyclesRecord,
     LoopRecord,
 )
+from fenics_contact.results.records.record import ErrorRow
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.loading.cycles import Cycles
+from fenics_contact.scene.quantity_names import LossOfCycle
 
 # Of pseudo-times that are the same.
 _SAME = 1e-9
@@ -30,6 +32,7 @@ def cycles_record(
     contacts: list[ContactRecord],
     cycles: Cycles | None,
     far: tuple[str, ...] = (),
+    errors: Mapping[LossOfCycle, ErrorRow] | None = None,
 ) -> CyclesRecord | None:
     """``cycles`` of ``result.json``; None where loads do not come again, or no cycle was done.
 
@@ -38,6 +41,7 @@ def cycles_record(
         contacts: Of the run.
         cycles: Those of the scene.
         far: Names of supports that are no drives: they move as a half-space does.
+        errors: Estimated errors of the losses, where they were estimated.
     """
     accepted = [step for step in steps if step.quantities]
     ends = [number for number, step in enumerate(accepted) if step.cycle is not None]
@@ -50,7 +54,8 @@ def cycles_record(
         return _passed_over(history, cycles)
     begin = _before_cycles(history.time, cycles)
     begins = [begin, *ends[:-1]]
-    each = [_cycle(history, drives, *span) for span in zip(begins, ends, strict=True)]
+    spans = zip(begins, ends, strict=True)
+    each = [_cycle(history, drives, *span, errors or {}) for span in spans]
     last = each[-1]
     # Of a run that was gone on with, earlier ones may have been closed with a larger tolerance.
     repeating = list(takewhile(lambda one: one.is_closed, reversed(each)))
@@ -63,7 +68,23 @@ def cycles_record(
         computed=len(each),
         loss=sum(one.loss for one in each) + repeats * last.loss,
         each=each,
+        errors=_of_all([one.errors for one in each], repeats),
     )
+
+
+def _of_all(rows: Sequence[ErrorRow], repeats: int) -> ErrorRow:
+    """Errors of a sum.
+
+    Args:
+        rows: Of what is added.
+        repeats: How often the last one comes again.
+    """
+    found: dict[str, float | None] = {}
+    for source in rows[-1]:
+        values = [row.get(source) for row in (*rows, *[rows[-1]] * repeats)]
+        known = [value for value in values if value is not None]
+        found[source] = sum(known) if len(known) == len(values) else None
+    return found
 
 
 def _passed_over(history: History, cycles: Cycles) -> CyclesRecord:
@@ -95,6 +116,7 @@ def _passed_over(history: History, cycles: Cycles) -> CyclesRecord:
         computed=len(each),
         loss=works[1] - works[0] + each[0].loss,
         each=each,
+        errors={"total": None},
     )
 
 
@@ -109,7 +131,13 @@ def _before_cycles(times: Array, cycles: Cycles) -> int:
     return int(np.searchsorted(times, cycles.begin + close)) - 1
 
 
-def _cycle(history: History, drives: list[Drive], begin: int, end: int) -> CycleRecord:
+def _cycle(
+    history: History,
+    drives: list[Drive],
+    begin: int,
+    end: int,
+    errors: Mapping[LossOfCycle, ErrorRow],
+) -> CycleRecord:
     """What comes out of a cycle.
 
     Args:
@@ -117,6 +145,7 @@ def _cycle(history: History, drives: list[Drive], begin: int, end: int) -> Cycle
         drives: What is moved in it.
         begin: Number of the load step before; -1 at the start.
         end: Of its last load step.
+        errors: Of the losses of all cycles.
     """
     steps = history.steps
     last, before = steps[end], steps[begin] if begin >= 0 else None
@@ -130,6 +159,7 @@ def _cycle(history: History, drives: list[Drive], begin: int, end: int) -> Cycle
         - (before.contacts[number].quantities["friction_work"] if before else 0.0)
         for number, contact in enumerate(last.contacts)
     }
+    cycle, unknown = last.cycle.number, {"total": None}
     return CycleRecord(
         **_as_said(last.cycle),
         steps=[begin + 2, end + 1],
@@ -137,7 +167,11 @@ def _cycle(history: History, drives: list[Drive], begin: int, end: int) -> Cycle
         work=since("external_work"),
         contacts=lost,
         loops=[_loop(drive, begin, end) for drive in drives],
-        errors={"total": None},
+        errors=errors.get(LossOfCycle(cycle), unknown),
+        contact_errors={
+            name: errors.get(LossOfCycle(cycle, number), unknown)
+            for number, name in enumerate(lost)
+        },
     )
 
 

@@ -67,6 +67,24 @@ class OfPreload:
 
 
 @dataclass(frozen=True)
+class LossOfCycle:
+    """Key of what friction dissipates in a cycle of loads.
+
+    Attributes:
+        cycle: Its number, counted from 1.
+        contact: Number of the contact; None for all.
+    """
+
+    cycle: int
+    contact: int | None = None
+
+    @property
+    def friction_work(self) -> Hashable:
+        """Key of the work of which it is the part of the cycle."""
+        return "friction_work" if self.contact is None else (self.contact, "friction_work")
+
+
+@dataclass(frozen=True)
 class QuantityNames:
     """The names that a scene gives to contacts, supports and points.
 

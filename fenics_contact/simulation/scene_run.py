@@ -277,7 +277,8 @@ class Run:
             fretting, places = found or (None, None)
         contacts = self.contacts(history.by_contact)
         far = () if self.scene.half_space is None else (self.scene.half_space.label,)
-        cycles = cycles_record(history.steps, contacts, cycles_of(self.scene), far)
+        losses = self.end.budget.losses
+        cycles = cycles_record(history.steps, contacts, cycles_of(self.scene), far, losses)
         return Result(
             title=self.scene.title,
             converged=True,

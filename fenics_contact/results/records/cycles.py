@@ -94,6 +94,7 @@ class CycleRecord(CycleEnd):
         contacts: Name of a contact → what friction dissipates there (energy).
         loops: Force against displacement of what is moved.
         errors: Estimated errors of the loss.
+        contact_errors: Name of a contact → those of what friction dissipates there.
     """
 
     steps: list[int]
@@ -102,6 +103,7 @@ class CycleRecord(CycleEnd):
     contacts: Quantities
     loops: list[LoopRecord] = field(default_factory=list)
     errors: ErrorRow = field(default_factory=dict)
+    contact_errors: Mapping[str, ErrorRow] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -116,6 +118,8 @@ class CyclesRecord(Record):
         loss: What friction dissipates in all of them, with those that repeat or are passed over
             (energy).
         each: Those that were computed.
+        errors: Estimated errors of the loss of all: as far as their causes are the same in each
+            cycle, they add up.
     """
 
     kind: str
@@ -124,3 +128,4 @@ class CyclesRecord(Record):
     computed: int
     loss: float
     each: list[CycleRecord]
+    errors: ErrorRow = field(default_factory=dict)

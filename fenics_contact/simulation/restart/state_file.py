@@ -316,7 +316,7 @@ def _plain_part(memory: ContactMemory) -> dict[str, Any]:
     """What is no array."""
     fields = dataclasses.fields(memory)
     parts = {field.name: getattr(memory, field.name) for field in fields}
-    return {name: part for name, part in parts.items() if isinstance(part, float | bool)}
+    return {name: part for name, part in parts.items() if isinstance(part, float | bool | tuple)}
 
 
 def _paired_at(number: int) -> str:

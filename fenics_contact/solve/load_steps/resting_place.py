@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.contact.snapshot import ContactMemory, recall, recall_pairing, remember
+from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.solve.coulomb.friction_scale import follow_pressure
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.tightening import tighten
+
+# Of pseudo-times that are the same.
+_SAME = 1e-9
 
 
 class RestingPlace:
@@ -31,6 +37,7 @@ class RestingPlace:
         self.problem = newton.problem
         self.last: AcceptedStep | None = None
         self._untouched = [remember(contact) for contact in self.problem.contacts]
+        self._begins = _begins_of_cycles(self.problem)
         self._has_moved_on = False
 
     @property
@@ -66,10 +73,15 @@ class RestingPlace:
             return
         for contact in self.problem.contacts:
             contact.accept()
+            if self._begins_cycle(last.unknowns.time):
+                contact.last_step.begin_cycle()
             # A guess of what the next step needs.
             follow_pressure(contact, last.solution.imbalance_limit)
         self.newton.begin.pair_anew(last.solution)
         self._has_moved_on = True
+
+    def _begins_cycle(self, time: float) -> bool:
+        return bool(np.any(np.abs(self._begins - time) <= _SAME * self._begins))
 
     def go_back(self) -> None:
         """To the last accepted step as it was solved, or to none; collective."""
@@ -100,3 +112,10 @@ class RestingPlace:
         if mixed is not None:
             mixed.mean_stress.x.array[:] = unknowns.mean_stress
         self.newton.begin.at(unknowns.position_in(self.newton.system), unknowns.scalars)
+
+
+def _begins_of_cycles(problem: Problem) -> Array:
+    """Pseudo-times at which cycles of loads begin, but for the start."""
+    cycles = cycles_of(problem.scene)
+    starts = () if cycles is None else cycles.repetition.starts
+    return np.array([time for time in starts if time > 0])

@@ -13,7 +13,7 @@ from typing import Any
 
 from fenics_contact.results.quantities import reactions_by_name
 from fenics_contact.results.records.contacts import PreloadRecord, ReactionRecord, SupportRecord
-from fenics_contact.scene.quantity_names import OfPreload, Reaction
+from fenics_contact.scene.quantity_names import LossOfCycle, OfPreload, Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.convergence.unbounded import Unbounded
 from fenics_contact.trust.error_estimates.estimates import SOURCES, Errors, Estimates
@@ -37,6 +37,7 @@ class ErrorBudget:
         supports: The same of every support.
         reactions: The same of all supports of a name together, by that.
         preloads: The same of every preload, by its name.
+        losses: Of what friction dissipates in a cycle of loads, by its key.
         notes: Sentences that say what was not estimated, and why.
         local: Errors of the cells, where those by the mesh were estimated.
         unbounded: What does not converge, by the keys of quantities, of a contact by its number
@@ -48,6 +49,7 @@ class ErrorBudget:
     supports: list[dict[str, Row]] = field(default_factory=list)
     reactions: dict[str, dict[str, Row]] = field(default_factory=dict)
     preloads: dict[str, dict[str, Row]] = field(default_factory=dict)
+    losses: dict[LossOfCycle, Row] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     local: LocalErrors | None = None
     unbounded: dict[Hashable, str] = field(default_factory=dict)
@@ -131,6 +133,7 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
         supports=[of[number] for number in range(len(problem.applied_supports))],
         reactions={name: row for name, row in of.items() if isinstance(name, str)},
         preloads=preloads,
+        losses={key: row for key, row in rows.items() if isinstance(key, LossOfCycle)},
         notes=notes,
         local=estimates.local,
         unbounded=why,

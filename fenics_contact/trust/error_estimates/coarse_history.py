@@ -24,6 +24,7 @@ from fenics_contact.trust.error_estimates.solving_again import (
     Change,
     Measure,
     Quantities,
+    Visit,
     differences,
     steps_again,
 )
@@ -70,7 +71,10 @@ class CoarseHistory:
             return None
         every, own = (sum(map(len, parts)) for parts in (self._parts, self._coarse))
         return Again(
-            self._found, lambda change: self._along(self._coarse, self._ends, change), every / own
+            self._found,
+            lambda change: self._along(self._coarse, self._ends, change),
+            every / own,
+            lambda visit: self._along(self._coarse, self._ends, visit=visit),
         )
 
     def step_errors(self) -> Errors | None:
@@ -127,11 +131,13 @@ class CoarseHistory:
         near: Mapping[float, StepEnd],
         change: Change | None = None,
         kept: dict[float, StepEnd] | None = None,
+        visit: Visit | None = None,
     ) -> Quantities | None:
         """Quantities at the end of other load steps, which begin at known ends; collective."""
         times = [time for part in parts for time in part]
         path = _NearPath(times, near)
-        return steps_again(self._load_steps, self._measure, times, change, path.solve, kept)
+        calls = (change, path.solve, kept, visit)
+        return steps_again(self._load_steps, self._measure, times, *calls)
 
 
 class _NearPath:

@@ -9,12 +9,13 @@ from typing import Any
 from fenics_contact.common.timings import ESTIMATING, doing
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
-from fenics_contact.scene.loading.load_paths import knots
+from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.coarse_history import CoarseHistory
 from fenics_contact.trust.error_estimates.half_space import domain_errors
 from fenics_contact.trust.error_estimates.load_steps import between_turns, step_errors
+from fenics_contact.trust.error_estimates.losses_of_cycles import OfCycles, without_losses
 from fenics_contact.trust.error_estimates.measured import Measured, recorded
 from fenics_contact.trust.error_estimates.mesh.estimate import mesh_errors
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
@@ -61,6 +62,7 @@ class Estimates:
         self._notes: list[str] = []
         self.local: LocalErrors | None = None
         self._parts = between_turns(self._times, knots(scene))
+        self._of_cycles = OfCycles(cycles_of(scene), self._times)
         self._takes_all = self._wants_all or len(self._times) <= _SHORT
 
     def all(self) -> tuple[dict[str, Errors], list[str]]:
@@ -88,14 +90,13 @@ class Estimates:
             if why not in self._notes:
                 self._notes.append(why)
             return None
-        load_steps, measure = self._load_steps, self._measure
         estimate: dict[str, Callable[[], Errors]] = {
             "mesh": self._of_mesh,
             "penalty": lambda: self._by_again(penalty_errors),
             "regularisation": lambda: self._by_again(regularisation_errors),
-            "iteration": lambda: iteration_errors(load_steps, measure),
+            "iteration": self._of_iterations,
             "step": self._of_steps,
-            "domain": lambda: domain_errors(load_steps, measure),
+            "domain": self._of_domain,
         }
         doing(f"{ESTIMATING} by {_WORDS[source]}")
         found = estimate[source]()
@@ -159,6 +160,14 @@ class Estimates:
     def _by_again(self, estimate: Callable[[LoadSteps, Again], Errors]) -> Errors:
         return None if self._again is None else estimate(self._load_steps, self._again)
 
+    def _of_iterations(self) -> Errors:
+        found = iteration_errors(self._load_steps, self._measure)
+        return None if found is None else self._of_cycles.of_steps(found)
+
+    def _of_domain(self) -> Errors:
+        found = domain_errors(self._load_steps, self._measure)
+        return None if found is None else without_losses(found)
+
     def _of_steps(self) -> Errors:
         if self._takes_all:
             return step_errors(self._load_steps, self._measure, self._parts)
@@ -177,6 +186,8 @@ class Estimates:
             for key, error in self._shared().items():
                 if key in found:
                     found[key] += error
+        if found is not None and again.walk is None:
+            found = without_losses(found)
         if found is not None and "max_contact_pressure" not in found:
             self._notes.append(
                 "The largest contact pressure has no error bar: cells are too coarse there, or it "

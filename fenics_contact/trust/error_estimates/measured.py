@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping
 from typing import Any
 
+import numpy as np
+
 from fenics_contact.evaluate.condensed_forces import CondensedForces
 from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
@@ -17,7 +19,8 @@ from fenics_contact.evaluate.quantities import (
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.quantities import QUANTITIES, QuantityValue, reactions_by_name
 from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
-from fenics_contact.scene.quantity_names import OF_PRELOADS, OfPreload, Reaction
+from fenics_contact.scene.loading.load_paths import cycles_of
+from fenics_contact.scene.quantity_names import OF_PRELOADS, LossOfCycle, OfPreload, Reaction
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
@@ -82,6 +85,7 @@ def measured(
     found.update(forces.at_points())
     for number, of_contact in enumerate(contacts):
         found |= {(number, name): value for name, value in _known(of_contact).items()}
+    found |= _losses_of_cycles(problem, solution)
     return found | _reactions(supports) | _preloads(preload_records(problem, solution))
 
 
@@ -97,6 +101,23 @@ def recorded(
             recorded = of["quantities"].get(name)
             found[key] = answer[key] if recorded is None else recorded
     return found
+
+
+def _losses_of_cycles(problem: Problem, solution: Solution) -> dict[Hashable, QuantityValue]:
+    """Of each cycle of loads up to now, at each contact and in all; collective."""
+    cycles = cycles_of(problem.scene)
+    if cycles is None:
+        return {}
+    found: dict[Hashable, QuantityValue] = {}
+    every: dict[int, float] = {}
+    pairs = zip(problem.contacts, solution.states, strict=True)
+    for number, (contact, state) in enumerate(pairs):
+        begins = [0.0] if cycles.begin == 0 else []
+        works = [*begins, *contact.last_step.dissipated_before, contact.work.of_friction(state)]
+        for cycle, loss in enumerate(np.diff(works), start=1):
+            found[LossOfCycle(cycle, number)] = float(loss)
+            every[cycle] = every.get(cycle, 0.0) + float(loss)
+    return found | {LossOfCycle(cycle): loss for cycle, loss in every.items()}
 
 
 def _reactions(supports: list[SupportRecord]) -> dict[Hashable, QuantityValue]:

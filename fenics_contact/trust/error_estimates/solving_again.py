@@ -31,6 +31,8 @@ _ENOUGH, _ROUGHEST = 1e-2, 1e-4
 Quantities = Mapping[Hashable, QuantityValue]
 Measure = Callable[[Solution], Quantities]
 Change = Callable[[Problem], None]
+# Called with pseudo-time and solution of each load step that is taken again, in its state.
+Visit = Callable[[float, Solution], None]
 
 
 @dataclass(frozen=True)
@@ -42,11 +44,13 @@ class Again:
         changed: Those with it; None where they are not found; collective.
         stands_for: Load steps of the history over those that are taken again: of each of these a
             point creeps anew.
+        walk: Takes the load steps again without a change; None of the last one alone; collective.
     """
 
     answer: Quantities
     changed: Callable[[Change], Quantities | None]
     stands_for: float = 1.0
+    walk: Callable[[Visit], object] | None = None
 
     @classmethod
     def of_last_step(cls, load_steps: LoadSteps, measure: Measure, roughly: bool = False) -> Again:
@@ -72,7 +76,11 @@ class Again:
             times: Their pseudo-times.
         """
         answer = measure(_answer(load_steps))
-        return cls(answer, lambda change: steps_again(load_steps, measure, times, change))
+        return cls(
+            answer,
+            lambda change: steps_again(load_steps, measure, times, change),
+            walk=lambda visit: steps_again(load_steps, measure, times, visit=visit),
+        )
 
 
 class AlongLine:
@@ -163,6 +171,7 @@ def steps_again(
     change: Change | None = None,
     near: Callable[[Newton], Solution | None] | None = None,
     ends: dict[float, StepEnd] | None = None,
+    visit: Visit | None = None,
 ) -> Quantities | None:
     """Solve all load steps again from the start, each with the ε that it needs; collective.
 
@@ -173,6 +182,7 @@ def steps_again(
         change: As of ``last_step_again``, called in the state of the start.
         near: Solves a step from an answer near by, as ``LoadSteps.warm``.
         ends: Where the ends of the steps are to be kept, if they are.
+        visit: Called at the end of each step.
 
     Returns:
         Quantities of the last step; None where a step does not converge, or has no loads.
@@ -181,7 +191,7 @@ def steps_again(
     earlier, system.earlier_forces = system.earlier_forces, 0.0
     try:
         again = load_steps.afresh(times)
-        again.warm, again.ends = near, ends
+        again.warm, again.ends, again.accepted = near, ends, visit
         if change is not None:
             change(load_steps.problem)
         return measure(again.solve())

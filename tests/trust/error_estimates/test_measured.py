@@ -5,6 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Run
+from fenics_contact.problem.drive import Disturbance
 from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.trust.error_estimates import measured as module
 from fenics_contact.trust.error_estimates.measured import Measured
@@ -30,7 +31,7 @@ def both(name):
         size = problem.spaces.components
 
         def disturb(problem):
-            problem.disturbance = waves[:, :size]
+            problem.disturbance = Disturbance.growing(waves[:, :size], 1.0)
             problem.set_time(load_steps.time)
 
         load_steps.newton.system.foresee([waves[:, :size]])

@@ -23,6 +23,7 @@ from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, ContactState
 from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, stick_area
+from fenics_contact.problem.drive import Disturbance
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
@@ -239,7 +240,7 @@ def _pull(contact: ContactSurface, state: ContactState) -> Array:
 
 def _by(shift: _Shift, time: float) -> Change:
     def change(problem: Problem) -> None:
-        problem.disturbance = shift.forces / time
+        problem.disturbance = Disturbance.growing(shift.forces, time)
         for contact in problem.frictional:
             contact.friction.strengthen(1.0 + shift.strength)
         problem.set_time(time)

@@ -27,10 +27,14 @@ from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, stick_area
 from fenics_contact.evaluate.contact_radii import radii
 from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.problem.drive import Disturbance
 from fenics_contact.problem.problem import Problem
-from fenics_contact.scene.quantity_names import OfPreload, Reaction
+from fenics_contact.scene.loading.load_paths import cycles_of
+from fenics_contact.scene.quantity_names import LossOfCycle, OfPreload, Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.error_estimates.losses_of_cycles import OfCycles
+from fenics_contact.trust.error_estimates.mesh.followed_loads import FollowedLoads, drawn_forces
 from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
 from fenics_contact.trust.error_estimates.mesh.load_scatter import load_scatter, piece_share
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
@@ -101,8 +105,9 @@ def mesh_errors(
     solution = load_steps.last.solution
     load_steps.go_back()
     local = LocalErrors(problem)
+    followed = FollowedLoads(load_steps, local, again, _DRAWS)
     local.solve(BulkForces(problem, solution), load_steps.time)
-    changes = _changes(load_steps, local, again, drawn or again)
+    changes = _changes(load_steps, local, followed, again, drawn or again)
     scatter = load_scatter(load_steps, measure, recorded)
     curved = geometry_errors(load_steps, measure)
     torn = torn_errors(load_steps, measure)
@@ -117,6 +122,11 @@ def mesh_errors(
             whole[key] = max(whole[key], energy)
     at_contacts = _at_contacts(problem, solution)
     pinned, unseen = _beside_pinned(problem, solution), unseen_slip(problem, solution)
+    of_cycles = OfCycles(cycles_of(problem.scene), [time for time, _ in recorded])
+    scatter = of_cycles.of_ends(scatter)
+    curved, torn, points = (of_cycles.of_steps(found) for found in (curved, torn, points))
+    losses = [key for key in whole if isinstance(key, LossOfCycle)]
+    unseen = of_cycles.of_swings(unseen, losses)
     doubt = _doubt(problem, solution)
     found = {}
     for key in whole.keys() & scatter.keys() & curved.keys() & torn.keys() & points.keys():
@@ -151,22 +161,26 @@ def _energies(answer: Quantities, error: float) -> dict[Hashable, float]:
     found: dict[Hashable, float] = {name: part * error for name, part in _ENERGIES.items()}
     whole = float(np.linalg.norm(answer.get("strain_energy", 0.0)))
     for key, value in answer.items():
-        if key == "friction_work" or (isinstance(key, tuple) and key[1] == "friction_work"):
+        of_friction = key == "friction_work" or (
+            isinstance(key, tuple) and key[1] == "friction_work"
+        )
+        if of_friction or isinstance(key, LossOfCycle):
             work = float(np.linalg.norm(value))
             found[key] = error * min(1.0, float(np.sqrt(work / whole))) if whole > 0 else error
     return found
 
 
 def _changes(
-    load_steps: LoadSteps, local: LocalErrors, again: Again, drawn: Again
+    load_steps: LoadSteps, local: LocalErrors, followed: FollowedLoads, again: Again, drawn: Again
 ) -> tuple[dict[Hashable, float], dict[Hashable, float]] | None:
     """What the local errors change, and what such errors would with signs at random; collective."""
     found = []
-    every = [local.forces(draw) for draw in (None, *range(_DRAWS))]
-    load_steps.newton.system.foresee([forces for forces, _ in every])
-    for draw, (forces, along) in zip((None, *range(_DRAWS)), every, strict=True):
-        disturb = partial(_disturb, forces, along, load_steps.time)
-        way = again if draw is None else drawn
+    last = drawn_forces(local, _DRAWS)
+    every = followed.every([forces for forces, _ in last])
+    load_steps.newton.system.foresee([forces for rows in every for forces in rows])
+    for number, (forces, (_, along)) in enumerate(zip(every, last, strict=True)):
+        disturb = partial(_disturb, followed.along(forces), along, load_steps.time)
+        way = drawn if number else again
         change = differences(way.answer, way.changed(disturb))
         if change is None:
             return None
@@ -183,12 +197,12 @@ def _changes(
     return {key: whole[key] for key in known}, at_random
 
 
-def _disturb(forces: Array, along: Array, last: float, problem: Problem) -> None:
-    """Add nodal forces, which grow evenly up to the last load step; collective.
+def _disturb(forces: Disturbance, along: Array, last: float, problem: Problem) -> None:
+    """Add nodal forces, as they follow the loads; collective.
 
     Preloads are tightened by so much less as errors add to their forces.
     """
-    problem.disturbance = forces / last
+    problem.disturbance = forces
     problem.tightening = -along / last
     problem.set_time(last)
 

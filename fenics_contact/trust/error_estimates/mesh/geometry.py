@@ -16,6 +16,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.problem.drive import Disturbance
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.mesh.missed_body import MissedBody, MissedForces
@@ -81,7 +82,7 @@ def _again(
 
     def narrow(problem: Problem) -> None:
         if forces is not None:
-            problem.disturbance = forces.nodal / time
+            problem.disturbance = Disturbance.growing(forces.nodal, time)
             problem.set_time(time)
         for (contact, one), gap in zip(gaps, before, strict=True):
             set_gap(contact, gap - one)

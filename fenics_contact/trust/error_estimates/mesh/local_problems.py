@@ -97,8 +97,9 @@ class LocalErrors:
             time: Its pseudo-time.
         """
         right = self._assembled(self._residual)
+        acting = self._problem.scene.path_time(time)
         for form, path in self._loads:
-            right += path(time) * self._assembled(form)
+            right += path(acting) * self._assembled(form)
         for (contact, trace), form in zip(self._traces(), self._work, strict=True):
             self._set_traction(trace, _nodal_forces(forces, contact, trace))
             right += self._assembled(form)
