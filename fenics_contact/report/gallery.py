@@ -13,6 +13,7 @@ from fenics_contact.report.bodies.film import MOST_BODIES, Overview, draw_body_f
 from fenics_contact.report.bodies.mesh import draw_mesh
 from fenics_contact.report.bodies.mode_shapes import draw_mode_shapes
 from fenics_contact.report.bodies.picture import draw_body
+from fenics_contact.report.bodies.squeal_shapes import draw_squeal_shapes
 from fenics_contact.report.contacts.axis_stress import draw_axis_stress
 from fenics_contact.report.contacts.curves import draw_curves
 from fenics_contact.report.contacts.displacement import draw_surface_displacement
@@ -137,6 +138,7 @@ def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
             *draw_mode_shapes(folder, result),
             *draw_damping(folder, result),
             *draw_stability(folder, result),
+            *draw_squeal_shapes(folder, result),
             *_animations(run),
             *_adapted(run),
         ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,25 +52,38 @@ def draw_mode_shapes(folder: Path, result: Outcome) -> list[Picture]:
     modes = list(result.modes)[:_MOST]
     if not modes or not (folder / "modes.pvd").exists():
         return []
-    shapes = [shape for _, shape in zip(modes, read_modes(folder), strict=False)]
-    if result.model.kinematics == "3D":
-        figure, panels = _panels(len(modes), 0.62, columns=min(2, len(modes)))
-        pictures = _cropped([_rendered(shape) for shape in shapes])
+    shapes = {_title(mode): shape for mode, shape in zip(modes, read_modes(folder), strict=False)}
+    path = folder / "modes.png"
+    save(figure_of_shapes(shapes, result.model.kinematics == "3D"), path, tight=True)
+    return [Picture(path, "Shapes of the natural modes", _caption(len(modes), result))]
+
+
+def figure_of_shapes(shapes: Mapping[str, UnstructuredGrid], in_space: bool) -> Figure:
+    """A panel for each shape, with its title.
+
+    Args:
+        shapes: Title → the body with its ``displacement``, and ``largest`` where its size is to be
+            over that of other panels, too.
+        in_space: Whether they are bodies in space.
+    """
+    count, bodies = len(shapes), list(shapes.values())
+    if in_space:
+        figure, panels = _panels(count, 0.62, columns=min(2, count))
+        pictures = _cropped([_rendered(shape) for shape in bodies])
         for panel, picture in zip(panels, pictures, strict=False):
             panel.imshow(picture, interpolation="antialiased")
     else:
-        height = _height(shapes[0])
-        columns = 1 if height < _SLENDER else min(2, len(modes))
-        figure, panels = _panels(len(modes), height + 2 * _MOVE, columns)
-        for panel, shape in zip(panels, shapes, strict=False):
+        height = _height(bodies[0])
+        columns = 1 if height < _SLENDER else min(2, count)
+        figure, panels = _panels(count, height + 2 * _MOVE, columns)
+        for panel, shape in zip(panels, bodies, strict=False):
             _draw_flat(panel, shape)
-    for panel, mode in zip(panels, modes, strict=False):
-        set_title(panel, _title(mode))
+        _of_one_scale(panels[:count])
+    for panel, title in zip(panels, shapes, strict=False):
+        set_title(panel, title)
     for panel in panels:
         panel.set_axis_off()
-    path = folder / "modes.png"
-    save(figure, path, tight=True)
-    return [Picture(path, "Shapes of the natural modes", _caption(len(modes), result))]
+    return figure
 
 
 def _panels(count: int, height: float, columns: int) -> tuple[Figure, list[Axes]]:
@@ -102,7 +116,7 @@ def _sized(body: UnstructuredGrid) -> tuple[float, Array]:
     """The factor of the displacements, and their sizes over the largest, (nodes,)."""
     sizes = np.linalg.norm(np.asarray(body["displacement"]), axis=1)
     diagonal = float(np.linalg.norm(np.ptp(np.asarray(body.points), axis=0)))
-    largest = float(sizes.max()) or 1.0
+    largest = float(body["largest"][0] if "largest" in body.array_names else sizes.max()) or 1.0
     return _MOVE * diagonal / largest, sizes / largest
 
 
@@ -122,6 +136,15 @@ def _draw_flat(panel: Axes, body: UnstructuredGrid) -> None:
     panel.add_collection(LineCollection(lines, colors="0.2", linewidths=0.6))
     panel.set_aspect("equal")
     panel.autoscale_view()
+
+
+def _of_one_scale(panels: list[Axes]) -> None:
+    """Panels of one body show as much of the plane as the one that needs most."""
+    across = np.array([panel.get_xlim() for panel in panels])
+    up = np.array([panel.get_ylim() for panel in panels])
+    for panel in panels:
+        panel.set_xlim(across[:, 0].min(), across[:, 1].max())
+        panel.set_ylim(up[:, 0].min(), up[:, 1].max())
 
 
 def _cropped(pictures: list[NDArray[np.uint8]]) -> list[NDArray[np.uint8]]:

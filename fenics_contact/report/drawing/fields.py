@@ -56,11 +56,11 @@ def read_series(folder: Path, numbers: Iterable[int]) -> Iterator[tuple[float, U
         yield time, body
 
 
-def read_modes(folder: Path) -> Iterator[UnstructuredGrid]:
-    """The body with the displacement of each mode in ``modes.pvd``."""
+def read_modes(folder: Path, name: str = "modes") -> Iterator[UnstructuredGrid]:
+    """The body with the displacement of each mode in ``modes.pvd``, or another collection."""
     import pyvista
 
-    path = folder / "modes.pvd"
+    path = folder / f"{name}.pvd"
     count = len(pyvista.get_reader(str(path)).time_values)
     for _, body in _grids(path, range(count)):
         yield body

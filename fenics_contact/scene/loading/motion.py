@@ -34,12 +34,16 @@ class Rayleigh:
     """
 
     mass: Annotated[
-        Number, RATE, Field(ge=0, description="factor of the masses, which damps slow motions most")
+        Number,
+        Field(ge=0),
+        RATE,
+        Field(description="factor of the masses, which damps slow motions most"),
     ] = 0.0
     stiffness: Annotated[
         Number,
+        Field(ge=0),
         TIME,
-        Field(ge=0, description="factor of the stiffness, which damps fast vibrations most"),
+        Field(description="factor of the stiffness, which damps fast vibrations most"),
     ] = 0.0
 
 

@@ -283,8 +283,8 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 # Files of a run and of its report, and nothing else that may lie in the folder.
 _PICTURES = (
     r"(deformed|mesh|axis_stress|surface_displacement|convergence|accuracy|history_\w+"
-    r"|damping|modes|stability|contact_\d+|contact_\d+_formula|stress_\d+|fretting_\w+|wear|wear_\d+)"
-    r"\.(png|pdf)"
+    r"|damping|modes|stability|squeal|contact_\d+|contact_\d+_formula|stress_\d+|fretting_\w+"
+    r"|wear|wear_\d+)\.(png|pdf)"
     r"|(animation_(body|\d+)|wear_\d+)\.gif"
 )
 # Those that say how a run ended, which is not true any more when it goes on.

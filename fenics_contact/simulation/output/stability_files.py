@@ -11,6 +11,7 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import on_root
 from fenics_contact.results.records.stability import StabilityRecord
+from fenics_contact.simulation.output.fields import body_of_cells
 from fenics_contact.simulation.output.vtu import write_collection, write_grid
 from fenics_contact.solve.modes.sliding_modes import ComplexMode
 
@@ -26,13 +27,13 @@ def write_complex_modes(spaces: Spaces, modes: Sequence[ComplexMode], folder: Pa
         folder: Where to.
     """
     grids: dict[str, float] = {}
-    space = spaces.displacement_space
+    space, bodies = spaces.displacement_space, body_of_cells(spaces)
     for number, mode in enumerate(modes, start=1):
         fields = {
             "displacement": _in_space(mode.shape.real),
             "displacement_quarter_later": _in_space(-mode.shape.imag),
         }
-        grids[write_grid(folder, "squeal", number, space, fields, {})] = float(number)
+        grids[write_grid(folder, "squeal", number, space, fields, bodies)] = float(number)
     on_root(spaces.comm, lambda: write_collection(folder / "squeal.pvd", grids))
 
 

@@ -14,12 +14,15 @@ from fenics_contact import (
     Run,
     Scene,
     SolverSettings,
+    Stability,
     Support,
 )
 from fenics_contact.report.bodies.mode_shapes import draw_mode_shapes
+from fenics_contact.report.bodies.squeal_shapes import draw_squeal_shapes
 from fenics_contact.report.drawing.fields import read_modes
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.simulation.output.run_folder import write
+from fenics_contact.verification.motion.sliding_block import sliding_block
 from tests.scenes import box_body
 
 pytest.importorskip("pyvista")
@@ -71,3 +74,25 @@ def test_a_run_without_modes_has_no_picture(folder):
     write(run, result, folder)
     if run.problem.comm.rank == 0:
         assert draw_mode_shapes(folder, result.record("")) == []
+
+
+def test_what_grows_while_it_slides_has_two_moments(folder):
+    """At each point of a contact the displacement stays along it, as the obstacle holds it."""
+    scene, body = sliding_block(3, Stability(number=5))
+    run = Run(scene, body=body)
+    result = run.solve()
+    write(run, result, folder)
+    if run.problem.comm.rank > 0:
+        return
+    growing = [mode for mode in result.stability.modes if mode.grows]
+    assert len(growing) == 1
+    shape = list(read_modes(folder, "squeal"))[growing[0].number - 1]
+    below = np.asarray(shape.points)[:, 1] < 1e-9
+    for name in ("displacement", "displacement_quarter_later"):
+        moved = np.abs(np.asarray(shape[name])[below])
+        assert moved[:, 0].max() > 0.1 and moved[:, 1].max() < 1e-3
+    with style():
+        (picture,) = draw_squeal_shapes(folder, result.record(""))
+    assert picture.path.name == "squeal.png" and picture.path.stat().st_size > 10_000
+    steady = dataclasses.replace(result.stability, modes=[])
+    assert not draw_squeal_shapes(folder, dataclasses.replace(result, stability=steady).record(""))

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tomllib
 from decimal import Decimal
+from pathlib import Path
 
 import pytest
 from mpi4py import MPI
@@ -259,3 +260,17 @@ def test_densities_in_any_unit_are_masses_by_force_length_and_seconds():
             material=Material(1.0, 0.3, density="7850 kg"),
             units=Units("m", "N"),
         )
+
+
+def test_damping_in_units_of_time_and_of_its_inverse():
+    """Of steady sliding as of motions; less than 0 is refused after it is a number, too."""
+    text = (
+        'kinematics = "plane strain"\n[mesh]\nfile = "a.geo"\n'
+        "[material]\nyoungs_modulus = 1\npoissons_ratio = 0.3\ndensity = 1\n"
+        '[[contact]]\non = "a"\nfriction_coefficient = 0.1\nlaw = "incremental"\n'
+        '[stability]\nrayleigh = { stiffness = "0.2 ms", mass = "3 Hz" }\n'
+    )
+    rayleigh = scene_of_text(text + TABLE, Path("own.toml")).stability.rayleigh
+    assert (rayleigh.stiffness, rayleigh.mass) == (pytest.approx(2e-4), pytest.approx(3.0))
+    with pytest.raises(InputError, match=r"rayleigh: stiffness = -0\.0002: must be"):
+        scene_of_text(text.replace("0.2 ms", "-0.2 ms") + TABLE, Path("own.toml"))
