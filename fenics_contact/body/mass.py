@@ -69,9 +69,11 @@ class Mass:
             nodal: u likewise (length).
         """
         if self._matrix is None:
-            self._matrix = csr_matrix(fem.assemble_matrix(self.consistent).to_scipy(ghosted=True))
-        found = self._matrix @ nodal.reshape(-1)[: self._matrix.shape[1]]
-        return self._spaces.summed(found.reshape(-1, self._spaces.components))
+            found = csr_matrix(fem.assemble_matrix(self.consistent).to_scipy(ghosted=True))
+            # Columns of nodes that only other ranks' cells have come last, and are empty.
+            self._matrix = found[:, : nodal.size]
+        product = self._matrix @ nodal.reshape(-1)[: self._matrix.shape[1]]
+        return self._spaces.summed(product.reshape(-1, self._spaces.components))
 
     def lumped(self) -> Array:
         """Masses at the nodes of this rank, (nodes,), all > 0; collective.

@@ -17,6 +17,7 @@ from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.asked_derivatives.asked import asked_derivatives
 from fenics_contact.simulation.asked_derivatives.uncertainty import uncertainties
 from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.simulation.vibration.errors import with_errors
 from fenics_contact.simulation.vibration.stability import SlidingStability, stability_of
 from fenics_contact.simulation.vibration.vibration import Vibration, vibration_of
 
@@ -73,6 +74,8 @@ class AskedOfAnswer:
     def _with_vibration(self, result: Result) -> Result:
         try:
             found = vibration_of(self._body(), self._scene)
+            if self._scene.solver.errors == "all":
+                found = with_errors(found, self._body(), self._scene, result.contacts)
         except NotConvergedError as error:
             words = f"No modes: {str(error).removeprefix('modes: ')}."
             logger.warning("%s", words)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from fenics_contact.report.drawing.figures import legend_beside, new_figure, plain, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import LINES, WIDE
@@ -34,8 +36,20 @@ def draw_damping(folder: Path, result: Outcome) -> list[Picture]:
         colour, dashes = LINES[number % len(LINES)]
         look = {"color": colour, "linestyle": dashes, "marker": ".", "label": plain(name)}
         amplitudes = [row.amplitude for row in rows]
-        panels[0].plot(amplitudes, [row.natural_frequency for row in rows], **look)
-        panels[1].plot(amplitudes, [row.damping_ratio for row in rows], **look)
+        for panel, quantity in zip(panels, ("natural_frequency", "damping_ratio"), strict=True):
+            values = np.array([row[quantity] for row in rows])
+            panel.plot(amplitudes, values, **look)
+            bars = [row.errors.get(quantity, {}).get("total") for row in rows]
+            known = [place for place, bar in enumerate(bars) if bar is not None]
+            if known:
+                panel.errorbar(
+                    np.array(amplitudes)[known],
+                    values[known],
+                    [bars[place] for place in known],
+                    fmt="none",
+                    ecolor=colour,
+                    capsize=2,
+                )
     panels[0].set_ylabel(labelled("natural frequency, $f$", "cycles/time"))
     panels[1].set_ylabel("damping ratio, $\\zeta$")
     panels[1].set_xlabel(labelled("amplitude, $a$", "length"))
@@ -51,4 +65,6 @@ def draw_damping(folder: Path, result: Outcome) -> list[Picture]:
         "Natural frequency f, by the secant of the loop, and damping ratio ζ = D/(4πU) over the "
         "amplitude a of a mode."
     )
+    if any(row.errors for row in result.damping):
+        said += " Bars are estimated errors."
     return [Picture(path, "Damping over amplitude", said)]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from fenics_contact.results.records.record import Quantities, Record
+from fenics_contact.results.records.record import ErrorRow, Quantities, Record
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -15,11 +16,13 @@ class ModeRecord(Record):
         number: The lowest is 1.
         natural_frequency: Of small vibrations (cycles/time).
         modal_mass: Of the mode with a largest displacement of 1 (mass).
+        errors: `natural_frequency` → its estimated errors by source; empty where none was made.
     """
 
     number: int
     natural_frequency: float
     modal_mass: float
+    errors: Mapping[str, ErrorRow] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -39,6 +42,8 @@ class DampingRecord(Record):
         kind: Of the loop, as of cycles; empty where it did not close.
         cycles: How many were driven.
         by: Key of the scene → its value, where several were asked for.
+        errors: `amplitude`, `natural_frequency`, `damping_ratio`, `loss`, and `NAME.loss` of each
+            contact → estimated errors by source; empty where none was made.
     """
 
     mode: int
@@ -52,3 +57,4 @@ class DampingRecord(Record):
     kind: str
     cycles: int
     by: Quantities = field(default_factory=dict)
+    errors: Mapping[str, ErrorRow] = field(default_factory=dict)

@@ -35,14 +35,25 @@ def write_modes(spaces: Spaces, modes: Sequence[Mode], folder: Path) -> None:
 def damping_rows(found: Sequence[DampingRecord]) -> list[list[str]]:
     """The rows of ``damping.csv``, its header first: one a mode and amplitude.
 
+    Bars stand in ``…_error``, which is empty where they were not estimated.
+
     Args:
         found: At least one.
     """
-    names = [name for name in found[0] if name not in ("by", "contacts")]
+    names = [name for name in found[0] if name not in ("by", "contacts", "errors")]
     contacts, keys = list(found[0].contacts), list(found[0].by)
-    rows = [[*keys, *names, *(f"{contact}.loss" for contact in contacts)]]
+    bars = ("natural_frequency", "damping_ratio", "loss")
+    rows = [
+        [
+            *(*keys, *names),
+            *(f"{contact}.loss" for contact in contacts),
+            *(f"{name}_error" for name in bars),
+        ]
+    ]
     for one in found:
         values = [one.by[key] for key in keys] + [one[name] for name in names]
         values += [one.contacts[name] for name in contacts]
+        known = [one.errors.get(name, {}).get("total") for name in bars]
+        values += ["" if error is None else error for error in known]
         rows.append([value if isinstance(value, str) else repr(value) for value in values])
     return rows

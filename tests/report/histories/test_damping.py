@@ -39,3 +39,18 @@ def test_a_curve_a_mode_and_value(monkeypatch, tmp_path):
 def test_one_amplitude_is_no_curve(tmp_path):
     assert not draw_damping(tmp_path, made_run(cycled() | {"damping": rows(1, (1,))}))
     assert not draw_damping(tmp_path, made_run(cycled()))
+
+
+def test_bars_are_drawn_where_they_are_known(monkeypatch, tmp_path):
+    drawn = []
+    monkeypatch.setattr(damping, "save", lambda figure, path: drawn.append(figure))
+    found = rows(1, (1, 2, 3))
+    for row, bar in zip(found, (0.5, None, 0.25), strict=True):
+        row["errors"] = {"damping_ratio": {"total": bar}, "natural_frequency": {"total": None}}
+    (picture,) = draw_damping(tmp_path, made_run(cycled() | {"damping": found}))
+    assert picture.caption.endswith("Bars are estimated errors.")
+    frequency, ratio = drawn[0].axes
+    assert not frequency.containers
+    ((_, _, (lines,)),) = ratio.containers
+    ends = [segment[:, 1].tolist() for segment in lines.get_segments()]
+    assert ends == [pytest.approx([1 / 9 - 0.5, 1 / 9 + 0.5]), pytest.approx([1 / 12, 7 / 12])]
