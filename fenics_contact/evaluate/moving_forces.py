@@ -37,11 +37,11 @@ class MovingForces(BulkForces):
     @property
     def momenta(self) -> Array:
         """M v at its end, at the nodes (mass × velocity)."""
-        return self.inertia.momenta(self._step.velocity)
+        return self.inertia.masses.times(self._step.velocity)
 
     def momentum_changes(self) -> Array:
         """M (v₁ − v₀) at the nodes (mass × velocity)."""
-        return self.inertia.momenta(self._step.velocity - self.inertia.state.velocity)
+        return self.inertia.masses.times(self._step.velocity - self.inertia.state.velocity)
 
     def mean_forces(self) -> Array:
         """What acts on the nodes in the step, but for the bulk's own forces (force)."""

@@ -207,7 +207,7 @@ class Problem:
         body = scene.material, self.elastic, self.spaces
         found = Inertia(scene.motion, *body, self.contacts, self.constrained)
         self._loads = [
-            (found.with_masses(nodal) if load.acting.is_of_volume else nodal, path)
+            (found.masses.with_masses(nodal) if load.acting.is_of_volume else nodal, path)
             for load, (nodal, path) in zip(self.loads, self._loads, strict=True)
         ]
         self.set_time(0.0)

@@ -11,6 +11,7 @@ from time import monotonic
 from typing import Any
 
 from fenics_contact.common.errors import NotConvergedError, StoppedError
+from fenics_contact.common.parallel import from_root
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.load_history import Announce, step_line
@@ -176,7 +177,7 @@ class WayThrough:
         if self._state is None:
             return
         is_last = load_steps.pace.next(load_steps.time) is None
-        now = load_steps.problem.comm.bcast(monotonic())
+        now = from_root(load_steps.problem.comm, monotonic())
         self._unkept = not is_last and now < self._kept_at + load_steps.seconds_unkept
         if not self._unkept:
             self._write(self._state, load_steps, beside or load_steps.beside)

@@ -174,6 +174,7 @@ def test_run_writes_what_the_interface_promises(folder):
         "errors",
         "derivatives",
         "vibration",
+        "stability",
         "total",
     }
     phases = [seconds for phase, seconds in result["timings"].items() if phase != "total"]

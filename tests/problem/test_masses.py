@@ -40,7 +40,7 @@ def test_contact_nodes_have_no_mass_across_and_the_whole_is_kept(kinematics, deg
     up = np.eye(dimension)[-1]
     body = box_body((3, 3, 3)[:dimension], (2.0, 1.0, 0.5)[:dimension], CELLS[kinematics])
     problem = Problem.on_mesh(pressed(kinematics, degree, tuple(up)), body)
-    spaces, mass = problem.spaces, problem.inertia.mass
+    spaces, mass = problem.spaces, problem.inertia.masses.blocks
     own = slice(spaces.owned_nodes)
     volume = {"plane strain": 2.0, "axisymmetric": np.pi * 4.0, "3D": 1.0}[kinematics]
     whole = total(COMM, mass[own].sum(axis=0))

@@ -28,7 +28,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.inertia.damping import damping_of
-from fenics_contact.problem.inertia.massless import Neighbours, across_contacts
+from fenics_contact.problem.inertia.massless import ContactMasses
 from fenics_contact.problem.inertia.states import (
     Drag,
     FirstState,
@@ -48,7 +48,7 @@ class Inertia:
 
     Attributes:
         size: Length of a step (time).
-        mass: Of the nodes, (nodes, components, components) (mass).
+        masses: Of the nodes.
         damping: What takes energy out, None where nothing does.
         stiffness: The matrix of a step, A.
         state: At the begin of the present step.
@@ -77,15 +77,12 @@ class Inertia:
     ) -> None:
         self.size = motion.size
         self._spaces, self._contacts = spaces, contacts
-        self._across = across_contacts(contacts, spaces)
-        self._neighbours = Neighbours(self._across, spaces)
         density = Mass(materials, spaces)
-        lumped = density.lumped()[:, None, None]
-        along = np.eye(spaces.components) - self._across
-        self.mass = lumped * along + self._neighbours.taken(lumped * self._across)
-        self._inertial = self.mass * (4 / self.size**2)
+        self.masses = masses = ContactMasses(density.lumped(), contacts, spaces)
+        self._split = masses.split
+        self._inertial = masses.blocks * (4 / self.size**2)
         self.stiffness = StepStiffness(self._inertial)
-        known = motion, self.mass, density, elastic, spaces, self._split
+        known = motion, masses.blocks, density, elastic, spaces, self._split
         self.damping = damping_of(*known)
         if self.damping is not None:
             self.stiffness = self.damping.added_to(self._inertial)
@@ -121,15 +118,6 @@ class Inertia:
             found[spaces.nodes(group)] = velocity
         found[self._held] = 0.0
         return found
-
-    def with_masses(self, load: Array) -> Array:
-        """A load that acts on masses, such as a weight, where these are; collective.
-
-        Args:
-            load: At the nodes (force).
-        """
-        across, along = self._split(load)
-        return along + self._neighbours.taken(across)
 
     def begin(self, load: Array) -> None:
         """Take what is given at time 0, when what stands opposite is where it is then.
@@ -195,28 +183,15 @@ class Inertia:
             drag=step.drag,
         )
 
-    def _split(self, values: Array) -> tuple[Array, Array]:
-        """Vectors at nodes across contacts, and what is left of them."""
-        across = np.einsum("nij,nj->ni", self._across, values)
-        return across, values - across
-
-    def momenta(self, velocity: Array) -> Array:
-        """M v at the nodes (mass × velocity).
-
-        Args:
-            velocity: Of the nodes, (nodes, components) (length/time).
-        """
-        return np.asarray(np.einsum("nij,nj->ni", self.mass, velocity))
-
     def kinetic_energy(self, velocity: Array) -> float:
         """½ v · M v (energy); collective.
 
         Args:
-            velocity: As of ``momenta``.
+            velocity: Of the nodes, (nodes, components) (length/time).
         """
         own = slice(self._spaces.owned_nodes)
         return float(
-            0.5 * total(self._spaces.comm, np.sum(velocity[own] * self.momenta(velocity)[own]))
+            0.5 * total(self._spaces.comm, np.sum(velocity[own] * self.masses.times(velocity)[own]))
         )
 
     def mean_forces(self, load: Array, step: StepForces, unbalanced: Array, rubbed: Array) -> Array:
@@ -288,7 +263,9 @@ class Inertia:
         _, shared = self._split(pressed)
         velocity = self._velocity(displacement)
         # Supports take nodes along by the mean velocity of the step.
-        taken = np.where(self._held, self.momenta(self.state.velocity - velocity) / self.size, 0.0)
+        taken = np.where(
+            self._held, self.masses.times(self.state.velocity - velocity) / self.size, 0.0
+        )
         stiffness = self.stiffness
         added = np.einsum("nij,nj->ni", stiffness.nodal, displacement)
         internal = (balanced - added) / stiffness.of_bulk

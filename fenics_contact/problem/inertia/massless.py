@@ -23,7 +23,57 @@ from fenics_contact.contact.surface.trace import Trace
 _SAME_WAY = 1e-12
 
 
-def across_contacts(contacts: Sequence[ContactSurface], spaces: Spaces) -> Array:
+class ContactMasses:
+    """Lumped masses of nodes, with none across contacts; collective.
+
+    Attributes:
+        blocks: (nodes, components, components) (mass).
+
+    Args:
+        lumped: Of each node (mass).
+        contacts: Of the problem.
+        spaces: Of the body.
+
+    Raises:
+        InputError: All nodes of the cells around a node touch something; on every rank.
+    """
+
+    def __init__(self, lumped: Array, contacts: Sequence[ContactSurface], spaces: Spaces) -> None:
+        self._across = _across_contacts(contacts, spaces)
+        self._neighbours = _Neighbours(self._across, spaces)
+        self.blocks = self._with_masses(lumped[:, None, None] * np.eye(spaces.components))
+
+    def _with_masses(self, values: Array) -> Array:
+        across = self._across @ values
+        return np.asarray(values - across + self._neighbours.taken(across))
+
+    def with_masses(self, load: Array) -> Array:
+        """A load that acts on masses, such as a weight, where these are; collective.
+
+        Args:
+            load: At the nodes, (nodes, components) (force).
+        """
+        return self._with_masses(load[:, :, None])[:, :, 0]
+
+    def split(self, values: Array) -> tuple[Array, Array]:
+        """Vectors at nodes across contacts, and what is left of them.
+
+        Args:
+            values: (nodes, components).
+        """
+        across = np.einsum("nij,nj->ni", self._across, values)
+        return across, values - across
+
+    def times(self, values: Array) -> Array:
+        """M times vectors at nodes.
+
+        Args:
+            values: (nodes, components), such as velocities for momenta.
+        """
+        return np.asarray(np.einsum("nij,nj->ni", self.blocks, values))
+
+
+def _across_contacts(contacts: Sequence[ContactSurface], spaces: Spaces) -> Array:
     """Projection onto the normals of one-sided contacts at each node, 0 elsewhere; collective.
 
     Of two bodies that touch, of both: with masses on one side alone, lighter ones than in the body,
@@ -57,11 +107,11 @@ def _add_normals(trace: Trace, found: Array) -> None:
     found[other] += new[other, :, None] * new[other, None, :] / squares[other, None, None]
 
 
-class Neighbours:
+class _Neighbours:
     """Who takes over what nodes in contact give away: the other nodes of their cells, alike.
 
     Args:
-        across: As ``across_contacts`` gives it.
+        across: As ``_across_contacts`` gives it.
         spaces: Of the body.
 
     Raises:

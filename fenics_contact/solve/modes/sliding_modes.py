@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,8 +10,8 @@ import numpy as np
 from fenics_contact.body.mass import Mass
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError, NotConvergedError
-from fenics_contact.common.parallel import largest, total
-from fenics_contact.problem.inertia.massless import Neighbours, across_contacts
+from fenics_contact.common.parallel import largest, of_every_rank, total
+from fenics_contact.problem.inertia.massless import ContactMasses
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
@@ -36,32 +37,6 @@ class ComplexMode:
     shape: Complex
 
 
-class SlidingMass:
-    """M of bodies that move: lumped, with none across contacts; collective.
-
-    As motions have it, so that both tell of the same model.
-
-    Args:
-        problem: The model.
-    """
-
-    def __init__(self, problem: Problem) -> None:
-        spaces = problem.spaces
-        across = across_contacts(problem.contacts, spaces)
-        lumped = Mass(problem.scene.material, spaces).lumped()[:, None, None]
-        along = np.eye(spaces.components) - across
-        self._blocks = lumped * along + Neighbours(across, spaces).taken(lumped * across)
-        self._free = problem.free
-
-    def times(self, nodal: Array) -> Array:
-        """M u, with no rows and columns of what is held.
-
-        Args:
-            nodal: u at the nodes of this rank, (nodes, components) (length).
-        """
-        return np.asarray(np.einsum("nij,nj->ni", self._blocks, nodal * self._free) * self._free)
-
-
 def sliding_modes(
     system: CondensedSystem, body: CondensedBody, number: int, damping: tuple[float, float]
 ) -> list[ComplexMode]:
@@ -84,8 +59,8 @@ def sliding_modes(
             f"stability.number = {number}: a model of {free} free displacements has not so many "
             f"modes; at most {free // 2}"
         )
-    sliding, mass = SlidingBody(system, body), SlidingMass(problem)
-    served = ServedOperators(problem.spaces, {"mass": mass.times, "solve": sliding.solve})
+    sliding = SlidingBody(system, body)
+    served = ServedOperators(problem.spaces, {"mass": _mass(problem), "solve": sliding.solve})
 
     def on_root(of: Vectors) -> tuple[Complex, Complex]:
         return lowest_squares(served.size, number, of["mass"], of["solve"])
@@ -105,6 +80,17 @@ def sliding_modes(
     ]
 
 
+def _mass(problem: Problem) -> Callable[[Array], Array]:
+    """M u as motions have it, with no rows and columns of what is held; collective."""
+    lumped = Mass(problem.scene.material, problem.spaces).lumped()
+    masses = ContactMasses(lumped, problem.contacts, problem.spaces)
+
+    def times(nodal: Array) -> Array:
+        return np.asarray(masses.times(nodal * problem.free) * problem.free)
+
+    return times
+
+
 def _shape(problem: Problem, served: ServedOperators, vector: Complex) -> Complex:
     """At the nodes, scaled; collective."""
     shape = served.at_nodes(vector.real) + 1j * served.at_nodes(vector.imag)
@@ -113,7 +99,7 @@ def _shape(problem: Problem, served: ServedOperators, vector: Complex) -> Comple
     place = int(np.argmax(sizes)) if len(sizes) else 0
     top = largest(problem.comm, sizes)
     mine = (sizes[place], owned.ravel()[place]) if len(sizes) else (0.0, 1.0 + 0j)
-    every = problem.comm.allgather(mine)
+    every = of_every_rank(problem.comm, mine)
     most = next(value for size, value in every if size >= top * (1 - 1e-12))
     shape = shape * (most.conjugate() / abs(most))
     # The longest displacement over a period: of a + i b, the major axis of its ellipse.
