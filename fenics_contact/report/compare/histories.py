@@ -20,6 +20,7 @@ from fenics_contact.report.drawing.figures import (
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLUMN, DOUBLE, WIDE
 from fenics_contact.report.drawing.units import labelled
+from fenics_contact.report.histories.load_steps import time_label
 from fenics_contact.results.load_history import Drive
 
 _HEIGHT, _MARGIN, _MANY = 1.5, 0.45, 60
@@ -106,10 +107,12 @@ def _over_time(panels: _Panels, title: str, path: Path) -> Picture:
         panel.set_ylabel(label)
         panel.axhline(0, color="black", linewidth=0.5, zorder=0)
     legend_beside(axes[0])
-    axes[-1].set_xlabel("pseudo-time, $t$")
+    clocks = sorted({run.history.clock for curves in panels.values() for run, *_ in curves})
+    clock = " or ".join(clocks)
+    axes[-1].set_xlabel(time_label(clock))
     figure.align_ylabels(axes)
     save_png(figure, path)
-    return Picture(path, title, "All runs over the pseudo-time t.")
+    return Picture(path, title, f"All runs over the {clock} t.")
 
 
 def _drives(runs: Sequence[DrawnRun]) -> dict[tuple[str, str, str], list[tuple[DrawnRun, Drive]]]:

@@ -15,6 +15,7 @@ from fenics_contact.report.compare import page as compare_page
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.words.rounding import rounded
 from fenics_contact.simulation.output import run_folder as files
+from fenics_contact.verification.motion.bars import bar_on_wall
 from tests.report.page.test_page import Reader
 from tests.report.test_gallery import coarse  # noqa: F401
 from tests.scenes import PULLED_BLOCK, box_body, slab
@@ -116,6 +117,17 @@ def test_load_steps_and_hysteresis(tmp_path, monkeypatch, capsys):
     ]
     assert len(Reader(page.read_text(encoding="utf-8")).images) == len(titles)
     assert re.search(r"load steps +4 +8", said) and "material.poissons_ratio" in said
+
+
+def test_times_of_motions_are_no_pseudo_times(tmp_path, capsys):
+    """Beside load steps the axis has both."""
+    scene, bar = bar_on_wall(4, 1.0)
+    moved = [solved(scene, tmp_path / name, bar) for name in ("first", "second")]
+    steps = solved(cycled(4), tmp_path / "steps", block(MPI.COMM_SELF))
+    for runs, clock in ((moved, "time"), ([moved[0], steps], "pseudo-time or time")):
+        page = tmp_path / "c.html"
+        assert compared(capsys, *runs, "--out", page, "--all")[0] == 0
+        assert f"All runs over the {clock} t." in page.read_text(encoding="utf-8")
 
 
 def test_contacts_in_space_and_a_flat_one(tmp_path, capsys):
