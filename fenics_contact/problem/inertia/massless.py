@@ -133,7 +133,7 @@ class _Neighbours:
         stranded = touches & (self._counts == 0)
         if spaces.comm.allreduce(int(stranded.sum())):
             raise InputError(
-                "motion: all nodes of a cell are in contact, so that none is left to take their "
+                "all nodes of a cell are in contact, so that none is left to take their "
                 "mass; use finer cells there"
             )
 

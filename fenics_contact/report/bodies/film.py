@@ -119,7 +119,7 @@ def draw_body_film(
     write_gif(frames, path)
     caption = (
         "The deformed body over the load steps, coloured by the von Mises stress σ_VM"
-        f"{times(overview.view.factor)}, with the status of its contact points then."
+        f"{times(overview.view.factor)}, with the status of its contact points at each t."
     )
     return Picture(path, "Deformed body over the load steps", caption)
 
