@@ -60,21 +60,21 @@ def _of_contact(runs: Sequence[DrawnRun], name: str) -> _Panels:
         number = next((n for n, c in enumerate(run.result.contacts) if c.name == name), None)
         if number is None:
             continue
-        history = run.history
+        history, rough = run.history, run.result.contacts[number].carries_shear
         labels = {
             "normal_force": labelled("normal force, $P$", "force"),
             "contact_area": labelled("contact area, $A$", "area"),
         }
         if history.of_contact(number, "normal_force") is None:
             labels = {"pressure_integral": labelled(r"$\int p\,dA$", "force"), **labels}
-        if run.result.contacts[number].carries_shear:
+        if rough:
             labels["stick_area"] = labelled("stick area", "area")
         for key, label in labels.items():
             values = history.of_contact(number, key)
             if values is not None:
                 panels.setdefault(label, []).append((run, history.time, values))
         friction = history.of_contact(number, "friction_force")
-        if friction is not None and np.abs(friction).any():
+        if rough and friction is not None and np.abs(friction).any():
             axis = int(np.abs(friction).max(axis=0).argmax())
             label = labelled(f"friction force, $Q_{run.axes[axis]}$", "force")
             panels.setdefault(label, []).append((run, history.time, friction[:, axis]))

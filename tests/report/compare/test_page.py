@@ -11,6 +11,7 @@ from mpi4py import MPI
 from fenics_contact import InputError, Run, main
 from fenics_contact.cli.compare import command
 from fenics_contact.report.compare import contacts as drawn_contacts
+from fenics_contact.report.compare import histories as drawn_histories
 from fenics_contact.report.compare import page as compare_page
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.words.rounding import rounded
@@ -117,6 +118,31 @@ def test_load_steps_and_hysteresis(tmp_path, monkeypatch, capsys):
     ]
     assert len(Reader(page.read_text(encoding="utf-8")).images) == len(titles)
     assert re.search(r"load steps +4 +8", said) and "material.poissons_ratio" in said
+
+
+def test_contacts_without_friction_have_no_curve_of_it(tmp_path, monkeypatch, capsys):
+    """Motions have forces of round-off along obstacles, which are next to nothing."""
+    scene = cycled(4)
+    (contact,) = scene.contact
+    smooth = dataclasses.replace(contact, friction_coefficient=0.0)
+    scene = dataclasses.replace(scene, contact=(smooth,))
+    folders = [solved(scene, tmp_path / n, block(MPI.COMM_SELF)) for n in ("first", "second")]
+    for folder in folders:
+        file = folder / "result.json"
+        result = json.loads(file.read_text(encoding="utf-8"))
+        for step in result["steps"]:
+            step["contacts"][0]["quantities"]["friction_force"] = [1e-12, 0.0]
+        file.write_text(json.dumps(result), encoding="utf-8")
+    drawn = []
+    whole = drawn_histories._over_time
+
+    def look(panels, title, path):
+        drawn.extend(panels)
+        return whole(panels, title, path)
+
+    monkeypatch.setattr(drawn_histories, "_over_time", look)
+    assert compared(capsys, *folders, "--out", tmp_path / "c.html", "--all")[0] == 0
+    assert "normal force, $P$" in drawn and "friction force, $Q_x$" not in drawn
 
 
 def test_times_of_motions_are_no_pseudo_times(tmp_path, capsys):
