@@ -149,6 +149,11 @@ WORDS: Mapping[str, CheckWords] = {
         "over the work done.",
         "{share} of the work done is not accounted for",
     ),
+    "cycle_loss": CheckWords(
+        "Work of all that is moved in the last cycle, the areas of its loops, against what "
+        "friction dissipates in it, where the loop is closed; over the work done in the cycle.",
+        "the areas of the loops and the loss of the cycle differ by {share} of the work done in it",
+    ),
 }
 
 

@@ -122,6 +122,8 @@ class StepHistory(Generic[_Forces]):
             quantities |= self.forces.quantities()
             quantities |= self.momenta.count(self.forces, self.by_contact)
         quantities |= self._work_along(quantities)
+        if solution.cycle is not None and solution.cycle.worn is None:
+            self.book.end_cycle(quantities)
         with self._timings.phase("output"):
             sizes = self._linear_range.of(solution) if self.forces.tells_inside else {}
         self.steps.append(
@@ -210,6 +212,9 @@ class StepHistory(Generic[_Forces]):
             checks |= {} if self.forces.rests else {"momentum_balance": self.momenta.check()}
             balance = self.book.check(self.steps[-1].quantities)
             checks |= {} if balance is None else {"energy_balance": balance}
+            cycle = self.steps[-1].cycle
+            loop = self.book.check_cycle() if cycle is not None and cycle.is_closed else None
+            checks |= {} if loop is None else {"cycle_loss": loop}
             small = linear_range(self.steps)
             checks |= {} if small is None else {"linear_range": small}
         return checks

@@ -29,6 +29,7 @@ from fenics_contact import (
     load_scene,
     run,
 )
+from fenics_contact.contact.last_step import LastStep
 from fenics_contact.results.cycle_losses import cycles_record
 from fenics_contact.results.words.cycles import cycle_rows, cycle_words
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
@@ -140,6 +141,35 @@ def test_a_bar_loses_what_the_formula_says_and_repeats_it(of_the_bar):
     assert "The loop closed in cycle 2 of 50, a steady loop" in of_the_bar.verdict
     assert found.each[0].steps == [3, 10]
     assert len(of_the_bar.steps) == 18
+
+
+STRETCHED = dataclasses.replace(
+    with_cycles(BAR, increments=16), load=(*BAR.load, Load("y1", traction=(0, 0.1 * YOUNG)))
+)
+
+
+def test_the_loss_of_a_closed_cycle_is_the_area_of_its_loops():
+    """To what 16 straight lines leave open; over the work that is done in the cycle alone."""
+    check = run(STRETCHED, body=bar_body()).checks["cycle_loss"]
+    assert check.passed
+    assert check.limit < 0.03
+
+
+def test_a_wrong_loss_is_seen_beside_much_work_before(monkeypatch):
+    """Friction that says 10 % more than it takes: the balance of all work does not see it."""
+    dissipation = LastStep.dissipation
+    monkeypatch.setattr(LastStep, "dissipation", lambda *at: 1.1 * dissipation(*at))
+    found = run(STRETCHED, body=bar_body())
+    assert found.cycles.kind == "steady loop"
+    assert found.checks["energy_balance"].passed
+    assert not found.checks["cycle_loss"].passed
+    assert "cycle loss: the areas of the loops and the loss of the cycle differ" in found.verdict
+
+
+def test_loops_that_are_not_closed_are_not_compared_with_their_loss(of_the_bar):
+    open_loop = run(with_cycles(BAR, number=1), body=bar_body())
+    assert "cycle_loss" in of_the_bar.checks
+    assert "cycle_loss" not in open_loop.checks
 
 
 def test_the_path_says_the_same_in_short(of_the_bar):
